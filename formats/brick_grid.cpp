@@ -189,7 +189,8 @@ BrickGrid::BrickGrid(PackedFile file) : file_(std::move(file)), description_(rea
     brick_slots_ = file_.array<std::uint32_t>("bricks", brick_shape());
     check_slots(file_, brick_slots_, description_.layout.stored_brick_count);
   }
-  // Only now: the tables are no larger than the macro levels and samples whose sizes have just been checked, or small.
+  // Only now: the tables are no larger than the macro levels and samples whose sizes have just been
+  // checked, or small.
   tables_ = std::make_shared<const AxisTables>(description_.layout);
 }
 

@@ -45,8 +45,9 @@ class GridCheck {
  private:
   static bool is_nan(const Index3&, T found) { return std::isnan(static_cast<double>(found)); }
 
-  /// Calls act(low, high) on blocks that make up the lattice of `count` samples, on ranges of z at the same time: whole
-  /// layers, or the bricks of a sparse grid. start() makes what each range takes along, done(range) takes it back.
+  /// Calls act(low, high) on blocks that make up the lattice of `count` samples, on ranges of z at
+  /// the same time: whole layers, or the bricks of a sparse grid. start() makes what each range
+  /// takes along, done(range) takes it back.
   template <class Start, class Act, class Done>
   void over_blocks(const Index3& count, Start&& start, Act&& act, Done&& done) const {
     const std::int64_t n = layout_.is_sparse ? layout_.brick_edge : 0;

@@ -20,7 +20,8 @@ std::int64_t superbrick_edge_for(std::int64_t brick_count, std::int64_t largest)
   return 1;
 }
 
-/// One axis of the address: where samples, bricks and superbricks of this axis start, in samples of the array.
+/// One axis of the address: where samples, bricks and superbricks of this axis start, in samples of
+/// the array.
 struct AxisStrides {
   std::uint64_t sample, brick, superbrick;
 };

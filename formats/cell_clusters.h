@@ -12,24 +12,30 @@
 
 namespace rhoray::formats {
 
-/// The shape of a tree over clusters of cells that follow each other. Level 0 is the clusters; entry n of level l + 1
-/// stands for entries 8n to 8n + 7 of level l, those that there are. The last level has at most eight entries.
+/// The shape of a tree over clusters of cells that follow each other. Level 0 is the clusters;
+/// entry n of level l + 1 stands for entries 8n to 8n + 7 of level l, those that there are. The
+/// last level has at most eight entries.
 struct ClusterShape {
-  static constexpr std::uint64_t width = 8;                ///< entries below one entry
-  static constexpr std::uint64_t largest_cell_count = 64;  ///< of a cluster: it has at most 256 vertices then
+  static constexpr std::uint64_t width = 8;  ///< entries below one entry
+  /// of a cluster: it has at most 256 vertices then
+  static constexpr std::uint64_t largest_cell_count = 64;
 
-  std::uint64_t cell_count = 0;     ///< of the mesh
-  std::uint64_t cluster_size = 64;  ///< cells of every cluster but the last: a power of two, 1 to largest_cell_count
+  std::uint64_t cell_count = 0;  ///< of the mesh
+  /// cells of every cluster but the last: a power of two, 1 to largest_cell_count
+  std::uint64_t cluster_size = 64;
 
-  std::uint64_t count(int level) const;        ///< entries of a level
-  std::uint64_t block_count(int level) const;  ///< blocks of eight entries, the last one filled up with empty ones
-  int top_level() const;                       ///< the first level of one block
+  std::uint64_t count(int level) const;  ///< entries of a level
+  /// blocks of eight entries, the last one filled up with empty ones
+  std::uint64_t block_count(int level) const;
+  int top_level() const;  ///< the first level of one block
 };
 
-/// Boxes of eight entries of one level, coordinate by coordinate. Each holds the cells below it, rounded outwards. An
-/// entry beyond the last one has lo = infinity, hi = -infinity, which no ray meets.
+/// Boxes of eight entries of one level, coordinate by coordinate. Each holds the cells below it,
+/// rounded outwards. An entry beyond the last one has lo = infinity, hi = -infinity, which no ray
+/// meets.
 struct BoxBlock {
-  std::array<std::array<float, ClusterShape::width>, 3> lo, hi;  ///< [axis][entry], in the view's box_unit
+  /// [axis][entry], in the view's box_unit
+  std::array<std::array<float, ClusterShape::width>, 3> lo, hi;
 };
 
 /// Smallest and largest values of eight entries; lo > hi where no cell has data.
@@ -38,15 +44,17 @@ struct RangeBlock {
   std::array<T, ClusterShape::width> lo, hi;
 };
 
-/// Clusters of a mesh: cell c belongs to cluster c / cluster_size. Each cluster has a table of its vertices (positions
-/// of points, rising), and each cell four positions in the table of its cluster, a byte each.
+/// Clusters of a mesh: cell c belongs to cluster c / cluster_size. Each cluster has a table of its
+/// vertices (positions of points, rising), and each cell four positions in the table of its
+/// cluster, a byte each.
 struct CellClustersView {
   ClusterShape shape;
-  double box_unit = 1;                                   ///< of boxes, in the mesh's frame: a power of two
-  std::span<const std::uint64_t> table_starts;           ///< clusters + 1: where tables begin in `tables`
-  std::span<const std::uint32_t> tables;                 ///< positions of points
-  std::span<const std::array<std::uint8_t, 4>> corners;  ///< [cells], in the vertex order of a packed cell
-  std::vector<std::span<const BoxBlock>> boxes;          ///< [level][block]
+  double box_unit = 1;                          ///< of boxes, in the mesh's frame: a power of two
+  std::span<const std::uint64_t> table_starts;  ///< clusters + 1: where tables begin in `tables`
+  std::span<const std::uint32_t> tables;        ///< positions of points
+  /// [cells], in the vertex order of a packed cell
+  std::span<const std::array<std::uint8_t, 4>> corners;
+  std::vector<std::span<const BoxBlock>> boxes;  ///< [level][block]
 
   std::uint64_t cluster_count() const { return shape.count(0); }
   std::uint64_t first_cell(std::uint64_t cluster) const { return cluster * shape.cluster_size; }
@@ -72,11 +80,13 @@ struct CellClustersView {
 template <class T>
 using ClusterRangesView = std::vector<std::span<const RangeBlock<T>>>;
 
-/// Names and shapes of the arrays of boxes, `cluster.boxes.0`, ..., and of a field's ranges, `range.<field>.0`, ...
+/// Names and shapes of the arrays of boxes, `cluster.boxes.0`, ..., and of a field's ranges,
+/// `range.<field>.0`, ...
 std::vector<ArraySpec> cluster_box_arrays(const ClusterShape& shape);
 std::vector<ArraySpec> cluster_range_arrays(const ClusterShape& shape, std::size_t field, ElementType type);
 
-/// Refuse an array that is missing or of another type or shape, and entries beyond the last one that are not empty.
+/// Refuse an array that is missing or of another type or shape, and entries beyond the last one
+/// that are not empty.
 std::vector<std::span<const BoxBlock>> view_cluster_boxes(const PackedFile& file, const ClusterShape& shape);
 template <class T>
 ClusterRangesView<T> view_cluster_ranges(const PackedFile& file, const ClusterShape& shape, std::size_t field);

@@ -13,9 +13,9 @@
 
 namespace rhoray::formats {
 
-/// Colours on one uniform grid: sRGB with 8 bits a channel, of which a fourth one is the share of the colour that
-/// covers what it is laid on. Texel (i, j, k) stands at world_from_grid.point({i, j, k}) and stands for the box half a
-/// step around it.
+/// Colours on one uniform grid: sRGB with 8 bits a channel, of which a fourth one is the share of
+/// the colour that covers what it is laid on. Texel (i, j, k) stands at world_from_grid.point({i,
+/// j, k}) and stands for the box half a step around it.
 struct ColorGridDescription {
   BrickLayout layout;  ///< not sparse; an axis may have a single texel
   Affine world_from_grid;
@@ -28,8 +28,8 @@ struct ColorGridDescription {
   Box3 bounds() const;    ///< around the same, in world axes
 };
 
-/// A packed grid of colours, checked and ready for reading. Array "texels" U8 in the layout's shape, the components of
-/// a texel side by side.
+/// A packed grid of colours, checked and ready for reading. Array "texels" U8 in the layout's
+/// shape, the components of a texel side by side.
 class ColorGrid {
  public:
   static constexpr const char* kind = "colors";

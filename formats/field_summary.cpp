@@ -41,8 +41,8 @@ std::optional<double> otsu_threshold(const FieldSummary& field) {
     moment += count * static_cast<double>(bin);
   }
 
-  // Every edge between two bins parts the values; through a gap of empty bins all edges are equally good, so the
-  // threshold lies in the middle of the best ones.
+  // Every edge between two bins parts the values; through a gap of empty bins all edges are equally
+  // good, so the threshold lies in the middle of the best ones.
   double best = 0, low_count = 0, low_moment = 0;
   std::size_t first_edge = 0, last_edge = 0;
   for (std::size_t edge = 1; edge < field.histogram.size(); ++edge) {

@@ -10,21 +10,24 @@
 
 namespace rhoray::formats {
 
-/// What is known of a scalar field before looking at it: in every packed file, for choosing isovalues and windows.
+/// What is known of a scalar field before looking at it: in every packed file, for choosing
+/// isovalues and windows.
 struct FieldSummary {
   std::string name;  ///< as in the source; never empty
   std::string unit;  ///< empty when the source names none
   ElementType type = ElementType::F32;
-  Interval<double> range;                ///< of all finite values; empty when there is none
-  std::uint64_t no_data_count = 0;       ///< NaN and infinite values; cells that touch one are absent
-  std::vector<std::uint64_t> histogram;  ///< equal bins over `range`, the last one closed; counts finite values
+  Interval<double> range;           ///< of all finite values; empty when there is none
+  std::uint64_t no_data_count = 0;  ///< NaN and infinite values; cells that touch one are absent
+  /// equal bins over `range`, the last one closed; counts finite values
+  std::vector<std::uint64_t> histogram;
 };
 
-/// The bin of a finite value of the range: floor((value - lo) / (hi - lo) * bin_count), the last bin closed. 0 when all
-/// values are equal.
+/// The bin of a finite value of the range: floor((value - lo) / (hi - lo) * bin_count), the last
+/// bin closed. 0 when all values are equal.
 std::size_t histogram_bin(const Interval<double>& range, std::size_t bin_count, double value);
 
-/// The value below which a share of the values lies, linear inside a bin; NaN when no value is finite.
+/// The value below which a share of the values lies, linear inside a bin; NaN when no value is
+/// finite.
 /// @param share in [0, 1]
 double percentile(const FieldSummary& field, double share);
 

@@ -43,13 +43,14 @@ struct ArrayEntry {
 
 /// What the header says of the file as a whole.
 struct FileDescription {
-  std::string kind;                        ///< "grid", "tets", or a neutral kind that workers hand over
-  std::vector<std::string> required = {};  ///< features that a reader must know; an unknown one is refused by name
-  std::string details = "{}";              ///< one JSON text; its meaning belongs to the kind
-  int minor_version = 0;                   ///< of the format 1.x: the first that has all that the file uses
+  std::string kind;  ///< "grid", "tets", or a neutral kind that workers hand over
+  /// features that a reader must know; an unknown one is refused by name
+  std::vector<std::string> required = {};
+  std::string details = "{}";  ///< one JSON text; its meaning belongs to the kind
+  int minor_version = 0;       ///< of the format 1.x: the first that has all that the file uses
 };
 
-// ------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 template <class T>
 constexpr ElementType element_type_of() {

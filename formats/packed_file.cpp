@@ -79,7 +79,8 @@ void PackedFile::Mapping::map() {
 std::uint64_t PackedFile::Mapping::checked_header_bytes() const {
   std::uint64_t text_bytes = 0;
   std::memcpy(&text_bytes, start, envelope::length_bytes);
-  const std::uint64_t whole = text_bytes + envelope::length_bytes;  // wraps to a small number for a huge one
+  // wraps to a small number for a huge one
+  const std::uint64_t whole = text_bytes + envelope::length_bytes;
   const std::uint64_t largest = std::min(envelope::largest_header_bytes, bytes - envelope::seal_bytes);
   if (text_bytes > largest || whole > largest || whole % envelope::page_bytes != 0)
     refuse(name, "byte 0", concat("a header length of ", text_bytes),

@@ -67,7 +67,8 @@ struct PackedFileWriter::State {
   std::vector<std::uint64_t> sums(unsigned threads) const;
 
   std::unique_ptr<PendingFile> file;
-  std::vector<ArrayEntry> arrays;  ///< with padding, sums and seal; first_byte counted from the data area's start
+  /// with padding, sums and seal; first_byte counted from the data area's start
+  std::vector<ArrayEntry> arrays;
   std::string header;
   std::uint64_t file_bytes = 0;
   std::map<std::string, std::size_t, std::less<>> position;

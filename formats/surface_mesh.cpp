@@ -13,7 +13,8 @@ namespace {
 
 using details::Json;
 
-constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();  // 32-bit indices
+// 32-bit indices
+constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
 SurfaceMeshDescription read_description(const PackedFile& file) {
   if (file.description().kind != SurfaceMesh::kind)

@@ -12,7 +12,8 @@
 
 namespace rhoray::formats {
 
-/// Triangles in space: landmarks among what is shown of volumes. They need not be closed, nor face one way.
+/// Triangles in space: landmarks among what is shown of volumes. They need not be closed, nor face
+/// one way.
 struct SurfaceMeshDescription {
   std::string length_unit;
   ElementType point_type = ElementType::F32;  ///< F32 or F64
@@ -24,21 +25,22 @@ struct SurfaceMeshDescription {
   bool has_source_order = true;
 
   // What packing met.
-  std::uint64_t flat_triangle_count = 0;  ///< without area, kept: they close what their neighbours leave open
+  /// without area, kept: they close what their neighbours leave open
+  std::uint64_t flat_triangle_count = 0;
   std::uint64_t dropped_facet_count = 0;  ///< a corner twice, or a coordinate that is not finite
   std::uint64_t unused_point_count = 0;   ///< belong to no triangle, dropped
   Provenance provenance;
 };
 
-/// A packed surface, checked and ready for reading. Arrays: "points" F32 or F64 [points, 3] in world axes, "triangles"
-/// U32 [triangles, 3], optional "triangle_ids" U32 [triangles]. Corners stand as in the source: where its facets are
-/// seen counter-clockwise from outside, so are these.
+/// A packed surface, checked and ready for reading. Arrays: "points" F32 or F64 [points, 3] in
+/// world axes, "triangles" U32 [triangles, 3], optional "triangle_ids" U32 [triangles]. Corners
+/// stand as in the source: where its facets are seen counter-clockwise from outside, so are these.
 class SurfaceMesh {
  public:
   static constexpr const char* kind = "surface";
 
-  /// Refuses a file of another kind, shapes that differ from the description, a corner not below point_count, a point
-  /// that is not finite. Reads all corners and points once.
+  /// Refuses a file of another kind, shapes that differ from the description, a corner not below
+  /// point_count, a point that is not finite. Reads all corners and points once.
   explicit SurfaceMesh(PackedFile file);
 
   const SurfaceMeshDescription& description() const { return description_; }

@@ -29,7 +29,7 @@ constexpr std::string_view curve_order = "curve";  // of cells; the source's has
 constexpr std::uint64_t largest_count =
     std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
 
-// ---- description ---------------------------------------------------------------------------------------------------
+// ---- description --------------------------------------------------------------------------------
 
 LeafLattice read_lattice(const details::Reader& reader) {
   LeafLattice lattice;
@@ -99,7 +99,7 @@ TetMeshDescription read_description(const PackedFile& file) {
   return description;
 }
 
-// ---- the scan at opening -------------------------------------------------------------------------------------------
+// ---- the scan at opening ------------------------------------------------------------------------
 
 void check_offsets(const PackedFile& file, std::string_view array, std::span<const std::uint64_t> offsets,
                    std::uint64_t item_count) {
@@ -117,7 +117,8 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
            concat("at least ", offsets[*bad], ", the one before"));
 }
 
-/// Readers keep the vertices of a cluster in arrays of this size, and a corner is a position of one byte.
+/// Readers keep the vertices of a cluster in arrays of this size, and a corner is a position of one
+/// byte.
 constexpr std::uint64_t largest_table = 4 * ClusterShape::largest_cell_count;
 
 void check_tables(const PackedFile& file, const CellClustersView& clusters) {
@@ -185,7 +186,8 @@ void TetMesh::view_leaf_lists() {
   const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
   leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
   leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
-  if (leaf_lists_.items.size() != d.leaf_item_count)  // where the description says 0, the shape check takes any size
+  // where the description says 0, the shape check takes any size
+  if (leaf_lists_.items.size() != d.leaf_item_count)
     refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
   check_below(file_, "cells", vertices, d.point_count);
   check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count);

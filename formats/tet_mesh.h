@@ -40,33 +40,38 @@ struct TetMeshDescription {
   std::uint64_t point_count = 0;
   std::uint64_t cell_count = 0;
   std::vector<FieldSummary> fields;  ///< at least one; names differ
-  LeafLattice lattice;  ///< around the mesh; also without lists the measure of steps along a ray (leaf cells)
+  /// around the mesh; also without lists the measure of steps along a ray (leaf cells)
+  LeafLattice lattice;
   std::uint64_t leaf_item_count = 0;           ///< only with leaf lists
   std::optional<ClusterDescription> clusters;  ///< nothing: leaf lists
 
-  /// Cells and points stand as in the source. Else cells stand so that neighbours lie close together, points in the
-  /// order in which cells name them first, and arrays "cell_ids" and "point_ranks" lead back.
+  /// Cells and points stand as in the source. Else cells stand so that neighbours lie close
+  /// together, points in the order in which cells name them first, and arrays "cell_ids" and
+  /// "point_ranks" lead back.
   bool in_source_order = true;
 
   // What packing met. Array "cell_ids" is there also when cells of the source are not here.
   std::uint64_t flipped_cell_count = 0;  ///< given in negative orientation, two vertices exchanged
-  std::uint64_t flat_cell_count = 0;     ///< of zero volume, kept: they carry the surface from face to face
+  /// of zero volume, kept: they carry the surface from face to face
+  std::uint64_t flat_cell_count = 0;
   std::uint64_t dropped_cell_count = 0;  ///< a vertex twice, or a coordinate that is not finite
   std::uint64_t unused_point_count = 0;  ///< belong to no cell, dropped
   Provenance provenance;
 };
 
-/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to origin, optional
-/// "cell_ids" U32 [cells] and "point_ranks" U32 [points]; with leaf lists "cells" U32 [cells, 4], "leaf.offsets" U64
-/// [leaves + 1], "leaf.items" U32 [items]; with clusters "cluster.corners" U8 [cells, 4], "cluster.offsets" U64
-/// [clusters + 1], "cluster.vertices" U32 [vertices], "cluster.boxes.0", ... (clusters, entries above); and for each
-/// field f (by position) "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells, macrocells;
+/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to
+/// origin, optional "cell_ids" U32 [cells] and "point_ranks" U32 [points]; with leaf lists "cells"
+/// U32 [cells, 4], "leaf.offsets" U64 [leaves + 1], "leaf.items" U32 [items]; with clusters
+/// "cluster.corners" U8 [cells, 4], "cluster.offsets" U64 [clusters + 1], "cluster.vertices" U32
+/// [vertices], "cluster.boxes.0", ... (clusters, entries above); and for each field f (by position)
+/// "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells, macrocells;
 /// or clusters, entries above).
 class TetMesh {
  public:
-  /// Refuses a file of another kind, shapes that differ from the description, a vertex index not below point_count,
-  /// offsets that fall, an item not below cell_count, a corner beyond its cluster's table, entries of the tree of
-  /// clusters beyond its last one, a point that is not finite. Reads all indices and points once.
+  /// Refuses a file of another kind, shapes that differ from the description, a vertex index not
+  /// below point_count, offsets that fall, an item not below cell_count, a corner beyond its
+  /// cluster's table, entries of the tree of clusters beyond its last one, a point that is not
+  /// finite. Reads all indices and points once.
   explicit TetMesh(PackedFile file);
 
   const TetMeshDescription& description() const { return description_; }
@@ -85,7 +90,8 @@ class TetMesh {
   /// The position in the source file of the cell that this one is, or was cut from.
   std::uint64_t cell_id(std::uint64_t cell) const { return cell_ids_.empty() ? cell : cell_ids_[cell]; }
 
-  /// How many of these points come before it in the source. Below the count of points; true when no two are the same.
+  /// How many of these points come before it in the source. Below the count of points; true when no
+  /// two are the same.
   std::uint64_t point_rank(std::uint64_t point) const { return point_ranks_.empty() ? point : point_ranks_[point]; }
 
   /// Position of the field of that name, or nothing.
@@ -127,8 +133,8 @@ ClusterShape cluster_shape(const TetMeshDescription& description);
 std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description);
 FileDescription describe(const TetMeshDescription& description);
 
-/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at its own centroid or
-/// outside its cluster's box, a box outside the one above it.
+/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at
+/// its own centroid or outside its cluster's box, a box outside the one above it.
 std::vector<std::string> deep_findings(const TetMesh& mesh);
 
 }  // namespace rhoray::formats

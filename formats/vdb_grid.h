@@ -12,12 +12,13 @@
 
 namespace rhoray::formats {
 
-/// A scalar grid of an OpenVDB file, in the form in which the program that has read it gives it to the renderer: an
-/// anonymous packed file of kind "vdb" that is never kept on disk. Voxel (i, j, k) is a sample at
-/// world_from_index.point({i, j, k}); between samples the field is trilinear. What is shown are the cells between the
-/// samples of a box.
+/// A scalar grid of an OpenVDB file, in the form in which the program that has read it gives it to
+/// the renderer: an anonymous packed file of kind "vdb" that is never kept on disk. Voxel (i, j, k)
+/// is a sample at world_from_index.point({i, j, k}); between samples the field is trilinear. What
+/// is shown are the cells between the samples of a box.
 struct VdbGridDescription {
-  FieldSummary field;                    ///< range over the box, histogram over active voxels; type F32
+  /// range over the box, histogram over active voxels; type F32
+  FieldSummary field;
   std::vector<std::string> field_names;  ///< of all scalars in the OpenVDB file
   Affine world_from_index;
   Index3 first_sample;     ///< of the box; at least -2^30 on every axis

@@ -7,8 +7,8 @@
 
 namespace rhoray::recipes {
 
-/// The test signal of Marschner and Lobb 1994, "An Evaluation of Reconstruction Filters for Volume Rendering", with
-/// their alpha = 1/4 and f_M = 6; between 0 and 1 on the cube [-1, 1]^3.
+/// The test signal of Marschner and Lobb 1994, "An Evaluation of Reconstruction Filters for Volume
+/// Rendering", with their alpha = 1/4 and f_M = 6; between 0 and 1 on the cube [-1, 1]^3.
 double marschner_lobb(const Vec3& p);
 
 struct MarschnerLobbOptions {

@@ -48,7 +48,8 @@ Element element(const preprocess::NeutralMesh& mesh, std::size_t cell) {
   return e;
 }
 
-/// The integral of the smeared dipole's density over the element, by the four-point rule that is exact for quadratics.
+/// The integral of the smeared dipole's density over the element, by the four-point rule that is
+/// exact for quadratics.
 double dipole_share(const Element& e, const Dipole& dipole) {
   constexpr double near = 0.5854101966249685, far = 0.1381966011250105;
   const Point centre(dipole.at_mm.data());
@@ -91,7 +92,8 @@ System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> con
   }
   system.stiffness.setFromTriplets(entries.begin(), entries.end());
   if (!(moment.norm() > 0)) return system;
-  // Coarse cells sum the density up roughly; with the sum taken out, its strength is right on every mesh.
+  // Coarse cells sum the density up roughly; with the sum taken out, its strength is right on every
+  // mesh.
   if (!(dipole_inside > 0.2 && dipole_inside < 5))
     throw Error(ErrorCode::invalid,
                 concat("mesh: holds ", dipole_inside, " of the dipole at (", dipole.at_mm[0], ", ", dipole.at_mm[1],
@@ -121,7 +123,8 @@ void hold(System& system, const HeldFixed& fixed) {
 }
 
 Vector solve(const System& system, PotentialReport& report) {
-  constexpr Eigen::Index most_direct = 20'000;  // unknowns; beyond, the factor of a 3-D mesh outgrows the iteration
+  // unknowns; beyond, the factor of a 3-D mesh outgrows the iteration
+  constexpr Eigen::Index most_direct = 20'000;
   if (system.load.size() <= most_direct) {
     const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(system.stiffness);
     if (factor.info() != Eigen::Success)
@@ -165,7 +168,8 @@ PotentialReport solve_potential(const preprocess::NeutralMesh& mesh, std::span<c
                                 const Dipole& dipole, const HeldFixed& fixed) {
   check_input(mesh, conductivity, dipole, fixed);
   System system = assemble(mesh, conductivity, dipole);
-  // Without a fixed point the potential is known up to a constant: hold one point, then take the mean out.
+  // Without a fixed point the potential is known up to a constant: hold one point, then take the
+  // mean out.
   hold(system, fixed.empty() ? HeldFixed{{mesh.cells[0][0], 0.0}} : fixed);
   PotentialReport report;
   Vector volts = solve(system, report);

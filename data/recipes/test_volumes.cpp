@@ -14,7 +14,8 @@ namespace rhoray::recipes {
 
 namespace {
 
-/// What depends on one axis only, for every sample of it: the volume is a cube, so one table serves the three.
+/// What depends on one axis only, for every sample of it: the volume is a cube, so one table serves
+/// the three.
 struct AxisTable {
   explicit AxisTable(std::int64_t size) {
     for (std::int64_t i = 0; i < size; ++i) {
@@ -26,7 +27,8 @@ struct AxisTable {
     }
   }
 
-  static constexpr double gyroid_frequency = 22;  // three and a half waves from the middle to the border
+  // three and a half waves from the middle to the border
+  static constexpr double gyroid_frequency = 22;
 
   std::vector<float> place, sine, cosine, swell;
 };
@@ -61,8 +63,8 @@ void smooth_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span
   }
 }
 
-/// A wave of period 1, as smooth as two parabolas are: its values are the same on every machine, unlike a sine's. The
-/// argument is at least -64.
+/// A wave of period 1, as smooth as two parabolas are: its values are the same on every machine,
+/// unlike a sine's. The argument is at least -64.
 float wave(float t) {
   const float positive = t + 64;
   const float share = positive - static_cast<float>(static_cast<std::int32_t>(positive));
@@ -81,7 +83,8 @@ void turbulent_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::s
       bend = wave(u) * wave(v + 0.25F) + wave(v) * wave(w + 0.25F) + wave(w) * wave(u + 0.25F);
       sum += weight * bend;
       weight *= 0.5F;
-      // Turned by the rotation (0.6, 0.8) about two axes, so that no octave lies along the grid, and doubled.
+      // Turned by the rotation (0.6, 0.8) about two axes, so that no octave lies along the grid,
+      // and doubled.
       const float x1 = 0.6F * px - 0.8F * py, y1 = 0.8F * px + 0.6F * py;
       const float y2 = 0.6F * y1 - 0.8F * pz, z2 = 0.8F * y1 + 0.6F * pz;
       px = 2 * x1 + 0.31F, py = 2 * y2 + 0.17F, pz = 2 * z2 + 0.43F;

@@ -17,11 +17,12 @@ constexpr double air_hu = -1000, fat_hu = -95, muscle_hu = 55, chest_hu = 25, lu
                  compact_bone_hu = 1150, marrow_hu = 320;
 constexpr double fat_mm = 9, compact_bone_mm = 2.2, chest_wall_mm = 6;
 
-/// Share of the body in what a scanner sees at p: blurred over two voxels across the surface, which is taken for a
-/// plane.
+/// Share of the body in what a scanner sees at p: blurred over two voxels across the surface, which
+/// is taken for a plane.
 template <class Body>
 double share_inside(const Body& body, double value, const Vec3& p, const Vec3& spacing) {
-  // Bodies grow about as fast as distance, seldom four times as fast: farther off, the voxel is not cut.
+  // Bodies grow about as fast as distance, seldom four times as fast: farther off, the voxel is not
+  // cut.
   const double reach = 4 * std::max({spacing.x, spacing.y, spacing.z});
   if (value > reach) return 0;
   if (value < -reach) return 1;
@@ -88,7 +89,8 @@ double ct_value(const Vec3& p, const Vec3& spacing) {
 double ct_noise(std::uint64_t sample) {
   constexpr std::uint64_t seed = 0x7068616e746f6d31u;
   const std::uint64_t bits = scramble(sample ^ seed);
-  double sum = -2;  // of four even shares of 0..1, minus their mean: nearly normal, with variance 4/12
+  // of four even shares of 0..1, minus their mean: nearly normal, with variance 4/12
+  double sum = -2;
   for (int part = 0; part < 4; ++part) sum += (static_cast<double>((bits >> (16 * part)) & 0xffff) + 0.5) / 65536;
   return 12 * sum / std::sqrt(4.0 / 12);
 }

@@ -63,8 +63,8 @@ Vec3 fat_light(const Vec3& p) {
   return mixed(septum, color, step_between(0.03, 0.16, lobule.from_wall));
 }
 
-/// How a muscle runs at a point: places along and across its fibres, mm, how much of a pale sinew covers it, and how
-/// deep the groove to its neighbour is.
+/// How a muscle runs at a point: places along and across its fibres, mm, how much of a pale sinew
+/// covers it, and how deep the groove to its neighbour is.
 struct Fibres {
   double along = 0, across = 0;
   double sinew = 0, groove = 0;

@@ -8,17 +8,20 @@
 
 namespace rhoray::recipes {
 
-/// The light of the torso's tissues at a point, linear RGB, as photographs of frozen sections show it: skin, lobules of
-/// fat, muscles with fibres and sheets, vessels, heart, lungs, bone and marrow; blue gel around.
-/// @param reach  how far each tissue spreads beyond its surface, mm: who looks at a surface is to see what lies under
+/// The light of the torso's tissues at a point, linear RGB, as photographs of frozen sections show
+/// it: skin, lobules of fat, muscles with fibres and sheets, vessels, heart, lungs, bone and
+/// marrow; blue gel around.
+/// @param reach  how far each tissue spreads beyond its surface, mm: who looks at a surface is to
+///               see what lies under
 /// it
 Vec3 tissue_light(const Vec3& p, double reach);
 
 /// The same as 8-bit sRGB.
 std::array<std::uint8_t, 3> tissue_color(const Vec3& p, double reach);
 
-/// Writes a volume of photographs in the frame of the torso's CT (torso_ct.h): RGB, 8 bits, millimetres. Memory does
-/// not depend on the number of slices; the file does not depend on the number of threads.
+/// Writes a volume of photographs in the frame of the torso's CT (torso_ct.h): RGB, 8 bits,
+/// millimetres. Memory does not depend on the number of slices; the file does not depend on the
+/// number of threads.
 void write_torso_photo(const std::filesystem::path& path, const Index3& texel_count, bool replace_existing);
 
 }  // namespace rhoray::recipes

@@ -24,7 +24,8 @@ struct Section {
   double z, half_x, half_y, middle_y;
 };
 
-/// The section at height z: a smooth curve through the table (Catmull-Rom tangents), constant beyond its ends.
+/// The section at height z: a smooth curve through the table (Catmull-Rom tangents), constant
+/// beyond its ends.
 Section section_at(std::span<const Section> table, double z) {
   z = std::clamp(z, table.front().z, table.back().z);
   std::size_t i = 1;
@@ -49,7 +50,8 @@ double beyond(const Section& s, const Vec3& p, double exponent) {
   const double scaled =
       exponent == 2 ? std::sqrt(u * u + v * v) : std::pow(std::pow(u, exponent) + std::pow(v, exponent), 1 / exponent);
   const double radius = std::sqrt(x * x + y * y);
-  if (scaled < 1e-9) return -std::min(s.half_x, s.half_y);  // in the middle every direction is as good
+  // in the middle every direction is as good
+  if (scaled < 1e-9) return -std::min(s.half_x, s.half_y);
   return radius - radius / scaled;
 }
 
@@ -128,7 +130,8 @@ double ribs(const Vec3& p, const Section& cage, double beyond_cage) {
 
 double sternum(const Vec3& p, double beyond_cage) {
   if (p.y > 0) return 1e9;
-  const double half_width = 15 + 11 / (1 + std::exp((448 - p.z) / 6));  // the manubrium, on top, is wider
+  // the manubrium, on top, is wider
+  const double half_width = 15 + 11 / (1 + std::exp((448 - p.z) / 6));
   const double plate = smooth_max(std::abs(beyond_cage) - 5, std::abs(p.x) - half_width, 4);
   return smooth_max(plate, std::abs(p.z - 390) - 92, 6);
 }
@@ -179,7 +182,8 @@ double skin(const Vec3& p) {
 double heart(const Vec3& p) {
   const Vec3 q = p - heart_centre;
   const double u = q.dot(heart_axis()), radius2 = q.dot(q);
-  const double girth = 43 * (1 - 0.2 * std::clamp(u / 60, -1.5, 1.5));  // an egg, thinner towards the apex
+  // an egg, thinner towards the apex
+  const double girth = 43 * (1 - 0.2 * std::clamp(u / 60, -1.5, 1.5));
   const double scaled = std::sqrt(u * u / (60.0 * 60) + std::max(radius2 - u * u, 0.0) / (girth * girth));
   if (scaled < 1e-9) return -43;
   return std::sqrt(radius2) * (1 - 1 / scaled);

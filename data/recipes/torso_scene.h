@@ -4,11 +4,12 @@
 
 namespace rhoray::recipes {
 
-/// A torso from hips to neck as formulas, in millimetres: x to the patient's left, y to the back, z up (the front is
-/// -y).
+/// A torso from hips to neck as formulas, in millimetres: x to the patient's left, y to the back, z
+/// up (the front is -y).
 ///
-/// Each function is negative inside its body, positive outside and zero on the surface. It grows at least about as fast
-/// as the distance from the surface; divided by the length of its gradient it is the distance, close to the surface.
+/// Each function is negative inside its body, positive outside and zero on the surface. It grows at
+/// least about as fast as the distance from the surface; divided by the length of its gradient it
+/// is the distance, close to the surface.
 namespace torso {
 
 double skin(const Vec3& p);

@@ -27,14 +27,16 @@ std::vector<Body> bodies() {
           {"right_lung", {torso::right_lung, torso::right_lung_centre, 190}, 38}};
 }
 
-/// How many tetrahedra TetGen 1.5.0 made of the torso with quality 1.4, by the edge length in the heart.
+/// How many tetrahedra TetGen 1.5.0 made of the torso with quality 1.4, by the edge length in the
+/// heart.
 struct Calibration {
   double cell_count, finest_mm;
 };
 constexpr Calibration calibration[] = {{4309, 40},     {5083, 23.392},  {8688, 14.736},  {27767, 8.618},
                                        {95062, 5.429}, {279761, 3.420}, {849305, 2.201}, {4229810, 1.2004}};
 
-/// Edge length in the heart that makes about so many tetrahedra: a straight line between measured ones in logarithms.
+/// Edge length in the heart that makes about so many tetrahedra: a straight line between measured
+/// ones in logarithms.
 double finest_size(std::uint64_t cell_count) {
   const auto count = static_cast<double>(cell_count);
   std::size_t i = 1;

@@ -25,8 +25,9 @@ struct TorsoSurface {
 /// Edge length wanted at a point: `finest` in the heart, growing with the distance from it.
 double wanted_size(const Vec3& p, double finest);
 
-/// Skin, heart and lungs as closed triangle surfaces that do not touch. TetGen with quality 1.4 makes `cell_count`
-/// tetrahedra of them, within a quarter, from 5,000 to 4,000,000. Refuses counts below 4,500 and above 20 million.
+/// Skin, heart and lungs as closed triangle surfaces that do not touch. TetGen with quality 1.4
+/// makes `cell_count` tetrahedra of them, within a quarter, from 5,000 to 4,000,000. Refuses counts
+/// below 4,500 and above 20 million.
 TorsoSurface make_torso_surface(std::uint64_t cell_count);
 
 /// Writes NAME.smesh with NAME.mtr beside it and, where wanted, NAME_skin.ply and the other parts.

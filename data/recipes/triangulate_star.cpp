@@ -21,7 +21,8 @@ class Triangulator {
   Triangulator(const StarSurface& surface, const std::function<double(const Vec3&)>& edge_length)
       : surface_(surface), edge_length_(edge_length) {
     start_with_icosahedron();
-    constexpr int most_rounds = 60;  // halving lengths so often reaches any size; more means that the surface is torn
+    // halving lengths so often reaches any size; more means that the surface is torn
+    constexpr int most_rounds = 60;
     int rounds = 0;
     while (split_long_edges()) RHORAY_CHECK(++rounds < most_rounds && triangles_.size() < 100'000'000);
     for (int round = 0; round < 4; ++round) {
@@ -52,8 +53,8 @@ class Triangulator {
     return length2(a, b) > wanted * wanted;
   }
 
-  /// Position (0, 1, 2) of the corner where the longest edge begins; equal lengths are told apart by the edge itself,
-  /// so that both neighbours agree.
+  /// Position (0, 1, 2) of the corner where the longest edge begins; equal lengths are told apart
+  /// by the edge itself, so that both neighbours agree.
   std::size_t longest_edge(const Triangle& t) const {
     std::size_t longest = 0;
     for (std::size_t i = 1; i < 3; ++i) {
@@ -65,10 +66,11 @@ class Triangulator {
     return longest;
   }
 
-  /// Splits every edge that is too long and, so that no triangle gets thin, the longest edge of each triangle that is
-  /// split at all (Rivara). Returns whether there was any.
+  /// Splits every edge that is too long and, so that no triangle gets thin, the longest edge of
+  /// each triangle that is split at all (Rivara). Returns whether there was any.
   bool split_long_edges() {
-    std::unordered_map<std::uint64_t, std::uint32_t> middles;  // of the edges to split; point numbers come later
+    // of the edges to split; point numbers come later
+    std::unordered_map<std::uint64_t, std::uint32_t> middles;
     for (const Triangle& t : triangles_)
       for (std::size_t i = 0; i < 3; ++i)
         if (is_long(t[i], t[(i + 1) % 3])) middles.emplace(edge_key(t[i], t[(i + 1) % 3]), 0);
@@ -92,7 +94,8 @@ class Triangulator {
   void split(const Triangle& t, std::unordered_map<std::uint64_t, std::uint32_t>& middles) {
     const std::size_t i = longest_edge(t);
     const std::uint32_t a = t[i], b = t[(i + 1) % 3], c = t[(i + 2) % 3];
-    const auto middle = [&](std::uint32_t p, std::uint32_t q) -> std::uint32_t {  // 0: not split (0 is no middle)
+    // 0: not split (0 is no middle)
+    const auto middle = [&](std::uint32_t p, std::uint32_t q) -> std::uint32_t {
       const auto found = middles.find(edge_key(p, q));
       if (found == middles.end()) return 0;
       if (found->second == 0) {
@@ -128,9 +131,11 @@ class Triangulator {
     return std::atan2(u.cross(v).length(), u.dot(v));
   }
 
-  /// Exchanges an edge for the other diagonal where the two angles opposite to it add up to more than 180 degrees.
+  /// Exchanges an edge for the other diagonal where the two angles opposite to it add up to more
+  /// than 180 degrees.
   void flip_edges() {
-    std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> sides;  // triangle + 1 on either side
+    // triangle + 1 on either side
+    std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> sides;
     for (std::size_t f = 0; f < triangles_.size(); ++f)
       for (std::size_t i = 0; i < 3; ++i) {
         auto& pair = sides[edge_key(triangles_[f][i], triangles_[f][(i + 1) % 3])];
@@ -155,7 +160,8 @@ class Triangulator {
       }
   }
 
-  /// Moves each point towards the middle of its neighbours, along the surface, unless that would fold a triangle.
+  /// Moves each point towards the middle of its neighbours, along the surface, unless that would
+  /// fold a triangle.
   void smooth() {
     std::vector<std::vector<std::size_t>> around(points_.size());
     for (std::size_t f = 0; f < triangles_.size(); ++f)

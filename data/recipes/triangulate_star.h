@@ -24,8 +24,9 @@ struct Triangulation {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// Triangles with corners on the surface whose edges are about as long as `edge_length` asks for at their middles: none
-/// was longer before the last smoothing. Seen from the centre they cover the sphere once, so they never cross.
+/// Triangles with corners on the surface whose edges are about as long as `edge_length` asks for at
+/// their middles: none was longer before the last smoothing. Seen from the centre they cover the
+/// sphere once, so they never cross.
 Triangulation triangulate(const StarSurface& surface, const std::function<double(const Vec3&)>& edge_length);
 
 }  // namespace rhoray::recipes

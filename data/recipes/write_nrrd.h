@@ -20,7 +20,8 @@ struct NrrdHeader {
   std::string content;         ///< one line of text
 };
 
-/// Writes NAME.raw through `write_samples`, and NAME.nhdr beside it; both appear, or none. The path must end in .nhdr.
+/// Writes NAME.raw through `write_samples`, and NAME.nhdr beside it; both appear, or none. The path
+/// must end in .nhdr.
 void write_nrrd(const std::filesystem::path& path, bool replace_existing, const NrrdHeader& header,
                 const std::function<void(PendingFile& raw)>& write_samples);
 

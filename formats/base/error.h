@@ -20,8 +20,9 @@ enum class ErrorCode {
   interrupted = 130,
 };
 
-/// A failed operation. `what()` is one line: file, place, found, expected. `hint`, when not empty, says in one line
-/// what to do. Libraries throw it and never print; `main` prints it and returns the code.
+/// A failed operation. `what()` is one line: file, place, found, expected. `hint`, when not empty,
+/// says in one line what to do. Libraries throw it and never print; `main` prints it and returns
+/// the code.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& fact, std::string hint = {})

@@ -4,7 +4,8 @@
 
 namespace rhoray {
 
-// The default environment of the C library has FTZ and DAZ off; tests/formats/floating_point_test.cpp looks.
+// The default environment of the C library has FTZ and DAZ off;
+// tests/formats/floating_point_test.cpp looks.
 DefaultFloatingPoint::DefaultFloatingPoint() {
   RHORAY_CHECK(std::fegetenv(&callers_) == 0);
   RHORAY_CHECK(std::fesetenv(FE_DFL_ENV) == 0);

@@ -15,8 +15,8 @@
 
 namespace rhoray {
 
-/// One mapping. Entries form a list that only grows; those of mappings that are gone are used again, so that a signal
-/// handler may walk the list at any time.
+/// One mapping. Entries form a list that only grows; those of mappings that are gone are used
+/// again, so that a signal handler may walk the list at any time.
 struct MappedFile::Entry {
   std::atomic<std::uint64_t> version{0};  ///< odd while start and byte_count change
   std::atomic<std::uintptr_t> start{0};
@@ -52,7 +52,8 @@ Error loss(const std::string& name) {
 
 }  // namespace
 
-/// Bytes that a shorter file lacks inside its last page read as zeros without a signal: its size tells.
+/// Bytes that a shorter file lacks inside its last page read as zeros without a signal: its size
+/// tells.
 void MappedFile::look_at_size(Entry& entry) {
   struct stat status {};
   if (!entry.is_mapped || entry.descriptor < 0 || ::fstat(entry.descriptor, &status) != 0) return;
@@ -87,7 +88,8 @@ MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_
 
 MappedFile::MappedFile(int descriptor, std::uint64_t byte_count, std::string name) : byte_count_(byte_count) {
   RHORAY_CHECK(byte_count > 0);
-  // Private, as files in memory that are sealed against writing take no other mapping; nothing is written or copied.
+  // Private, as files in memory that are sealed against writing take no other mapping; nothing is
+  // written or copied.
   void* const start = ::mmap(nullptr, byte_count, PROT_READ, MAP_PRIVATE, descriptor, 0);
   if (start == MAP_FAILED)
     throw Error(ErrorCode::resource,

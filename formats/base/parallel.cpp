@@ -50,14 +50,16 @@ class LowestFailure {
   std::size_t piece_ = 0;
 };
 
-/// Threads that are waited for, also when what started them is left by an exception; each gives back its right first.
+/// Threads that are waited for, also when what started them is left by an exception; each gives
+/// back its right first.
 class Threads {
  public:
   ~Threads() {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  /// Runs `work` on another thread and returns true, or returns false where the limit or the system gives none.
+  /// Runs `work` on another thread and returns true, or returns false where the limit or the system
+  /// gives none.
   bool start(std::function<void()> work) {
     Lent lent;
     if (!lent) return false;

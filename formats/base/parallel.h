@@ -15,20 +15,21 @@
 
 #include "formats/base/checks.h"
 
-/// Parallel loops of all rooms, on std::thread: thread sanitizer follows every one of them. The tiles of a frame have
-/// threads of their own (render/frame/tile_threads.h), which wait from frame to frame. A loop's threads begin with the
-/// floating-point environment of its caller (floating_point.h).
+/// Parallel loops of all rooms, on std::thread: thread sanitizer follows every one of them. The
+/// tiles of a frame have threads of their own (render/frame/tile_threads.h), which wait from frame
+/// to frame. A loop's threads begin with the floating-point environment of its caller
+/// (floating_point.h).
 namespace rhoray {
 
 /// Cores that this process may run on, at least 1.
 unsigned available_cores();
 
-/// How many threads the parallel loops of this process use together, the caller's among them: what a ThreadLimit says,
-/// or available_cores().
+/// How many threads the parallel loops of this process use together, the caller's among them: what
+/// a ThreadLimit says, or available_cores().
 unsigned thread_limit();
 
-/// While it lives, thread_limit() is `threads`, or available_cores() for 0; then what it was before. Not to be made
-/// while a loop runs.
+/// While it lives, thread_limit() is `threads`, or available_cores() for 0; then what it was
+/// before. Not to be made while a loop runs.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned threads);
@@ -58,23 +59,25 @@ class IndexRange {
 
 namespace parallel_details {
 
-/// Calls run(piece, worker) once for every piece below `count`, on the caller's thread and on those that the limit
-/// still allows; they take pieces in rising order. After a call has thrown no piece is begun; what the lowest piece
-/// threw is thrown again when all have ended.
+/// Calls run(piece, worker) once for every piece below `count`, on the caller's thread and on those
+/// that the limit still allows; they take pieces in rising order. After a call has thrown no piece
+/// is begun; what the lowest piece threw is thrown again when all have ended.
 /// @param threads  at most so many; 0 = as many as the limit allows
 void run_pieces(std::size_t count, unsigned threads,
                 const std::function<void(std::size_t piece, unsigned worker)>& run);
 
-/// Calls both, `second` on a thread of its own if the limit allows one. What `first` threw goes before what `second`
-/// threw.
+/// Calls both, `second` on a thread of its own if the limit allows one. What `first` threw goes
+/// before what `second` threw.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
 
 }  // namespace parallel_details
 
-/// Cuts [0, count) into ranges of `grain` indices, the last one shorter, and calls act(IndexRange) on each: many at a
-/// time, in no promised order. Where ranges begin does not depend on the number of threads. A call that throws ends
-/// the loop, and what the lowest failing range threw is passed on. Loops inside loops get the threads that are left.
-/// @param grain    at least 1; worth some ten microseconds, so that taking a range costs nothing beside it
+/// Cuts [0, count) into ranges of `grain` indices, the last one shorter, and calls act(IndexRange)
+/// on each: many at a time, in no promised order. Where ranges begin does not depend on the number
+/// of threads. A call that throws ends the loop, and what the lowest failing range threw is passed
+/// on. Loops inside loops get the threads that are left.
+/// @param grain    at least 1; worth some ten microseconds, so that taking a range costs nothing
+///                 beside it
 /// @param threads  at most so many; 0 = as many as the limit allows
 template <class Act>
 void parallel_for(std::size_t count, std::size_t grain, Act&& act, unsigned threads = 0) {
@@ -85,14 +88,15 @@ void parallel_for(std::size_t count, std::size_t grain, Act&& act, unsigned thre
   });
 }
 
-/// As parallel_for, calling act(index) for each index alone: where each is worth some ten microseconds or more.
+/// As parallel_for, calling act(index) for each index alone: where each is worth some ten
+/// microseconds or more.
 template <class Act>
 void parallel_for_each(std::size_t count, Act&& act) {
   parallel_details::run_pieces(count, 0, [&](std::size_t index, unsigned) { act(index); });
 }
 
-/// What `of(IndexRange)` returns for each range of parallel_for, joined two and two in rising order: the same for any
-/// number of threads, floating-point sums too.
+/// What `of(IndexRange)` returns for each range of parallel_for, joined two and two in rising
+/// order: the same for any number of threads, floating-point sums too.
 /// @param none  the result of no range
 template <class Result, class Of, class Join>
 Result parallel_reduce(std::size_t count, std::size_t grain, Result none, Of&& of, Join&& join) {
@@ -104,15 +108,15 @@ Result parallel_reduce(std::size_t count, std::size_t grain, Result none, Of&& o
   return none;
 }
 
-/// Calls first() and second(), at the same time where the limit allows another thread. What first() throws goes before
-/// what second() throws; both have ended then.
+/// Calls first() and second(), at the same time where the limit allows another thread. What first()
+/// throws goes before what second() throws; both have ended then.
 template <class First, class Second>
 void parallel_invoke(First&& first, Second&& second) {
   parallel_details::run_both(std::ref(first), std::ref(second));
 }
 
-/// As std::sort. Equal values end up in an order that depends on the number of threads only if `less` leaves some
-/// equal that are not.
+/// As std::sort. Equal values end up in an order that depends on the number of threads only if
+/// `less` leaves some equal that are not.
 template <class T, class Less>
 void parallel_sort(std::span<T> values, const Less& less) {
   constexpr std::size_t grain = 1 << 13;
@@ -120,7 +124,8 @@ void parallel_sort(std::span<T> values, const Less& less) {
     std::sort(values.begin(), values.end(), less);
     return;
   }
-  // One step of quicksort, its pivot the middle of three. Where it divides badly, std::nth_element halves exactly.
+  // One step of quicksort, its pivot the middle of three. Where it divides badly, std::nth_element
+  // halves exactly.
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::array<T, 3> sample{values.front(), *middle, values.back()};
   std::sort(sample.begin(), sample.end(), less);
@@ -161,9 +166,11 @@ class PerWorker {
   std::vector<std::unique_ptr<T>> values_;
 };
 
-/// Cuts [0, count) into at most `threads` neighbouring ranges of at least `smallest` and calls act(first, last) on all
-/// of them at the same time; returns when all are done. What the lowest range that failed threw is thrown again.
-/// @param threads  0 = thread_limit(). One range, or no room for another thread, needs no thread beside the caller's.
+/// Cuts [0, count) into at most `threads` neighbouring ranges of at least `smallest` and calls
+/// act(first, last) on all of them at the same time; returns when all are done. What the lowest
+/// range that failed threw is thrown again.
+/// @param threads  0 = thread_limit(). One range, or no room for another thread, needs no thread
+///                 beside the caller's.
 template <class Act>
 void for_each_range(std::uint64_t count, std::uint64_t smallest, unsigned threads, Act&& act) {
   const std::uint64_t wanted = threads != 0 ? threads : thread_limit();

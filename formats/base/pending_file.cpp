@@ -61,7 +61,8 @@ bool is_same_file(const struct stat& a, const struct stat& b) {
 void remove_if_stale(int folder, const std::string& name) {
   constexpr int flags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
   int file = ::openat(folder, name.c_str(), O_RDWR | flags);
-  if (file < 0 && errno == EACCES) file = ::openat(folder, name.c_str(), O_RDONLY | flags);  // what it was to replace
+  // what it was to replace
+  if (file < 0 && errno == EACCES) file = ::openat(folder, name.c_str(), O_RDONLY | flags);
   if (file < 0) return;
   struct stat opened {};
   if (::fstat(file, &opened) == 0 && S_ISREG(opened.st_mode) && ::flock(file, LOCK_EX | LOCK_NB) == 0) {
@@ -74,7 +75,8 @@ void remove_if_stale(int folder, const std::string& name) {
 /// CandidateList for stale temporary names once per folder and process.
 void remove_stale_names(int folder, const fs::path& name_of_folder) {
   static std::mutex guard;
-  static std::set<std::tuple<dev_t, ino_t, fs::path>> seen;  // the path too: numbers come back when folders are removed
+  // the path too: numbers come back when folders are removed
+  static std::set<std::tuple<dev_t, ino_t, fs::path>> seen;
   struct stat status {};
   if (::fstat(folder, &status) != 0) return;
   {
@@ -102,7 +104,8 @@ struct PendingFile::Unfinished {
   std::set<PendingFile*> files;
 
   static Unfinished& all() {
-    static Unfinished* const all = new Unfinished;  // lives as long as the process: an interrupt may come at its end
+    // lives as long as the process: an interrupt may come at its end
+    static Unfinished* const all = new Unfinished;
     return *all;
   }
 };
@@ -174,7 +177,8 @@ void PendingFile::open_target(const fs::path& target) {
 }
 
 void PendingFile::create() {
-  // An anonymous file is named through /proc; without it, as without O_TMPFILE, a named temporary does.
+  // An anonymous file is named through /proc; without it, as without O_TMPFILE, a named temporary
+  // does.
   if (options_.anonymous && ::access("/proc/self/fd", X_OK) == 0) {
     descriptor_ = ::openat(folder_, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, new_file_mode);
     if (descriptor_ >= 0) {
@@ -274,7 +278,8 @@ void PendingFile::keep_permissions() {
   struct stat own {};
   if (::fstat(descriptor_, &own) != 0) fail("look at it", errno);
   mode_t mode = old->st_mode & 0777;
-  // A user may not give files away; in a user namespace, or on some file systems, others do not even exist.
+  // A user may not give files away; in a user namespace, or on some file systems, others do not
+  // even exist.
   const auto may_not = [](int error) {
     return error == EPERM || error == EINVAL || error == ENOSYS || error == ENOTSUP;
   };
@@ -291,7 +296,8 @@ void PendingFile::keep_permissions() {
 void PendingFile::flush() {
   keep_permissions();
   if (::fsync(descriptor_) != 0) fail("flush it to disk", errno);
-  // A file server may tell only on closing that a write failed; the descriptor itself is needed to name the file.
+  // A file server may tell only on closing that a write failed; the descriptor itself is needed to
+  // name the file.
   const int copy = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
   if (copy < 0) fail("flush it to disk", errno);
   if (::close(copy) != 0) fail("close it", errno);

@@ -23,7 +23,8 @@ requires((std::integral<T> && !std::same_as<T, bool>) || std::floating_point<T>)
                                                                                              T number) {
   char digits[64];
   out.append(digits,
-             std::to_chars(digits, digits + sizeof digits, number).ptr);  // shortest text that reads back the same
+             // shortest text that reads back the same
+             std::to_chars(digits, digits + sizeof digits, number).ptr);
 }
 }  // namespace text_detail
 

@@ -9,9 +9,9 @@ namespace rhoray {
 
 /// The error for a call of the system that failed while a file was being written.
 ///
-/// ErrorCode::usage when the name itself is wrong (no such folder, a folder of that name); else ErrorCode::resource,
-/// also for a folder that may not be written to. A full disk adds the bytes needed and free, a limit of the process
-/// (RLIMIT_FSIZE) the limit.
+/// ErrorCode::usage when the name itself is wrong (no such folder, a folder of that name); else
+/// ErrorCode::resource, also for a folder that may not be written to. A full disk adds the bytes
+/// needed and free, a limit of the process (RLIMIT_FSIZE) the limit.
 /// @param name          the file's name, as the user gave it
 /// @param act           what was tried: "write 10 bytes at byte 0"
 /// @param error         errno

@@ -15,8 +15,8 @@
 /// What deep_findings of grids and meshes share.
 namespace rhoray::formats::details {
 
-/// Findings of the same kind become one sentence: the first place, and how many there are. Used from several threads;
-/// what it says does not depend on their order.
+/// Findings of the same kind become one sentence: the first place, and how many there are. Used
+/// from several threads; what it says does not depend on their order.
 class Findings {
  public:
   /// @param kind   what is wrong, the start of the sentence
@@ -67,12 +67,14 @@ class FieldTally {
   std::vector<std::uint64_t> at_edge_;  ///< values that rounding may put into bin b - 1 or b
 };
 
-/// A macrocell of level l + 1 must contain the intervals of the cells of level l below it, and be empty when all are.
+/// A macrocell of level l + 1 must contain the intervals of the cells of level l below it, and be
+/// empty when all are.
 /// @param threads  0 = all cores
 template <class T>
 void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads, Findings& findings);
 
-/// True when a stored interval contains a needed one, or both are empty. Written so that a stored NaN contains nothing.
+/// True when a stored interval contains a needed one, or both are empty. Written so that a stored
+/// NaN contains nothing.
 template <class T>
 bool holds(const Interval<T>& stored, const Interval<T>& needed) {
   return needed.is_empty() ? stored.is_empty() : stored.lo <= needed.lo && needed.hi <= stored.hi;

@@ -164,7 +164,7 @@ ElementType Reader::element_type(const std::string& key) const {
   refuse_value(key, "the name of an element type");
 }
 
-// ------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 Json number_json(double number, std::string_view what) {
   if (!std::isfinite(number))

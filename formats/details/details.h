@@ -19,12 +19,13 @@ namespace rhoray::formats::details {
 
 using Json = nlohmann::ordered_json;
 
-/// Parses a file's details; refuses text that is not one JSON object, keys given twice, and more than eight levels.
+/// Parses a file's details; refuses text that is not one JSON object, keys given twice, and more
+/// than eight levels.
 Json parse(const PackedFile& file);
 
-/// One object of the details, read strictly: a key that is missing, or whose value is of another type or out of its
-/// limits, is refused by its name. Keys that nobody asks for are ignored. Refers to the Json and the file it was made
-/// from.
+/// One object of the details, read strictly: a key that is missing, or whose value is of another
+/// type or out of its limits, is refused by its name. Keys that nobody asks for are ignored. Refers
+/// to the Json and the file it was made from.
 class Reader {
  public:
   Reader(const Json& object, std::string_view file, std::string place);
@@ -53,8 +54,8 @@ class Reader {
   std::string place_;
 };
 
-// Numbers are written so that they read back to the same bits; one that is not finite has no place in JSON and is
-// refused (ErrorCode::invalid, named by `what`).
+// Numbers are written so that they read back to the same bits; one that is not finite has no place
+// in JSON and is refused (ErrorCode::invalid, named by `what`).
 Json number_json(double number, std::string_view what);
 Json vector_json(const Vec3& vector, std::string_view what);
 Json index_json(const Index3& index);
@@ -67,7 +68,8 @@ FieldSummary read_field(const Reader& reader);
 MacroShape read_macro(const Reader& reader, const Index3& leaf_count);
 Provenance read_provenance(const Reader& reader);
 
-/// Samples or leaf cells per axis at most: what is allocated per axis stays small whatever a file claims.
+/// Samples or leaf cells per axis at most: what is allocated per axis stays small whatever a file
+/// claims.
 inline constexpr std::int64_t largest_axis = std::int64_t{1} << 20;
 
 }  // namespace rhoray::formats::details

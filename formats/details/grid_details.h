@@ -7,8 +7,8 @@
 /// What bricked grids of values and of colours share in writing and reading their details.
 namespace rhoray::formats::details {
 
-/// Samples and bricks of a layout that is dense, or may still become sparse. Refuses one whose size does not fit 64
-/// bits.
+/// Samples and bricks of a layout that is dense, or may still become sparse. Refuses one whose size
+/// does not fit 64 bits.
 /// @param least_count  samples that every axis has at least
 BrickLayout read_layout(const Reader& reader, std::int64_t least_count);
 

@@ -11,9 +11,10 @@ namespace {
 
 /// One field's samples against the macrocells of level 1.
 ///
-/// A dense grid is read in rows of macrocells, all samples of a row at once and without a test of each cell: where
-/// every sample has data, the smallest and the largest are what the macrocell needs. Macrocells with gaps, and those
-/// that seem to lack a value, are looked at again cell by cell.
+/// A dense grid is read in rows of macrocells, all samples of a row at once and without a test of
+/// each cell: where every sample has data, the smallest and the largest are what the macrocell
+/// needs. Macrocells with gaps, and those that seem to lack a value, are looked at again cell by
+/// cell.
 template <class T>
 class GridRanges {
  public:
@@ -49,7 +50,8 @@ class GridRanges {
   }
 
  private:
-  static constexpr std::uint64_t least_rows = 16;  // of macrocells; fewer are done before a thread has started
+  // of macrocells; fewer are done before a thread has started
+  static constexpr std::uint64_t least_rows = 16;
 
   /// What one thread has found, and its memory.
   struct Part {
@@ -138,7 +140,8 @@ class GridRanges {
                   });
   }
 
-  /// All values that interpolation reaches in these cells: between their corners, where all eight have data.
+  /// All values that interpolation reaches in these cells: between their corners, where all eight
+  /// have data.
   Interval<T> needed_by(const Cells& cells, Part& part) const {
     if (!sample_at_.some_stored(cells.first, cells.end)) {
       part.has_gaps = true;

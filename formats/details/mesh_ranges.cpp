@@ -22,16 +22,17 @@ bool have_data(std::span<const T> values, const std::array<std::uint32_t, 4>& ve
   return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return is_value(values[v]); });
 }
 
-// ---- leaf lists ----------------------------------------------------------------------------------------------------
+// ---- leaf lists ---------------------------------------------------------------------------------
 
 /// A tetrahedron in units of leaf cells, counted from the low corner of the lattice.
 ///
-/// A box and a tetrahedron are apart exactly when their projections are apart along an axis of the box, a normal of a
-/// face, or a product of an axis of the box with an edge. A direction is only a witness: its own rounding does no harm.
+/// A box and a tetrahedron are apart exactly when their projections are apart along an axis of the
+/// box, a normal of a face, or a product of an axis of the box with an edge. A direction is only a
+/// witness: its own rounding does no harm.
 class TetInLattice {
  public:
-  /// Leaf cells are this much wider on every side, in leaf cells. Far more than rounding, which reaches 2e-10 at 2^20
-  /// leaf cells on an axis; a packer has to list what comes as near as that.
+  /// Leaf cells are this much wider on every side, in leaf cells. Far more than rounding, which
+  /// reaches 2e-10 at 2^20 leaf cells on an axis; a packer has to list what comes as near as that.
   static constexpr double margin = 1e-8;
 
   TetInLattice(const LeafLattice& lattice, const std::array<Vec3, 4>& points) {
@@ -84,9 +85,9 @@ class TetInLattice {
   Index3 first_, end_;
 };
 
-/// Calls visit(leaf cell) for leaf cells around a tetrahedron until it returns false: for all that it touches, and some
-/// near those. Halves the block around it down to a few leaf cells, so that the work grows with the leaf cells touched
-/// and not with those around.
+/// Calls visit(leaf cell) for leaf cells around a tetrahedron until it returns false: for all that
+/// it touches, and some near those. Halves the block around it down to a few leaf cells, so that
+/// the work grows with the leaf cells touched and not with those around.
 template <class Visit>
 bool for_leaves_near(const TetInLattice& tet, const Index3& first, const Index3& end, Visit& visit) {
   constexpr std::int64_t few = 32;
@@ -193,7 +194,7 @@ class LeafLists {
   Findings& findings_;
 };
 
-// ---- clusters ------------------------------------------------------------------------------------------------------
+// ---- clusters -----------------------------------------------------------------------------------
 
 std::string entry_text(int level, std::uint64_t entry) {
   return concat("entry ", entry, " of level ", level);
@@ -297,7 +298,8 @@ Interval<T> needed_range(const CellClustersView& clusters, std::uint64_t cluster
   return range;
 }
 
-/// The values at a cluster's vertices, which are those of its cells where all have data; nothing where one has none.
+/// The values at a cluster's vertices, which are those of its cells where all have data; nothing
+/// where one has none.
 template <class T>
 std::optional<Interval<T>> range_of_table(std::span<const std::uint32_t> table, std::span<const T> values) {
   Interval<T> range;
@@ -340,7 +342,7 @@ void check_cluster_ranges(const TetMesh& mesh, std::size_t field, unsigned threa
       });
 }
 
-// ---- a field -------------------------------------------------------------------------------------------------------
+// ---- a field ------------------------------------------------------------------------------------
 
 template <class T>
 RangesRead read_values(std::span<const T> values) {

@@ -8,26 +8,27 @@
 #include "formats/details/deep_checks.h"
 #include "formats/tet_mesh.h"
 
-/// Whether stored value ranges, boxes and leaf lists hold what they stand for. They are compared with the samples,
-/// points and cells of the file; nothing here is shared with the code that packs.
+/// Whether stored value ranges, boxes and leaf lists hold what they stand for. They are compared
+/// with the samples, points and cells of the file; nothing here is shared with the code that packs.
 namespace rhoray::formats::details {
 
 /// What the check has read.
 struct RangesRead {
   Interval<double> values{};  ///< of the field, where it has data
   bool has_gaps = false;      ///< the field has no data at some sample or point
-  std::uint64_t bytes = 0;    ///< of the arrays compared; of a mesh with those of check_boxes_and_lists
+  /// of the arrays compared; of a mesh with those of check_boxes_and_lists
+  std::uint64_t bytes = 0;
 };
 
-/// Checks the parts of the hierarchy that do not depend on a field. Leaf lists: all points lie in the lattice, and
-/// every leaf cell lists each tetrahedron that touches it. Clusters: each box contains its points, and each box above
-/// contains the boxes below.
+/// Checks the parts of the hierarchy that do not depend on a field. Leaf lists: all points lie in
+/// the lattice, and every leaf cell lists each tetrahedron that touches it. Clusters: each box
+/// contains its points, and each box above contains the boxes below.
 /// @param threads  0 = all cores
 void check_boxes_and_lists(const TetMesh& mesh, unsigned threads, Findings& findings);
 
-/// The ranges of one field. In a grid each macrocell of level 1 contains the samples of its cells that have data; in a
-/// mesh each leaf cell or cluster the values at the vertices of its cells that have data; each level above contains the
-/// one below.
+/// The ranges of one field. In a grid each macrocell of level 1 contains the samples of its cells
+/// that have data; in a mesh each leaf cell or cluster the values at the vertices of its cells that
+/// have data; each level above contains the one below.
 /// @param threads  0 = all cores
 RangesRead check_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, Findings& findings);
 RangesRead check_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, Findings& findings);

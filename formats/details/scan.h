@@ -18,10 +18,13 @@
 /// What meshes check of whole arrays when they are opened.
 namespace rhoray::formats::details {
 
-inline constexpr std::uint64_t scan_piece = 1 << 18;  // elements; a smaller scan is done before a thread has started
+// elements; a smaller scan is done before a thread has started
+inline constexpr std::uint64_t scan_piece = 1 << 18;
 
-/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where there is one.
-/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of memory
+/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where
+/// there is one.
+/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of
+///                memory
 template <class IsBad>
 std::optional<std::uint64_t> first_bad(std::uint64_t count, IsBad is_bad) {
   constexpr std::uint64_t chunk = 4096;

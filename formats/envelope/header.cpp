@@ -51,9 +51,10 @@ std::optional<std::uint64_t> bytes_in(ElementType type, const std::vector<std::u
   return bytes;
 }
 
-/// Listens to the JSON reader and takes nothing but
-///     { "__metadata__": {text: text, ...}, name: {"dtype": text, "shape": [n, ...], "data_offsets": [n, n]}, ... }
-/// Anything else ends the reading at once, so that depth and memory are bounded by the text itself.
+/// Receives the events of the JSON parser and accepts only
+///     { "__metadata__": {text: text, ...},
+///       name: {"dtype": text, "shape": [n, ...], "data_offsets": [n, n]}, ... }
+/// Anything else stops the parser at once, so the text itself bounds depth and memory.
 class Listener final : public nlohmann::json_sax<json> {
  public:
   struct Array {
@@ -195,7 +196,8 @@ ArrayEntry to_entry(std::string_view file, const Listener::Array& array) {
   return {.name = array.name, .type = *type, .shape = *array.shape, .first_byte = first, .byte_count = *bytes};
 }
 
-/// Every byte of the data area belongs to exactly one array, and the arrays of the envelope stand at its end.
+/// Every byte of the data area belongs to exactly one array, and the arrays of the envelope stand
+/// at its end.
 void check_layout(std::string_view file, const std::vector<ArrayEntry>& arrays, std::uint64_t data_bytes) {
   std::uint64_t end = 0;
   for (const ArrayEntry& array : arrays) {
@@ -230,8 +232,8 @@ const std::string& metadata_text(std::string_view file, const Listener& heard, c
   return found->second;
 }
 
-/// The minor number of "major.minor" with major 1. A larger minor version only adds arrays and keys that this reader
-/// may ignore.
+/// The minor number of "major.minor" with major 1. A larger minor version only adds arrays and keys
+/// that this reader may ignore.
 int checked_minor_version(std::string_view file, std::string_view text) {
   const auto is_number = [](std::string_view part) {
     return !part.empty() && part.size() <= 4 && part.find_first_not_of("0123456789") == std::string_view::npos;

@@ -28,16 +28,18 @@ inline constexpr std::string_view seal_name = "_seal";
 struct Header {
   std::string version;
   FileDescription description;
-  std::vector<ArrayEntry> arrays;  ///< all, in the order of the file; first_byte counted from the data area's start
+  /// all, in the order of the file; first_byte counted from the data area's start
+  std::vector<ArrayEntry> arrays;
 };
 
-/// Reads and checks a header's text: grammar, limits, version, requirements; arrays without gap from the start of the
-/// data area to its end, "_sum" and "_seal" last, every other array that is not padding on a multiple of 64.
+/// Reads and checks a header's text: grammar, limits, version, requirements; arrays without gap
+/// from the start of the data area to its end, "_sum" and "_seal" last, every other array that is
+/// not padding on a multiple of 64.
 /// @param file  name for messages
 Header read_header(std::string_view file, std::string_view text, std::uint64_t data_bytes);
 
-/// Where declared arrays come to lie, with the padding between them and with "_sum" and "_seal" behind them.
-/// Throws ErrorCode::usage when their sizes do not fit 63 bits.
+/// Where declared arrays come to lie, with the padding between them and with "_sum" and "_seal"
+/// behind them. Throws ErrorCode::usage when their sizes do not fit 63 bits.
 /// @param file  name for messages
 std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<ArraySpec>& arrays);
 

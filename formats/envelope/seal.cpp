@@ -95,7 +95,8 @@ void check_sealed_sums(std::string_view file, std::span<const std::byte, seal_by
 
 void sum_blocks(const Stretch& stretch, unsigned threads,
                 const std::function<void(std::uint64_t, std::optional<std::uint64_t>)>& act) {
-  constexpr std::uint64_t fewest_blocks_per_thread = 64;  // 4 MiB: below, starting a thread costs more than it saves
+  // 4 MiB: below, starting a thread costs more than it saves
+  constexpr std::uint64_t fewest_blocks_per_thread = 64;
   for_each_range(block_count(stretch.byte_count), fewest_blocks_per_thread, threads,
                  [&](std::uint64_t first, std::uint64_t last) {
                    std::vector<std::byte> buffer(block_bytes);

@@ -19,13 +19,14 @@ constexpr std::uint64_t block_count(std::uint64_t data_bytes) {
 
 using Seal = std::array<std::byte, seal_bytes>;
 
-/// The last 64 bytes of a file: magic | file size | block size | XXH3-128(header) | XXH3-128(sums) | XXH3-64(the 56
-/// bytes before).
+/// The last 64 bytes of a file: magic | file size | block size | XXH3-128(header) | XXH3-128(sums)
+/// | XXH3-64(the 56 bytes before).
 /// @param header  bytes 0 .. 8+N
 /// @param sums    the bytes of "_sum"
 Seal make_seal(std::uint64_t file_bytes, std::span<const std::byte> header, std::span<const std::byte> sums);
 
-/// The checks of a seal, in the order in which a reader can make them. Each refuses; `file` is the name for messages.
+/// The checks of a seal, in the order in which a reader can make them. Each refuses; `file` is the
+/// name for messages.
 void check_seal_itself(std::string_view file, std::span<const std::byte, seal_bytes> seal, std::uint64_t file_bytes);
 void check_sealed_header(std::string_view file, std::span<const std::byte, seal_bytes> seal,
                          std::span<const std::byte> header);
@@ -39,9 +40,10 @@ struct Stretch {
   std::uint64_t byte_count = 0;
 };
 
-/// Reads a stretch once and calls act(block, XXH3-64 of it) for every 64 KiB, from several threads, in no order.
-/// The sum is nothing where the system does not give the bytes (a failing disk, a file cut short meanwhile): reading
-/// through the descriptor makes that an answer, where a mapping would end the process.
+/// Reads a stretch once and calls act(block, XXH3-64 of it) for every 64 KiB, from several threads,
+/// in no order. The sum is nothing where the system does not give the bytes (a failing disk, a file
+/// cut short meanwhile): reading through the descriptor makes that an answer, where a mapping would
+/// end the process.
 void sum_blocks(const Stretch& stretch, unsigned threads,
                 const std::function<void(std::uint64_t block, std::optional<std::uint64_t> sum)>& act);
 

@@ -33,7 +33,8 @@ ByteStream::ByteStream(const std::filesystem::path& path, std::span<const std::b
     : path_(path), rest_(source), source_bytes_(source.size()) {
   if (!may_be_packed || !begins_as_packed(source)) return;
   auto inflater = std::make_unique<Inflater>();
-  if (::inflateInit2(&inflater->stream, 15 + 32) != Z_OK) throw std::bad_alloc();  // +32: gzip or zlib, by its header
+  // +32: gzip or zlib, by its header
+  if (::inflateInit2(&inflater->stream, 15 + 32) != Z_OK) throw std::bad_alloc();
   inflater_ = std::move(inflater);
 }
 
@@ -47,7 +48,8 @@ std::uint64_t ByteStream::read_packed(std::span<std::byte> bytes) {
   while (filled < bytes.size() && !inflater_->finished) {
     if (stream.avail_in == 0) {
       const std::size_t piece = std::min(rest_.size(), largest_piece);
-      stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(rest_.data()));  // zlib only reads it
+      // zlib only reads it
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(rest_.data()));
       stream.avail_in = static_cast<uInt>(piece);
       rest_ = rest_.subspan(piece);
     }

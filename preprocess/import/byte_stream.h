@@ -10,8 +10,8 @@
 
 namespace rhoray::preprocess {
 
-/// Bytes read piece by piece from memory that outlives the stream: plain, or unpacked on the way when they begin as
-/// gzip or zlib data do and `may_be_packed`.
+/// Bytes read piece by piece from memory that outlives the stream: plain, or unpacked on the way
+/// when they begin as gzip or zlib data do and `may_be_packed`.
 class ByteStream {
  public:
   ByteStream(const std::filesystem::path& path, std::span<const std::byte> source, bool may_be_packed);
@@ -24,8 +24,8 @@ class ByteStream {
   /// Fills `bytes` from the next ones; refuses when they end first or are damaged.
   void read(std::span<std::byte> bytes, std::string_view what);
 
-  /// Reads up to `most` bytes more and returns how many there were. At the end of a packed stream its own checksum is
-  /// verified.
+  /// Reads up to `most` bytes more and returns how many there were. At the end of a packed stream
+  /// its own checksum is verified.
   std::uint64_t drain(std::uint64_t most);
 
  private:

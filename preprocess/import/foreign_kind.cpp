@@ -20,8 +20,8 @@ struct KindByName {
   std::string_view worker = import_worker;
 };
 
-// The families of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which others use too, are
-// answered by the file itself.
+// The families of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which
+// others use too, are answered by the file itself.
 constexpr KindByName kinds[] = {
     {".nrrd", ForeignKind::volume},
     {".nhdr", ForeignKind::volume},
@@ -141,7 +141,8 @@ const KindByName* row_of(const std::filesystem::path& path) {
   return found == std::end(kinds) ? nullptr : found;
 }
 
-/// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is none.
+/// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is
+/// none.
 std::string legacy_vtk_dataset(const std::filesystem::path& path) {
   std::string head = first_bytes(path, 4096);
   if (!head.starts_with("# vtk DataFile")) return {};
@@ -189,7 +190,8 @@ std::string_view worker_for(const std::filesystem::path& path) {
 
 namespace {
 
-/// The header beside a file that says where its samples are: one that names it, or its numbered kind.
+/// The header beside a file that says where its samples are: one that names it, or its numbered
+/// kind.
 std::filesystem::path header_that_names(const std::filesystem::path& path) {
   constexpr std::string_view headers[] = {".nhdr", ".nrrd", ".mhd", ".bov"};
   const std::string name = path.filename().string(), numbered = path.stem().string() + ".%";

@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Size of a file whose reader reads no other; 0 for a header that may name others, a folder, or one of several files.
+/// Size of a file whose reader reads no other; 0 for a header that may name others, a folder, or
+/// one of several files.
 std::uint64_t bytes_of_single_file(const fs::path& path) {
   constexpr std::string_view alone[] = {".nii", ".nii.gz", ".vti", ".vtr", ".vtu",  ".vts", ".vtk",  ".slc", ".cube",
                                         ".dcm", ".zip",    ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm",

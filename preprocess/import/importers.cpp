@@ -18,8 +18,8 @@ struct Importer {
   Function* read;
 };
 
-// One line for each extension, or kind of folder; foreign_kind.cpp says the same to those who only ask (a test compares
-// the two).
+// One line for each extension, or kind of folder; foreign_kind.cpp says the same to those who only
+// ask (a test compares the two).
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> volume_importers[] = {
     {".nrrd", read_nrrd},
     {".nhdr", read_nrrd},

@@ -109,7 +109,8 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
   if (!is_finite(map.x_axis) || !is_finite(map.y_axis) || !is_finite(map.z_axis) || !is_finite(map.origin))
     refuse_input(path, "header", "an origin, spacing or direction that is not finite", "finite numbers");
   const double volume_of_axes = map.x_axis.length() * map.y_axis.length() * map.z_axis.length();
-  if (!(std::abs(map.determinant()) > 1e-9 * volume_of_axes))  // sine of the smallest angle; written so that 0 refuses
+  // sine of the smallest angle; written so that 0 refuses
+  if (!(std::abs(map.determinant()) > 1e-9 * volume_of_axes))
     refuse_input(path, "header", "axes that lie in one plane, or a spacing of 0", "three independent axes");
   if (volume.type != ElementType::I64 && volume.type != ElementType::U64) return;
   std::optional<Array<std::byte>> doubles = volume.type == ElementType::I64 ? as_doubles<std::int64_t>(volume.samples)
@@ -299,7 +300,8 @@ PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<s
       step[axis] = (places.back() - places.front()) / static_cast<double>(places.size() - 1);
       continue;
     }
-    if (places.back() < places.front()) step[axis] = -1;  // a table rises: its axis points the other way
+    // a table rises: its axis points the other way
+    if (places.back() < places.front()) step[axis] = -1;
     for (const double place : places) grid.axes[a].push_back(step[axis] * place);
   }
   grid.world_from_grid = axis_parallel(step, origin);

@@ -33,11 +33,12 @@ bool is_native(formats::ElementType type, bool big_endian);
 
 void set_samples(NeutralVolume& volume, Array<std::byte> samples);
 
-/// Samples that stand in the file as they are wanted stay there: no copy is made on the way to the packer.
+/// Samples that stand in the file as they are wanted stay there: no copy is made on the way to the
+/// packer.
 void leave_samples_in(NeutralVolume& volume, const ForeignFile& file, std::span<const std::byte> samples);
 
-/// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are refused otherwise; a
-/// map that is not finite or not invertible is refused.
+/// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are
+/// refused otherwise; a map that is not finite or not invertible is refused.
 void finish_volume(NeutralVolume& volume, const std::filesystem::path& path);
 
 /// Axes along x, y, z with this spacing.
@@ -49,21 +50,23 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  Array<std::byte> owned;                    ///< either this,
-  std::span<const std::byte> values;         ///< or a view of memory that outlives the array; native order,
+  Array<std::byte> owned;  ///< either this,
+  /// or a view of memory that outlives the array; native order,
+  std::span<const std::byte> values;
   std::function<Array<std::byte>()> load{};  ///< or a way to read them, when they are chosen
 };
 
-/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}), or, on an axis that has
-/// a table, at the table's entry instead of the index.
+/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}), or,
+/// on an axis that has a table, at the table's entry instead of the index.
 struct PointGrid {
   Index3 point_count;
   Affine world_from_grid;
   std::array<std::vector<double>, 3> axes{};
 };
 
-/// The grid whose points stand at these positions along x, y and z, rising or falling. An axis whose steps are equal,
-/// as far as numbers of this precision can tell, needs no table. Refuses positions that are not finite or turn back.
+/// The grid whose points stand at these positions along x, y and z, rising or falling. An axis
+/// whose steps are equal, as far as numbers of this precision can tell, needs no table. Refuses
+/// positions that are not finite or turn back.
 /// @param relative_precision  of one position, such as 2^-23 for 32-bit floats
 PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
                            double relative_precision);
@@ -78,16 +81,17 @@ class VectorsOnly : public Error {
   std::string first_;
 };
 
-/// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag;
-/// empty takes the first with one component, or throws VectorsOnly. Values in cells become samples at the middles of
-/// cells, with a note.
+/// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z,
+/// NAME.<n>, NAME.mag; empty takes the first with one component, or throws VectorsOnly. Values in
+/// cells become samples at the middles of cells, with a note.
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 
 using TakeField = NeutralVolume(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                                 const std::string& field);
 
-/// The colours in one array of 3 or 4 8-bit components at points: the one that `field` names, or the first.
+/// The colours in one array of 3 or 4 8-bit components at points: the one that `field` names, or
+/// the first.
 NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 

@@ -20,7 +20,8 @@ class WordReader {
   bool at_end();                                     ///< nothing but white space is left
   std::string_view word(std::string_view expected);  ///< refuses at the end of the file
   std::string_view peek() const;                     ///< the next word, not taken; empty at the end
-  std::string_view line();                           ///< the rest of this line, without its end; refuses at the end
+  /// the rest of this line, without its end; refuses at the end
+  std::string_view line();
   std::span<const std::byte> bytes(std::uint64_t count, std::string_view expected);
 
   template <class T>
@@ -47,15 +48,16 @@ class WordReader {
   std::size_t last_ = 0;
 };
 
-/// Reads a file line by line, each split into words at white space and commas; lines that are empty or hold only a
-/// comment are passed over.
+/// Reads a file line by line, each split into words at white space and commas; lines that are empty
+/// or hold only a comment are passed over.
 class LineReader {
  public:
   /// @param comment  begins a comment that reaches to the end of its line
   explicit LineReader(const ForeignFile& file, char comment = '#')
       : file_(file), text_(file.text()), comment_(comment) {}
 
-  bool next();                           ///< moves to the next line that says something; false at the end
+  /// moves to the next line that says something; false at the end
+  bool next();
   void need(std::string_view expected);  ///< as next, but refuses at the end
   const std::vector<std::string_view>& words() const { return words_; }
   std::size_t line_number() const { return line_number_; }

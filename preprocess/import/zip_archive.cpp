@@ -40,7 +40,8 @@ void read_zip(const std::filesystem::path& path,
     char name[4096];
     if (unzGetCurrentFileInfo64(archive.get(), &info, name, sizeof name, nullptr, 0, nullptr, 0) != UNZ_OK)
       refuse_input(path, "table of contents", "a damaged entry", "a zip archive");
-    if (info.size_filename > sizeof name)  // minizip fills the array and writes no zero byte behind a name that long
+    // minizip fills the array and writes no zero byte behind a name that long
+    if (info.size_filename > sizeof name)
       refuse_input(path, "table of contents", concat("a name of ", info.size_filename, " bytes"),
                    concat("at most ", sizeof name));
     const std::string entry(name, ::strnlen(name, info.size_filename));

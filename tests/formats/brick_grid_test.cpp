@@ -104,7 +104,7 @@ TEST(BrickGrid, cells_that_touch_a_sample_without_data_are_absent_from_the_level
   EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
 }
 
-// ---- deep findings -------------------------------------------------------------------------------------------------
+// ---- deep findings ------------------------------------------------------------------------------
 
 using Sample = tests::GridSample<std::int16_t>;
 

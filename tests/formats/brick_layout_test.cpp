@@ -8,7 +8,8 @@
 namespace rhoray::formats {
 namespace {
 
-/// The address by the definition: sample in brick, brick in superbrick, superbrick in array, each x fastest.
+/// The address by the definition: sample in brick, brick in superbrick, superbrick in array, each x
+/// fastest.
 std::uint64_t address_by_definition(const BrickLayout& layout, const Index3& p) {
   const std::int64_t n = layout.brick_edge;
   const Index3 m = layout.superbrick_edge, count = layout.superbrick_count();
@@ -67,10 +68,13 @@ TEST(BrickLayout, superbricks_add_at_most_a_share_of_1_5_percent_and_are_as_larg
 }
 
 TEST(BrickLayout, real_sizes_are_packed_with_little_padding) {
-  EXPECT_EQ(BrickLayout::bricked({512, 512, 1734}).superbrick_edge, Index3(8, 8, 8));  // z: 434 bricks, 6 more
+  // z: 434 bricks, 6 more
+  EXPECT_EQ(BrickLayout::bricked({512, 512, 1734}).superbrick_edge, Index3(8, 8, 8));
   EXPECT_EQ(BrickLayout::bricked({512, 512, 1734}).padded_count(), Index3(512, 512, 1760));
-  EXPECT_EQ(BrickLayout::bricked({256, 256, 109}).superbrick_edge, Index3(8, 8, 7));  // z: 28 bricks
-  EXPECT_EQ(BrickLayout::bricked({256, 256, 172}).superbrick_edge, Index3(8, 8, 1));  // z: 43 bricks, a prime
+  // z: 28 bricks
+  EXPECT_EQ(BrickLayout::bricked({256, 256, 109}).superbrick_edge, Index3(8, 8, 7));
+  // z: 43 bricks, a prime
+  EXPECT_EQ(BrickLayout::bricked({256, 256, 172}).superbrick_edge, Index3(8, 8, 1));
 }
 
 }  // namespace

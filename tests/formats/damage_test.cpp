@@ -20,12 +20,12 @@
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
 
-// What "refused or harmless" means here, and is checked for every damaged file:
+// "Refused or harmless", checked for every damaged file, means:
 //   - opening refuses it with an Error, or
-//   - it opens, and then `damaged_blocks` names the block that holds the changed byte, and no other;
-//   - and in that case, also for a caller who never asks for damaged blocks, the grid or mesh made from it either
-//   refuses
-//     with an Error or hands out views that stay inside the file and indices that stay inside their arrays.
+//   - it opens, and then `damaged_blocks` names only the block that holds the changed byte.
+//     The grid or mesh made from such a file then either refuses with an Error, or hands out views
+//     that stay inside the file and indices that stay inside their arrays. This also holds for a
+//     caller who never calls `damaged_blocks`.
 namespace rhoray::formats {
 namespace {
 
@@ -84,7 +84,8 @@ double sum_of_samples(const BrickGrid& grid, std::size_t field) {
   return sum;
 }
 
-/// Reads everything that a renderer would, through the indices that the file holds. Runs under address sanitizer too.
+/// Reads everything that a renderer would, through the indices that the file holds. Runs under
+/// address sanitizer too.
 double read_all(const PackedFile& file) {
   double sum = 0;
   const auto add_levels = [&sum](const auto& levels) {
@@ -244,7 +245,8 @@ void make_large_file(const MemoryFile& memory) {
   std::vector<std::uint64_t> part(1 << 20);
   std::uint64_t value = 1;
   for (std::uint64_t at = 0; at < bytes; at += part.size() * 8) {
-    for (std::uint64_t& number : part) number = value *= 6364136223846793005U;  // odd numbers never come to 0
+    // odd numbers never come to 0
+    for (std::uint64_t& number : part) number = value *= 6364136223846793005U;
     writer.write("all", at, std::as_bytes(std::span(part)));
   }
   writer.commit();

@@ -5,9 +5,10 @@
 
 namespace rhoray::tests {
 
-/// While it lives, one call of the system that this process makes for writing fails: the N-th (from 1) of pwrite,
-/// fallocate, ftruncate, fsync, close, fcntl, linkat, renameat, renameat2, fchmod and fchown, counted together.
-/// The functions stand in failing_calls.cpp, which takes the place of the C library's in this program.
+/// While it lives, one call of the system that this process makes for writing fails: the N-th (from
+/// 1) of pwrite, fallocate, ftruncate, fsync, close, fcntl, linkat, renameat, renameat2, fchmod and
+/// fchown, counted together. The functions stand in failing_calls.cpp, which takes the place of the
+/// C library's in this program.
 class FailingCall {
  public:
   FailingCall(int position, int error);

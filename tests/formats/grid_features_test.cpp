@@ -7,7 +7,8 @@
 #include "tests/support/made_grid.h"
 #include "tests/support/resealed.h"
 
-// What version 1.1 adds to grids: positions along axes, bricks that are not stored, several fields, certificates.
+// What version 1.1 adds to grids: positions along axes, bricks that are not stored, several fields,
+// certificates.
 namespace rhoray::formats {
 namespace {
 
@@ -186,7 +187,8 @@ TEST(SparseGrid, of_a_lattice_far_longer_than_its_data_is_sound) {
 
 TEST(SparseGrid, deep_findings_name_each_kind_of_lie) {
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid&) {}), IsEmpty());
-  // Slot 0 holds brick 11, samples (8, 4, 4) to (11, 7, 7): of its 4 x 4 x 4 places only (8, 4, 4) and (8, 5, 4) count.
+  // Slot 0 holds brick 11, samples (8, 4, 4) to (11, 7, 7): of its 4 x 4 x 4 places only (8, 4, 4)
+  // and (8, 5, 4) count.
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid& g) { set(g.arrays["samples"], 1, 7.0F); }),
               ElementsAre("padding of a sparse grid that is not NaN: sample (9, 4, 4)"));
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid& g) { g.description.fields[0].no_data_count = 1; }),

@@ -7,8 +7,8 @@
 #include "tests/support/longer_table.h"
 #include "tests/support/memory_file.h"
 
-// Files with right checksums whose tables are larger than what readers keep of a cluster. The renderer once wrote past
-// the end of arrays of 256 on its stack.
+// Files with right checksums whose tables are larger than what readers keep of a cluster. The
+// renderer once wrote past the end of arrays of 256 on its stack.
 namespace rhoray::formats {
 namespace {
 

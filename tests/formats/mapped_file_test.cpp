@@ -65,8 +65,8 @@ TEST_F(LostBytes, are_zeros_from_the_page_on_and_the_file_counts_as_damaged) {
   EXPECT_NO_THROW(require_no_lost_bytes()) << "it was told of before";
 }
 
-// The system raises a signal for whole pages only; behind the end inside a page it reads zeros. A file that was cut
-// there was packed with these zeros and exit code 0.
+// The system raises a signal for whole pages only; behind the end inside a page it reads zeros. A
+// file that was cut there was packed with these zeros and exit code 0.
 TEST_F(LostBytes, inside_the_last_page_are_known_by_the_size_of_the_file) {
   const MemoryFile file(std::string(2 * page, '\1')), other(std::string(2 * page, '\1'));
   const MappedFile mapped(file.descriptor(), 2 * page, "short.raw"), told(other.descriptor(), 2 * page, "told.raw");
@@ -95,7 +95,8 @@ TEST_F(LostBytes, are_told_of_once_and_also_after_the_mapping_is_gone) {
   file.resize(0);
   EXPECT_EQ(sum(mapped->bytes()), 0U);
   mapped.reset();
-  const MappedFile next(MemoryFile(std::string(page, '\1')).descriptor(), page, "next");  // may get its address
+  // may get its address
+  const MappedFile next(MemoryFile(std::string(page, '\1')).descriptor(), page, "next");
   EXPECT_NO_THROW(next.require_intact());
   expect_error(ErrorCode::invalid, "gone.nrrd: lost bytes", [] { require_no_lost_bytes(); });
   EXPECT_NO_THROW(require_no_lost_bytes());

@@ -12,7 +12,8 @@
 #include "tests/support/packed_samples.h"
 #include "tests/support/temporary_folder.h"
 
-// What lets a ray pass cells by, against the samples, points and cells themselves: each kind of file, each level of it.
+// What lets a ray pass cells by, against the samples, points and cells themselves: each kind of
+// file, each level of it.
 
 namespace rhoray::formats {
 namespace {
@@ -211,7 +212,8 @@ TEST(RangeProof, refuses_a_field_that_has_values_beyond_its_range_or_gaps_that_i
 }
 
 TEST(RangeProof, refuses_an_infinite_sample_that_is_denied) {
-  // Infinity is not below infinity: a range of all numbers contains it, and cells at it have no data all the same.
+  // Infinity is not below infinity: a range of all numbers contains it, and cells at it have no
+  // data all the same.
   MadeGrid spoilt = grid([](std::int64_t i, std::int64_t j, std::int64_t k) {
     return i == 5 && j == 5 && k == 5 ? std::numeric_limits<float>::infinity() : wavy(i, j, k);
   });
@@ -230,7 +232,7 @@ TEST(RangeProof, is_of_one_field_and_does_not_ask_about_others) {
                [&] { prove_ranges(opened<BrickGrid>(file), 1); });
 }
 
-// ---- leaf lists ----------------------------------------------------------------------------------------------------
+// ---- leaf lists ---------------------------------------------------------------------------------
 
 /// The leaf cell around a point, in the sample's lattice.
 std::size_t leaf_around(const TetSample& sample, const Vec3& p) {
@@ -248,7 +250,8 @@ TetSample without_item(TetSample sample, std::size_t item) {
   return sample;
 }
 
-// A cell left out of one list is not seen there. Deep checks once looked only at the leaf cell of each centroid.
+// A cell left out of one list is not seen there. Deep checks once looked only at the leaf cell of
+// each centroid.
 TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_leaf_cell) {
   const TetSample sample = tests::sample_tets(2, {{"flat", [](const Vec3&) { return 1.0; }}}, {3, 4, 5}, {1, 1.5, 2});
   std::size_t taken_out = 0, not_sampled = 0;
@@ -284,15 +287,16 @@ TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_lea
 }
 
 TEST(RangeProof, lets_lists_leave_out_cells_that_stay_clear) {
-  // Lists by bounding boxes name more cells than touch. Without those that are clear by a hundredth of a leaf cell the
-  // lists are still proven, so that it is touching that counts and not the box.
+  // Lists by bounding boxes name more cells than touch. Without those that are clear by a hundredth
+  // of a leaf cell the lists are still proven, so that it is touching that counts and not the box.
   const TetSample sample = tests::sample_tets(1, {{"flat", [](const Vec3&) { return 1.0; }}}, {4, 4, 4});
   std::size_t left_out = 0;
   for (std::size_t leaf = 0; leaf + 1 < sample.offsets.size(); ++leaf) {
     const Index3 at(static_cast<std::int64_t>(leaf % 4), static_cast<std::int64_t>(leaf / 4 % 4),
                     static_cast<std::int64_t>(leaf / 16));
     for (std::size_t item = sample.offsets[leaf]; item < sample.offsets[leaf + 1]; ++item) {
-      // Cell n of a brick is where coordinates fall in the order of its axes (tests/support/packed_samples.h).
+      // Cell n of a brick is where coordinates fall in the order of its axes
+      // (tests/support/packed_samples.h).
       constexpr std::array<std::array<int, 3>, 6> paths{
           {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};
       const auto& order = paths[sample.items[item]];

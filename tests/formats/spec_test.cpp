@@ -85,7 +85,8 @@ std::string spec() {
   return tests::read_file(RHORAY_SPEC_FILE);
 }
 
-/// The grid that SPEC.md describes in words: 2 x 2 x 2 samples i + 10 j + 100 k in the linear layout.
+/// The grid that SPEC.md describes in words: 2 x 2 x 2 samples i + 10 j + 100 k in the linear
+/// layout.
 std::string example_written_now() {
   const auto grid = tests::sample_grid<std::uint8_t>(
       BrickLayout::linear({2, 2, 2}),

@@ -84,7 +84,8 @@ TEST(TetMesh, ids_of_the_source_are_kept_where_cells_were_dropped) {
 TetSample reordered_mesh() {
   TetSample sample = small_mesh();
   sample.description.in_source_order = false;
-  for (std::uint32_t c = 0; c < 48; ++c) sample.cell_ids.push_back((c * 5 + 1) % 48 / 6);  // six cut from one
+  // six cut from one
+  for (std::uint32_t c = 0; c < 48; ++c) sample.cell_ids.push_back((c * 5 + 1) % 48 / 6);
   for (std::uint32_t p = 0; p < 27; ++p) sample.point_ranks.push_back((p * 4 + 3) % 27);
   return sample;
 }
@@ -127,7 +128,7 @@ TEST(TetMesh, comes_back_as_written_in_clusters_of_any_size) {
   }
 }
 
-// ---- content that would lead a reader astray -----------------------------------------------------------------------
+// ---- content that would lead a reader astray ----------------------------------------------------
 
 void open_after(const std::function<void(TetSample&)>& spoil) {
   TetSample sample = small_mesh();
@@ -214,7 +215,7 @@ TEST(TetMesh, names_the_first_bad_element_of_large_arrays) {
   }
 }
 
-// ---- deep findings -------------------------------------------------------------------------------------------------
+// ---- deep findings ------------------------------------------------------------------------------
 
 std::vector<std::string> findings_after(const std::function<void(TetSample&)>& spoil) {
   TetSample sample = small_mesh();

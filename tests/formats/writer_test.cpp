@@ -234,7 +234,8 @@ TEST(PackedFileWriter, a_limit_on_file_size_leaves_the_old_file_and_nothing_else
   EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.rho"));
 }
 
-// Space that was reserved and is refused later all the same: the write that crosses the limit comes back short first.
+// Space that was reserved and is refused later all the same: the write that crosses the limit comes
+// back short first.
 TEST(PackedFileWriter, a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1);
@@ -274,8 +275,8 @@ TEST(PackedFileWriter, a_full_disk_is_met_before_the_work_and_leaves_nothing) {
   EXPECT_EQ(code, 0);
 }
 
-// The child writes the same content again and again in small pieces; it is killed at moments that differ, counted from
-// its first piece.
+// The child writes the same content again and again in small pieces; it is killed at moments that
+// differ, counted from its first piece.
 TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a_complete_second_name) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1, false, 200'000);
@@ -309,7 +310,8 @@ TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a
     EXPECT_LE(names.size(), 2U);
     for (const std::string& name : names) {
       EXPECT_EQ(value_in(folder / name), 1) << "only a complete file may have a second name for a moment";
-      if (name != "a.rho") fs::remove(folder / name);  // here; a new process does it itself (pending_file_test.cpp)
+      // here; a new process does it itself (pending_file_test.cpp)
+      if (name != "a.rho") fs::remove(folder / name);
     }
   }
 }
@@ -336,7 +338,7 @@ TEST(PackedFileWriter, a_kill_while_writing_a_new_file_leaves_an_empty_folder) {
   EXPECT_THAT(names_in(folder.path()), testing::IsEmpty());
 }
 
-// ---- file systems without anonymous files --------------------------------------------------------------------------
+// ---- file systems without anonymous files -------------------------------------------------------
 
 void write_named(const fs::path& path, std::string_view content, bool replace) {
   PendingFile file(path, {.replace_existing = replace, .anonymous = false});

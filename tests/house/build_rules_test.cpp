@@ -51,7 +51,8 @@ TEST(House, compiles_every_own_source_with_one_set_of_warnings_and_one_arithmeti
 }
 
 TEST(House, links_tetgen_and_cgals_number_types_into_the_worker_only) {
-  const std::regex viral("libtet|libmpfr|libCGAL");  // GMP itself, under the LGPL, is also render/exact's
+  // GMP itself, under the LGPL, is also render/exact's
+  const std::regex viral("libtet|libmpfr|libCGAL");
   const auto libraries = [](const char* program) { return run_program({"ldd", program}).out; };
   EXPECT_TRUE(std::regex_search(libraries(RHORAY_TETGEN_WORKER), viral)) << "is this still how the worker is linked?";
   EXPECT_FALSE(std::regex_search(libraries(RHORAY_PROGRAM), viral));

@@ -28,9 +28,9 @@ const Layer rooms[] = {{"formats", {}},
                        {"tools", {"preprocess", "render", "formats"}},
                        {"tests", {"tools", "data", "preprocess", "render", "formats"}}};
 
-/// From the lowest layer to the highest. A place is a folder without its subfolders, or a single file; "formats" stands
-/// for its public headers. What stands directly in a room may include all of the room. A folder that is missing here is
-/// refused.
+/// From the lowest layer to the highest. A place is a folder without its subfolders, or a single
+/// file; "formats" stands for its public headers. What stands directly in a room may include all of
+/// the room. A folder that is missing here is refused.
 const Layer layers[] = {
     {"render/traverse", {"formats/base"}},
     {"render/cell", {"formats/base", "render/traverse"}},
@@ -90,7 +90,8 @@ const Layer layers[] = {
     {"preprocess/workers/vdb",
      {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/numbers.h"}}};
 
-/// Which folders include a third-party library. `header` is a pattern for the text between the brackets.
+/// Which folders include a third-party library. `header` is a pattern for the text between the
+/// brackets.
 struct Library {
   std::string_view name;
   std::regex header;

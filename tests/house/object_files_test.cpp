@@ -21,7 +21,8 @@ std::vector<std::filesystem::path> render_objects() {
   return found;
 }
 
-/// Functions of which the linker keeps one of several copies, by their names as the linker sees them.
+/// Functions of which the linker keeps one of several copies, by their names as the linker sees
+/// them.
 std::set<std::string> weak_functions(const std::filesystem::path& object) {
   const RunResult listed = run_program({"nm", "--defined-only", object});
   EXPECT_EQ(listed.exit_code, 0) << listed.err;
@@ -68,7 +69,8 @@ TEST(ObjectFiles, of_render_hold_no_code_for_one_machine_that_another_may_be_giv
     const Disassembled code = disassembled(object);
     functions_with_avx += code.with_avx.size();
     for (const std::string& function : code.with_avx) {
-      const bool is_of_one_machine = function.find("N_AVX") != function.npos;  // its name says for which
+      // its name says for which
+      const bool is_of_one_machine = function.find("N_AVX") != function.npos;
       EXPECT_TRUE(is_of_one_machine || !weak.contains(function)) << object << ": " << function;
     }
   }

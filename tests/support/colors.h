@@ -8,7 +8,8 @@
 
 namespace rhoray::tests {
 
-/// Colours given by their positions in the lattice. Do not copy the result: its span would look into the original.
+/// Colours given by their positions in the lattice. Do not copy the result: its span would look
+/// into the original.
 /// @param texel  red, green, blue and alpha, of which the first component_count are kept
 inline preprocess::NeutralVolume colors_of(const Index3& count, int component_count,
                                            const std::function<std::array<std::uint8_t, 4>(const Index3&)>& texel,

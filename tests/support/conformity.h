@@ -31,10 +31,12 @@ inline double mesh_volume(const preprocess::NeutralMesh& mesh) {
 
 /// How the tetrahedra of a mesh share their faces.
 struct FaceCensus {
-  std::uint64_t inner = 0;     ///< shared by two that see it from two sides
-  std::uint64_t one_side = 0;  ///< shared by two that see it from the same side: one of them is inverted or misplaced
-  std::uint64_t crowded = 0;   ///< shared by more than two
-  std::vector<std::array<std::uint64_t, 3>> outer;  ///< of one tetrahedron only; seen from outside, sorted
+  std::uint64_t inner = 0;  ///< shared by two that see it from two sides
+  /// shared by two that see it from the same side: one of them is inverted or misplaced
+  std::uint64_t one_side = 0;
+  std::uint64_t crowded = 0;  ///< shared by more than two
+  /// of one tetrahedron only; seen from outside, sorted
+  std::vector<std::array<std::uint64_t, 3>> outer;
 };
 
 inline FaceCensus census_of_faces(const preprocess::NeutralMesh& mesh) {
@@ -71,8 +73,9 @@ inline FaceCensus census_of_faces(const preprocess::NeutralMesh& mesh) {
   return census;
 }
 
-/// Whether every face is shared by two tetrahedra, one on each side, or lies outside: `is_outside(a, b, c)` says which
-/// triangles, given by their points, may do so. So a face that two neighbours cut differently is found.
+/// Whether every face is shared by two tetrahedra, one on each side, or lies outside:
+/// `is_outside(a, b, c)` says which triangles, given by their points, may do so. So a face that two
+/// neighbours cut differently is found.
 template <class IsOutside>
 testing::AssertionResult conforms(const preprocess::NeutralMesh& mesh, IsOutside&& is_outside) {
   const FaceCensus census = census_of_faces(mesh);

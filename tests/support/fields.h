@@ -24,7 +24,8 @@ inline Field linear_field(const Vec3& slope, double offset = 0) {
   return [=](const Vec3& p) { return offset + slope.dot(p); };
 }
 
-/// x y z: the trilinear interpolant of its samples on any axis-parallel lattice is the field itself.
+/// x y z: the trilinear interpolant of its samples on any axis-parallel lattice is the field
+/// itself.
 inline Field product_field() {
   return [](const Vec3& p) { return p.x * p.y * p.z; };
 }
@@ -53,8 +54,8 @@ inline Affine lattice_over(const Box3& box, const Index3& count) {
   return map;
 }
 
-/// A volume of samples of type T given by their positions in the lattice. Do not copy the result: its span would look
-/// into the original.
+/// A volume of samples of type T given by their positions in the lattice. Do not copy the result:
+/// its span would look into the original.
 template <class T>
 preprocess::NeutralVolume volume_of(const Index3& count, const std::function<T(const Index3&)>& sample,
                                     const Affine& world_from_grid = {}) {

@@ -6,7 +6,8 @@
 
 namespace rhoray::tests {
 
-/// A floating-point environment that a host program, or a library in it, may have set for its threads.
+/// A floating-point environment that a host program, or a library in it, may have set for its
+/// threads.
 struct HostFloatingPoint {
   const char* name;
   int rounding = FE_TONEAREST;
@@ -55,7 +56,8 @@ class InHostFloatingPoint {
 #if defined(__x86_64__)
     const unsigned word = __builtin_ia32_stmxcsr();
     if (((word & 0x8000) != 0) != set_.flushes_results || ((word & 0x0040) != 0) != set_.flushes_operands) return false;
-    constexpr unsigned of_sse[] = {0x0000, 0x2000, 0x4000, 0x6000};  // nearest, downward, upward, toward zero
+    // nearest, downward, upward, toward zero
+    constexpr unsigned of_sse[] = {0x0000, 0x2000, 0x4000, 0x6000};
     const unsigned expected = set_.rounding == FE_TONEAREST  ? of_sse[0]
                               : set_.rounding == FE_DOWNWARD ? of_sse[1]
                               : set_.rounding == FE_UPWARD   ? of_sse[2]

@@ -11,7 +11,8 @@
 
 namespace rhoray::tests {
 
-/// The released mesh with clusters; its last table has `added` further vertices, all of them the first point.
+/// The released mesh with clusters; its last table has `added` further vertices, all of them the
+/// first point.
 /// @param added  a multiple of 16, so that no byte of padding changes
 inline std::string with_longer_table(const std::filesystem::path& released_files, std::uint64_t added) {
   std::string file = read_file(released_files / "1.2-clustered-tets.rho");

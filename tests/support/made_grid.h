@@ -58,7 +58,8 @@ inline formats::BrickGrid opened(const std::string& file) {
   return formats::BrickGrid(formats::PackedFile::from_descriptor(memory.descriptor(), "g.rho"));
 }
 
-/// Brick b of `samples`, which lie brick by brick, with NaN in the place of padding; true when it holds data.
+/// Brick b of `samples`, which lie brick by brick, with NaN in the place of padding; true when it
+/// holds data.
 inline bool take_brick(const MadeGridChoice& choice, const std::vector<float>& samples, std::int64_t b,
                        std::vector<float>& brick) {
   const std::int64_t n = choice.brick_edge;
@@ -76,7 +77,8 @@ inline bool take_brick(const MadeGridChoice& choice, const std::vector<float>& s
   return holds_data;
 }
 
-/// Fields of F32 in bricks without superbricks; a sparse grid keeps those in which a field has data, last one first.
+/// Fields of F32 in bricks without superbricks; a sparse grid keeps those in which a field has
+/// data, last one first.
 inline MadeGrid made_grid(const MadeGridChoice& choice, const std::vector<MadeField>& fields) {
   MadeGrid made;
   formats::GridDescription& d = made.description;

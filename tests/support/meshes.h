@@ -37,12 +37,15 @@ inline void add_point_field(preprocess::NeutralMesh& mesh, const std::string& na
 struct BoxMesh {
   Index3 cells{4, 4, 4};  ///< cubes per axis; each becomes six tetrahedra
   Box3 box{{0, 0, 0}, {1, 1, 1}};
-  double jitter = 0;   ///< points inside move by up to this share of a cube's edge; up to 0.15 no cell turns over
-  double grading = 1;  ///< last cube's edge over the first one's on every axis; volumes differ by its cube
+  /// points inside move by up to this share of a cube's edge; up to 0.15 no cell turns over
+  double jitter = 0;
+  /// last cube's edge over the first one's on every axis; volumes differ by its cube
+  double grading = 1;
   std::uint64_t seed = 1;
 };
 
-/// A conforming mesh of a box: every cube cut into six tetrahedra about its diagonal (Kuhn). All cells are positive.
+/// A conforming mesh of a box: every cube cut into six tetrahedra about its diagonal (Kuhn). All
+/// cells are positive.
 inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted) {
   preprocess::NeutralMesh mesh;
   const Index3 n = wanted.cells;
@@ -98,8 +101,9 @@ inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted, const Field& fiel
   return mesh;
 }
 
-/// Tetrahedra strewn over the unit cube, not connected: vertices within `size` of a random place, and squeezed to
-/// `flatness` of that along a random direction (1 = round, 1e-9 = slivers, 0 = flat up to rounding).
+/// Tetrahedra strewn over the unit cube, not connected: vertices within `size` of a random place,
+/// and squeezed to `flatness` of that along a random direction (1 = round, 1e-9 = slivers, 0 = flat
+/// up to rounding).
 inline preprocess::NeutralMesh strewn_mesh(std::size_t count, double size, double flatness, std::uint64_t seed) {
   preprocess::NeutralMesh mesh;
   std::mt19937_64 random(seed);

@@ -14,7 +14,8 @@
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 
-/// Small packed files with known content, made the plain way: by loops over all cells, with nothing of `preprocess`.
+/// Small packed files with known content, made the plain way: by loops over all cells, with nothing
+/// of `preprocess`.
 namespace rhoray::tests {
 
 struct MacroChoice {
@@ -149,9 +150,10 @@ struct TetSample {
   std::vector<std::uint32_t> point_ranks;  ///< likewise
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> items;
-  std::vector<std::vector<float>> values;               ///< per field, at points
-  std::vector<std::vector<std::vector<float>>> ranges;  ///< per field: leaf cells, level 1, ...; or clusters, ...
-  ClusterSample clusters;                               ///< where the description has them: instead of lists
+  std::vector<std::vector<float>> values;  ///< per field, at points
+  /// per field: leaf cells, level 1, ...; or clusters, ...
+  std::vector<std::vector<std::vector<float>>> ranges;
+  ClusterSample clusters;  ///< where the description has them: instead of lists
 
   formats::PackedFileWriter& write_into(formats::PackedFileWriter& writer) const {
     writer.write_all("points", std::span<const double>(points));
@@ -182,8 +184,9 @@ struct NamedField {
   std::function<double(const Vec3&)> value;
 };
 
-/// The box from (0, 0, 0) to `size`: edge^3 bricks, each of six tetrahedra around its diagonal, with fields taken at
-/// the points. Leaf lists hold every tetrahedron whose bounding box touches the leaf cell.
+/// The box from (0, 0, 0) to `size`: edge^3 bricks, each of six tetrahedra around its diagonal,
+/// with fields taken at the points. Leaf lists hold every tetrahedron whose bounding box touches
+/// the leaf cell.
 inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& fields, const Index3& leaf_count,
                              const Vec3& size = {1, 1, 1}, const MacroChoice& macro = {}) {
   TetSample mesh;
@@ -258,8 +261,9 @@ inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& f
   return mesh;
 }
 
-/// Entries of a tree of eights, each made of intervals per channel: 3 of a box, 1 of a field's range. As arrays of a
-/// file, [level][block][lo, hi][channel][entry], with empty entries up to the next multiple of eight.
+/// Entries of a tree of eights, each made of intervals per channel: 3 of a box, 1 of a field's
+/// range. As arrays of a file, [level][block][lo, hi][channel][entry], with empty entries up to the
+/// next multiple of eight.
 inline std::vector<std::vector<float>> tree_of_eights(std::vector<std::vector<Interval<float>>> entries) {
   std::vector<std::vector<float>> levels;
   for (;;) {

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-/// Packed files with valid checksums around changed content: what somebody writes who means harm. Follows SPEC.md with
-/// its own code, so that it also checks ours.
+/// Packed files with valid checksums around changed content: what somebody writes who means harm.
+/// Follows SPEC.md with its own code, so that it also checks ours.
 namespace rhoray::tests {
 
 struct Envelope {
@@ -22,7 +22,8 @@ inline Envelope open_envelope(const std::string& file) {
   std::memcpy(&text_bytes, file.data(), 8);
   Envelope parts{file.substr(8, text_bytes), {}};
   parts.json.erase(parts.json.find_last_not_of(' ') + 1);
-  // The table of sums and the seal follow the data: d bytes of data in ceil(d / 65536) blocks of 8 bytes, and 64.
+  // The table of sums and the seal follow the data: d bytes of data in ceil(d / 65536) blocks of 8
+  // bytes, and 64.
   const std::uint64_t rest = file.size() - 8 - text_bytes - 64;
   std::uint64_t data_bytes = 0;
   while (data_bytes + 8 * ((data_bytes + 65535) / 65536) != rest) ++data_bytes;
@@ -58,8 +59,8 @@ inline std::string seal_again(const Envelope& parts) {
   return header + parts.data + sums + seal;
 }
 
-/// A file whose header text has `from` replaced by `to`, sealed again. Throws when `from` is not there, so that a test
-/// does not go on testing an unchanged file.
+/// A file whose header text has `from` replaced by `to`, sealed again. Throws when `from` is not
+/// there, so that a test does not go on testing an unchanged file.
 inline std::string with_header_change(const std::string& file, std::string_view from, std::string_view to) {
   Envelope parts = open_envelope(file);
   const std::size_t at = parts.json.find(from);
@@ -95,8 +96,9 @@ inline ArrayPlace place_of(const Envelope& parts, const std::string& name) {
   return place;
 }
 
-/// An array with `bytes` behind its end, in a file whose header says so; the shape of the array stays with the caller.
-/// `bytes` is a multiple of 64, so that all arrays behind it keep their alignment.
+/// An array with `bytes` behind its end, in a file whose header says so; the shape of the array
+/// stays with the caller. `bytes` is a multiple of 64, so that all arrays behind it keep their
+/// alignment.
 inline void append_to_array(Envelope& parts, const std::string& name, std::string_view bytes) {
   if (bytes.size() % 64 != 0) throw std::runtime_error("not a multiple of 64 bytes");
   const ArrayPlace place = place_of(parts, name);

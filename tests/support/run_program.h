@@ -21,7 +21,8 @@ struct RunResult {
   std::string err;
 };
 
-/// Runs a program (looked up in PATH) with these words in this folder, standard input empty, and waits for its end.
+/// Runs a program (looked up in PATH) with these words in this folder, standard input empty, and
+/// waits for its end.
 inline RunResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder = ".") {
   const TemporaryFolder caught;
   const std::filesystem::path out = caught / "out", err = caught / "err";

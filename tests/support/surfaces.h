@@ -39,8 +39,9 @@ inline preprocess::NeutralSurface cube_surface(bool of_triangles = true) {
   return surface_of(points, triangles);
 }
 
-/// A closed surface round the middle: an octahedron whose triangles are cut into four so many times, 8 * 4^depth of
-/// them, with each point at radius(direction). Seen counter-clockwise from outside.
+/// A closed surface round the middle: an octahedron whose triangles are cut into four so many
+/// times, 8 * 4^depth of them, with each point at radius(direction). Seen counter-clockwise from
+/// outside.
 inline preprocess::NeutralSurface round_surface(
     int depth, const std::function<double(const Vec3&)>& radius = [](const Vec3&) { return 1.0; }) {
   std::vector<Vec3> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

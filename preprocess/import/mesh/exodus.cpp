@@ -1,6 +1,6 @@
-// Exodus II, a convention for netCDF files: which dimensions and variables there are and what they mean.
-// Source: Schoof and Yarberry, "EXODUS II: A Finite Element Data Model", SAND92-2137, and the node numberings of its
-// successor's manual (SEACAS).
+// Exodus II, a convention for netCDF files: which dimensions and variables there are and what they
+// mean. Source: Schoof and Yarberry, "EXODUS II: A Finite Element Data Model", SAND92-2137, and the
+// node numberings of its successor's manual (SEACAS).
 
 #include <algorithm>
 #include <cctype>
@@ -15,8 +15,9 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// An element type: how its name begins (the rest repeats the node count or says more about its use), what its cells
-/// are, and where VTK's node i stands in the file. An empty order is the same in both.
+/// An element type: how its name begins (the rest repeats the node count or says more about its
+/// use), what its cells are, and where VTK's node i stands in the file. An empty order is the same
+/// in both.
 struct ElementType {
   std::string_view beginning;
   std::uint64_t node_count;
@@ -24,14 +25,16 @@ struct ElementType {
   std::vector<std::uint8_t> order;
 };
 
-// Edges of hexahedra and wedges: the file has those below, upright, above, VTK those below, above, upright.
+// Edges of hexahedra and wedges: the file has those below, upright, above, VTK those below, above,
+// upright.
 const ElementType element_types[] = {
     {"TET", 4, CellKind::tetrahedron, {}},
     {"TET", 10, CellKind::quadratic_tetrahedron, {}},
     {"TET", 14, CellKind::quadratic_tetrahedron_14, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 11, 12, 10}},
     {"HEX", 8, CellKind::hexahedron, {}},
     {"HEX", 20, CellKind::quadratic_hexahedron, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
-    // The file: middle, below, above, left, right, front, back. VTK: left, right, front, back, below, above, middle.
+    // The file: middle, below, above, left, right, front, back. VTK: left, right, front, back,
+    // below, above, middle.
     {"HEX", 27, CellKind::triquadratic_hexahedron, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
                                                     18, 19, 12, 13, 14, 15, 23, 24, 25, 26, 21, 22, 20}},
     {"WED", 6, CellKind::wedge, {}},
@@ -117,7 +120,8 @@ class ExodusReader {
   void read_block(const NetcdfFile::Variable& connect, std::uint64_t number, std::int64_t id) {
     const std::string name = file_.text_attribute(connect, "elem_type");
     const Array<std::int64_t> nodes = file_.integers(connect, connect.shape);
-    const std::uint64_t each = connect.shape.size() == 2 ? connect.shape[1] : 0;  // polygons: all corners in one row
+    // polygons: all corners in one row
+    const std::uint64_t each = connect.shape.size() == 2 ? connect.shape[1] : 0;
     const std::uint64_t count =
         each == 0 ? file_.dimension(concat("num_el_in_blk", number)).value_or(0) : connect.shape[0];
     std::string beginning = in_capitals(name).substr(0, 3);
@@ -134,14 +138,16 @@ class ExodusReader {
                    ErrorCode::unsupported);
     const bool is_shell_of_three = flat->beginning == "SHE" && (each == 3 || each == 6);
     cells_.kinds.resize(cells_.kinds.size() + count, is_shell_of_three ? triangle : flat->kind);
-    cells_.offsets.resize(cells_.offsets.size() + count, cells_.nodes.size());  // left out, whatever their nodes are
+    // left out, whatever their nodes are
+    cells_.offsets.resize(cells_.offsets.size() + count, cells_.nodes.size());
   }
 
   void add_elements(const ElementType& type, const Array<std::int64_t>& nodes, std::uint64_t count) {
     cells_.nodes.reserve(cells_.nodes.size() + nodes.size());
     for (std::uint64_t element = 0; element < count; ++element) {
       const std::int64_t* from = nodes.data() + element * type.node_count;
-      for (std::uint64_t i = 0; i < type.node_count; ++i)  // counted from 1; a 0 becomes too large and is refused
+      // counted from 1; a 0 becomes too large and is refused
+      for (std::uint64_t i = 0; i < type.node_count; ++i)
         cells_.nodes.push_back(static_cast<std::uint64_t>(from[type.order.empty() ? i : type.order[i]]) - 1);
       cells_.offsets.push_back(cells_.nodes.size());
       cells_.kinds.push_back(static_cast<std::uint8_t>(type.kind));
@@ -170,8 +176,8 @@ class ExodusReader {
     return variable ? file_.texts(*variable) : std::vector<std::string>();
   }
 
-  /// The name of the vector whose three components begin at name i ("V_X", "V_Y", "V_Z" or "Vx", "Vy", "Vz"); empty
-  /// when there is none.
+  /// The name of the vector whose three components begin at name i ("V_X", "V_Y", "V_Z" or "Vx",
+  /// "Vy", "Vz"); empty when there is none.
   static std::string vector_name(const std::vector<std::string>& names, std::size_t i) {
     if (i + 3 > names.size()) return {};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -201,7 +207,8 @@ class ExodusReader {
     NeutralField field = new_field(names, i, owners);
     const auto width = static_cast<std::size_t>(field.component_count);
     bool is_double = false;
-    const auto together = file_.variable("vals_nod_var");  // all variables side by side in small old files
+    // all variables side by side in small old files
+    const auto together = file_.variable("vals_nod_var");
     Array<double> all;
     if (together) all = file_.numbers(*together, std::array{std::uint64_t{names.size()}, owners}, step_);
     for (std::size_t c = 0; c < width; ++c) {
@@ -252,7 +259,8 @@ class ExodusReader {
   std::vector<Block> blocks_;
   std::uint64_t step_ = 0;
   std::uint64_t variable_count_ = 0;
-  Array<std::int64_t> truth_;  ///< for each block and variable, whether it has values there; empty = everywhere
+  /// for each block and variable, whether it has values there; empty = everywhere
+  Array<std::int64_t> truth_;
 };
 
 }  // namespace

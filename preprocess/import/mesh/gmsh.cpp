@@ -1,5 +1,5 @@
-// Gmsh's own meshes, MSH 2 and 4.1, text and binary. Gmsh's library is not asked: it ends the process on damaged files,
-// and of elements that share a number it keeps one.
+// Gmsh's own meshes, MSH 2 and 4.1, text and binary. Gmsh's library is not asked: it ends the
+// process on damaged files, and of elements that share a number it keeps one.
 // Source: Gmsh Reference Manual, "MSH file format" and "MSH file format version 2".
 
 #include <algorithm>
@@ -34,7 +34,8 @@ class MshNumbers {
     if (is_swapped) std::reverse(raw.begin(), raw.end());
     return std::bit_cast<T>(raw);
   }
-  std::uint64_t count(std::string_view expected) { return next<std::uint64_t>(expected); }  ///< 8 bytes in MSH 4.1
+  /// 8 bytes in MSH 4.1
+  std::uint64_t count(std::string_view expected) { return next<std::uint64_t>(expected); }
   std::int32_t integer(std::string_view expected) { return next<std::int32_t>(expected); }
   double real(std::string_view expected) { return next<double>(expected); }
 
@@ -99,8 +100,9 @@ class MshReader {
     sections_[name] = file_.text().substr(begin, in_.words.position() - begin);
   }
 
-  /// Gmsh writes the whole mesh again before each view that it appends to a file. A section that says once more what
-  /// has been said is passed over; one that says something else is of another mesh.
+  /// Gmsh writes the whole mesh again before each view that it appends to a file. A section that
+  /// says once more what has been said is passed over; one that says something else is of another
+  /// mesh.
   bool is_repeated(const std::string& name) {
     const auto found = sections_.find(name);
     if (found == sections_.end()) return false;
@@ -300,8 +302,8 @@ class MshReader {
     if (cells_.kinds.size() != total) in_.words.refuse(concat(cells_.kinds.size(), " elements"), concat(total));
   }
 
-  /// Texts, real numbers and integers that say what a section of values holds; the values are read when it is known
-  /// which time step is wanted.
+  /// Texts, real numbers and integers that say what a section of values holds; the values are read
+  /// when it is known which time step is wanted.
   void read_data_header(const std::string& name) {
     Data data;
     data.at_points = name == "NodeData";
@@ -414,7 +416,8 @@ class MshReader {
   std::string time_;
   bool is_4_ = false;
   CellMesh mesh_;
-  ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};  ///< nodes by their numbers until `connect`
+  /// nodes by their numbers until `connect`
+  ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
   Array<std::uint64_t> node_ids_, element_ids_;
   Array<std::int32_t> physical_, entity_;
   std::vector<std::uint64_t> given_;  ///< one element's nodes in Gmsh's order
@@ -422,7 +425,8 @@ class MshReader {
   std::map<std::int32_t, std::int32_t> groups_of_volumes_;
   std::map<int, std::string> names_;
   std::uint64_t volumes_in_several_groups_ = 0;
-  std::map<std::string, std::string_view> sections_;  ///< that a file may hold once, and what they say
+  /// that a file may hold once, and what they say
+  std::map<std::string, std::string_view> sections_;
   std::vector<Data> data_;
   std::set<std::string> left_out_;
 };

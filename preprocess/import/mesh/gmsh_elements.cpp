@@ -144,8 +144,8 @@ const Edges edges_of_hexahedron{{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3},
                                 {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}};
 const Faces faces_of_hexahedron{{0, 3, 2, 1}, {0, 1, 5, 4}, {0, 4, 7, 3}, {1, 2, 6, 5}, {2, 3, 7, 6}, {4, 5, 6, 7}};
 
-/// The nodes inside a face of order n, as steps along its first edge and along the edge from its first to its last
-/// corner: those of a smaller face, and so on inward.
+/// The nodes inside a face of order n, as steps along its first edge and along the edge from its
+/// first to its last corner: those of a smaller face, and so on inward.
 void add_face_steps(std::vector<std::array<int, 2>>& steps, bool is_triangle, int n, int first) {
   if (n < 0) return;
   const int last = first + n;
@@ -165,7 +165,8 @@ void add_face_steps(std::vector<std::array<int, 2>>& steps, bool is_triangle, in
   add_face_steps(steps, is_triangle, n - (is_triangle ? 3 : 2), first + 1);
 }
 
-/// Gmsh's nodes of a complete tetrahedron or hexahedron of order n whose first corner stands at (first, first, first).
+/// Gmsh's nodes of a complete tetrahedron or hexahedron of order n whose first corner stands at
+/// (first, first, first).
 void add_places(std::vector<Place>& places, bool is_tetrahedron, int n, int first) {
   if (n < 0) return;
   if (n == 0) {
@@ -234,7 +235,8 @@ constexpr std::uint8_t linear_kinds[] = {1, 3, 5, 9, 10, 12, 13, 14};
 
 GmshElement element_of(const Row& row) {
   GmshElement element{.node_count = row.node_count, .kind = linear_kinds[static_cast<int>(row.shape)], .order = {}};
-  if (row.order < 2 || row.shape < Shape::tetrahedron) return element;  // what is left out needs no node order
+  // what is left out needs no node order
+  if (row.order < 2 || row.shape < Shape::tetrahedron) return element;
   for (const QuadraticRow& quadratic : quadratic_rows)
     if (quadratic.number == row.number) {
       element.kind = static_cast<std::uint8_t>(quadratic.kind);

@@ -12,14 +12,16 @@ namespace rhoray::preprocess {
 /// One of Gmsh's numbered element types.
 struct GmshElement {
   std::uint64_t node_count = 0;
-  std::uint8_t kind = 0;             ///< VTK's number: a CellKind, or that of a vertex, line or face
-  bool is_readable = true;           ///< false for space-filling types that no CellKind stands for
-  std::vector<std::uint16_t> order;  ///< where VTK's node i stands among Gmsh's; empty = both are the same
+  std::uint8_t kind = 0;    ///< VTK's number: a CellKind, or that of a vertex, line or face
+  bool is_readable = true;  ///< false for space-filling types that no CellKind stands for
+  /// where VTK's node i stands among Gmsh's; empty = both are the same
+  std::vector<std::uint16_t> order;
 };
 
-/// The element type of this number in MSH files, or nothing when there is none of a fixed node count.
-/// Source: Gmsh Reference Manual, "MSH file format" and "Node ordering"; nodes inside edges, faces and volumes follow
-/// the recursion described there.
+/// The element type of this number in MSH files, or nothing when there is none of a fixed node
+/// count.
+/// Source: Gmsh Reference Manual, "MSH file format" and "Node ordering"; nodes inside edges, faces
+/// and volumes follow the recursion described there.
 std::optional<GmshElement> gmsh_element(std::uint64_t number);
 
 }  // namespace rhoray::preprocess

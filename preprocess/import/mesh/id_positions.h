@@ -9,7 +9,8 @@
 
 namespace rhoray::preprocess {
 
-/// Where the things stand that a file calls by numbers of its own: consecutive or in any order, with gaps.
+/// Where the things stand that a file calls by numbers of its own: consecutive or in any order,
+/// with gaps.
 class IdPositions {
  public:
   /// The thing at position i is called ids[i].

@@ -1,6 +1,6 @@
-// Medit's meshes: .mesh (text), .meshb (binary), and .sol or .solb beside them with values at the vertices.
-// Source: Frey, "MEDIT: An interactive mesh visualization software", INRIA RT-0253; for the binary form and the numbers
-// of its sections, libMeshb (libmeshb7.h and the manual beside it).
+// Medit's meshes: .mesh (text), .meshb (binary), and .sol or .solb beside them with values at the
+// vertices. Source: Frey, "MEDIT: An interactive mesh visualization software", INRIA RT-0253; for
+// the binary form and the numbers of its sections, libMeshb (libmeshb7.h and the manual beside it).
 
 #include <algorithm>
 #include <array>
@@ -51,7 +51,8 @@ class MeditFile {
     if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", ErrorCode::unsupported);
   }
 
-  /// Moves to the next known section, over what the last one left unread, and returns its word; empty at "End".
+  /// Moves to the next known section, over what the last one left unread, and returns its word;
+  /// empty at "End".
   std::string_view next_section() { return is_binary_ ? next_binary_section() : next_text_section(); }
 
   std::uint64_t count(std::string_view expected) {
@@ -173,7 +174,8 @@ class MeditReader {
   void read_cells(const CellSection& section) {
     const std::uint64_t total = file_.count("a number of cells");
     for (std::uint64_t i = 0; i < total; ++i) {
-      for (std::uint64_t k = 0; k < section.node_count; ++k)  // counted from 1; a 0 becomes too large and is refused
+      // counted from 1; a 0 becomes too large and is refused
+      for (std::uint64_t k = 0; k < section.node_count; ++k)
         cells_.nodes.push_back(static_cast<std::uint64_t>(file_.integer("a vertex") - 1));
       cells_.offsets.push_back(cells_.nodes.size());
       cells_.kinds.push_back(section.kind);

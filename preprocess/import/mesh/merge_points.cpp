@@ -18,7 +18,8 @@ constexpr std::uint64_t none = ~std::uint64_t{0};
 std::uint64_t hash_of(const Point& point) {
   std::uint64_t hash = 0;
   for (const double coordinate : point) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;  // -0 becomes 0
+    // -0 becomes 0
+    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
     hash ^= hash >> 32;
   }
   return hash;
@@ -109,8 +110,8 @@ class Merging {
     });
   }
 
-  /// The first of those at the place that has equal values and no point of this piece yet; else the point itself, which
-  /// then joins them.
+  /// The first of those at the place that has equal values and no point of this piece yet; else the
+  /// point itself, which then joins them.
   std::uint64_t partner_at_crowded_place(std::uint64_t i, std::uint64_t piece) {
     std::uint64_t last = first_[i];
     if (last == i) return i;
@@ -187,7 +188,8 @@ class Merging {
   std::span<const std::uint64_t> piece_offsets_;
   Array<std::uint64_t> first_;
   Array<std::uint64_t>
-      latest_piece_;                ///< first the latest piece seen at a place, then the latest one of each point kept
+      /// first the latest piece seen at a place, then the latest one of each point kept
+      latest_piece_;
   Array<std::uint64_t> next_here_;  ///< points kept at one crowded place, from its first one on
   Array<std::uint8_t> is_crowded_;  ///< of the first point at a place
   Array<std::uint64_t> stands_for_;

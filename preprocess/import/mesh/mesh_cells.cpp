@@ -10,7 +10,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// What stands for a cell kind in a file: VTK's number (vtkCellType.h), and how many nodes a cell of it has.
+/// What stands for a cell kind in a file: VTK's number (vtkCellType.h), and how many nodes a cell
+/// of it has.
 struct ForeignKindOfCell {
   std::uint8_t number;
   std::string_view plural;
@@ -102,7 +103,8 @@ void check_ghosts(const Array<std::uint8_t>& ghosts, std::uint64_t owners, const
 
 using Nodes = std::span<const std::uint64_t>;
 
-/// Calls act(node) for each node of a cell of any kind. Refuses a stream of a polyhedron that does not hold faces.
+/// Calls act(node) for each node of a cell of any kind. Refuses a stream of a polyhedron that does
+/// not hold faces.
 template <class Act>
 void for_each_node(const ForeignKindOfCell& kind, Nodes nodes, std::uint64_t cell, const std::filesystem::path& path,
                    Act&& act) {

@@ -10,8 +10,9 @@
 
 namespace rhoray::preprocess {
 
-/// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the nodes
-/// nodes[offsets[c] .. offsets[c+1]-1]; those of a polyhedron are the stream of its faces (CellMesh).
+/// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the
+/// nodes nodes[offsets[c] .. offsets[c+1]-1]; those of a polyhedron are the stream of its faces
+/// (CellMesh).
 struct ForeignCells {
   Array<std::uint8_t> kinds{};
   Array<std::uint64_t> offsets{};
@@ -31,11 +32,13 @@ struct LeftOut {
   void include(const LeftOut& other);
 };
 
-/// Fills `mesh` with the cells that fill space. Left out are vertices, lines and faces; duplicates of cells in other
-/// pieces, cells that finer ones replace, and hidden ones (vtkGhostType); and cells with a hidden point. `cell_ids`
-/// then say where the others stood, and cell fields are shortened alike. Refuses kinds that are not known, offsets and
-/// node counts that do not fit their kind, nodes that are not there, and streams of polyhedra that are not faces of at
-/// least three corners, four at least. Expects points and fields, one value for each foreign cell, to be there already.
+/// Fills `mesh` with the cells that fill space. Left out are vertices, lines and faces; duplicates
+/// of cells in other pieces, cells that finer ones replace, and hidden ones (vtkGhostType); and
+/// cells with a hidden point. `cell_ids` then say where the others stood, and cell fields are
+/// shortened alike. Refuses kinds that are not known, offsets and node counts that do not fit their
+/// kind, nodes that are not there, and streams of polyhedra that are not faces of at least three
+/// corners, four at least. Expects points and fields, one value for each foreign cell, to be there
+/// already.
 LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path);
 
 /// Notes what was left out; refuses a mesh without cells.

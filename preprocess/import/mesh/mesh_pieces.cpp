@@ -15,7 +15,8 @@ void append_to(Array<T>& whole, const Array<T>& piece) {
   whole.insert(whole.end(), piece.begin(), piece.end());
 }
 
-/// Keeps the fields that both have, by name and number of components; the names of the others are remembered.
+/// Keeps the fields that both have, by name and number of components; the names of the others are
+/// remembered.
 void append_fields(std::vector<NeutralField>& whole, std::vector<NeutralField> piece, const char* owners,
                    std::set<std::string>& incomplete) {
   std::erase_if(whole, [&](NeutralField& field) {

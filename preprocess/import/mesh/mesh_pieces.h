@@ -11,15 +11,18 @@
 
 namespace rhoray::preprocess {
 
-/// Makes one mesh of pieces, one after the other. Their cells are counted through, as `cell_ids` says.
+/// Makes one mesh of pieces, one after the other. Their cells are counted through, as `cell_ids`
+/// says.
 class MeshPieces {
  public:
-  /// Appends a piece that has points, fields and notes, and takes its cells as `sift_cells` does. A field that a piece
-  /// lacks is left out of the whole, with a note; pieces without points and cells do not count.
+  /// Appends a piece that has points, fields and notes, and takes its cells as `sift_cells` does. A
+  /// field that a piece lacks is left out of the whole, with a note; pieces without points and
+  /// cells do not count.
   /// @param path  of the piece, for messages
   void add(CellMesh piece, ForeignCells cells, const std::filesystem::path& path);
 
-  /// The whole: points of different pieces at the same place are merged (merge_points.h). Refuses one without cells.
+  /// The whole: points of different pieces at the same place are merged (merge_points.h). Refuses
+  /// one without cells.
   CellMesh finish(const std::filesystem::path& path);
 
  private:

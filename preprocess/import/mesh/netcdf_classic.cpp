@@ -9,8 +9,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Bytes of one number, for the types numbered from 1: byte, char, short, int, float, double, and in CDF-5 the unsigned
-/// and 64-bit ones.
+/// Bytes of one number, for the types numbered from 1: byte, char, short, int, float, double, and
+/// in CDF-5 the unsigned and 64-bit ones.
 constexpr std::uint64_t type_bytes[] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
 
 class Header {
@@ -130,7 +130,8 @@ class Header {
       const std::optional<std::uint64_t> before =
           extent.is_record ? checked_product({records - 1, record_bytes}) : std::optional<std::uint64_t>(0);
       if (extent.begin > file_bytes || !before || *before > file_bytes) refuse_end(extent.begin);
-      const std::uint64_t end = extent.begin + *before + extent.bytes;  // three numbers that a file can have
+      // three numbers that a file can have
+      const std::uint64_t end = extent.begin + *before + extent.bytes;
       if (end > file_bytes) refuse_end(end);
     }
   }

@@ -10,7 +10,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-// Deflate, the strongest compression that netCDF-4 files commonly use, makes at most this many bytes of one.
+// Deflate, the strongest compression that netCDF-4 files commonly use, makes at most this many
+// bytes of one.
 constexpr std::uint64_t largest_expansion = 1032;
 
 std::string text_of(std::span<const std::uint64_t> shape) {

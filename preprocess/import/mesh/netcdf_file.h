@@ -12,10 +12,11 @@
 
 namespace rhoray::preprocess {
 
-/// A netCDF file of any of its formats, open for reading. Every refusal names the file and the variable.
+/// A netCDF file of any of its formats, open for reading. Every refusal names the file and the
+/// variable.
 ///
-/// The library reads zeros where a classic file was cut off, and believes any size that is written in a header: here a
-/// file is refused when the variables that its header lists do not fit into it.
+/// The library reads zeros where a classic file was cut off, and believes any size that is written
+/// in a header: here a file is refused when the variables that its header lists do not fit into it.
 class NetcdfFile {
  public:
   explicit NetcdfFile(const std::filesystem::path& path);
@@ -35,8 +36,8 @@ class NetcdfFile {
   std::optional<Variable> variable(const std::string& name) const;
   Variable need_variable(const std::string& name) const;
 
-  /// The numbers of this shape, of a variable or, with `first` given, of its part [first, ...] along the slowest axis.
-  /// Refuses a variable that has another shape or holds no numbers.
+  /// The numbers of this shape, of a variable or, with `first` given, of its part [first, ...]
+  /// along the slowest axis. Refuses a variable that has another shape or holds no numbers.
   Array<double> numbers(const Variable& variable, std::span<const std::uint64_t> shape,
                         std::optional<std::uint64_t> first = {}) const;
   Array<std::int64_t> integers(const Variable& variable, std::span<const std::uint64_t> shape) const;

@@ -1,5 +1,6 @@
 // Netgen's neutral mesh files (.vol), which are lists behind key words.
-// Source: Netgen, libsrc/meshing/meshclass.cpp (Mesh::Save) and meshtype.cpp for the order of corners.
+// Source: Netgen, libsrc/meshing/meshclass.cpp (Mesh::Save) and meshtype.cpp for the order of
+// corners.
 
 #include <algorithm>
 #include <array>
@@ -45,8 +46,8 @@ class NetgenReader {
   }
 
  private:
-  /// Reads what stands behind the next key word; false behind the last. Lists of other things are lines of numbers,
-  /// which are no key words.
+  /// Reads what stands behind the next key word; false behind the last. Lists of other things are
+  /// lines of numbers, which are no key words.
   bool read_section() {
     lines_.need("endmesh");
     const std::string_view word = lines_.words().front();
@@ -99,7 +100,8 @@ class NetgenReader {
       if (type == std::end(volume_elements))
         lines_.refuse(concat("a volume element with ", node_count, " nodes"), "4, 5, 6, 8 or 10 nodes",
                       ErrorCode::unsupported);
-      for (std::uint64_t k = 0; k < node_count; ++k)  // counted from 1; a 0 becomes too large and is refused
+      // counted from 1; a 0 becomes too large and is refused
+      for (std::uint64_t k = 0; k < node_count; ++k)
         cells_.nodes.push_back(lines_.number<std::uint64_t>(2 + type->order[k], "a point") - 1);
       cells_.offsets.push_back(cells_.nodes.size());
       cells_.kinds.push_back(static_cast<std::uint8_t>(type->kind));

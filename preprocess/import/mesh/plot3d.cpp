@@ -19,7 +19,8 @@ bool has_one_layer(const Plot3dLayout& layout) {
                      [](const Index3& size) { return size[0] < 2 || size[1] < 2 || size[2] < 2; });
 }
 
-/// The one layout that fits; where several do, the one whose blocks all have cells. Refuses none and several.
+/// The one layout that fits; where several do, the one whose blocks all have cells. Refuses none
+/// and several.
 Plot3dLayout only_layout(const ForeignFile& file) {
   std::vector<Plot3dLayout> layouts = plot3d_layouts(file);
   if (layouts.size() > 1 && !std::all_of(layouts.begin(), layouts.end(), has_one_layer))

@@ -43,7 +43,8 @@ class BinaryWalk {
     std::uint64_t points = 0;
     for (std::uint64_t i = 3 * block_count; i > 0; i -= 3) {
       const Index3 size(integer_before(4 * i), integer_before(4 * i - 4), integer_before(4 * i - 8));
-      if (!add_points(points, size, bytes_.size())) return std::nullopt;  // most files that are no PLOT3D end here
+      // most files that are no PLOT3D end here
+      if (!add_points(points, size, bytes_.size())) return std::nullopt;
       layout_.blocks.push_back(size);
     }
     layout_.data_offset = at_;

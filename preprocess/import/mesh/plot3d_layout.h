@@ -11,12 +11,14 @@
 
 namespace rhoray::preprocess {
 
-/// How the numbers of a PLOT3D file lie in it. The files do not say so themselves: it is found out by what fits.
+/// How the numbers of a PLOT3D file lie in it. The files do not say so themselves: it is found out
+/// by what fits.
 struct Plot3dLayout {
   bool is_solution = false;  ///< four numbers and five arrays for each block; else a grid: x, y, z
   bool is_text = false;
   bool is_big_endian = false;
-  bool has_records = false;      ///< Fortran's: the byte count of each before and behind it, in 32 bits
+  /// Fortran's: the byte count of each before and behind it, in 32 bits
+  bool has_records = false;
   bool has_block_count = false;  ///< before the sizes of blocks
   bool has_iblank = false;       ///< of a grid: an integer for each point
   int float_bytes = 4;
@@ -27,12 +29,12 @@ struct Plot3dLayout {
 /// "a grid of 40 x 32 x 32 points, binary, little-endian, 32 bits, without IBLANK".
 std::string in_words(const Plot3dLayout& layout);
 
-/// Every layout with which the file would be as long as it is, to the byte (of text: to the number). Zeros that fill
-/// the last 512 bytes are passed over when nothing fits without them.
+/// Every layout with which the file would be as long as it is, to the byte (of text: to the
+/// number). Zeros that fill the last 512 bytes are passed over when nothing fits without them.
 std::vector<Plot3dLayout> plot3d_layouts(const ForeignFile& file);
 
-/// The numbers of a text, between white space and commas. Fortran's `3*0.5` stands for three numbers, `1.5D+3` for
-/// 1500.
+/// The numbers of a text, between white space and commas. Fortran's `3*0.5` stands for three
+/// numbers, `1.5D+3` for 1500.
 class Plot3dNumbers {
  public:
   explicit Plot3dNumbers(std::string_view text) : text_(text) {}

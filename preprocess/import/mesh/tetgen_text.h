@@ -17,8 +17,9 @@ struct TetgenPoints {
   std::int64_t first_number = 0;          ///< the number of the first point: 0 or 1
 };
 
-/// The records behind a first line that ends in BIN, as Chaste writes them: integers of 32 bits or doubles, then more
-/// doubles, little-endian, without a number of their own. Counting begins with 0. A comment may follow the last one.
+/// The records behind a first line that ends in BIN, as Chaste writes them: integers of 32 bits or
+/// doubles, then more doubles, little-endian, without a number of their own. Counting begins with
+/// 0. A comment may follow the last one.
 class TetgenBinary {
  public:
   /// @param count  of the records, which must be there
@@ -39,7 +40,8 @@ class TetgenBinary {
 /// True when the current line, a file's first, says that binary records follow.
 bool is_tetgen_binary(const LineReader& lines);
 
-/// Reads points whose first line (how many, dimension, attributes, markers) is the current line of `lines`.
+/// Reads points whose first line (how many, dimension, attributes, markers) is the current line of
+/// `lines`.
 TetgenPoints read_tetgen_points(LineReader& lines);
 
 /// Reads a whole .node file.
@@ -51,7 +53,8 @@ std::uint64_t tetgen_corner(const LineReader& lines, std::size_t i, const Tetgen
 /// As above, for a number from a binary record.
 std::uint64_t tetgen_corner(const LineReader& lines, std::uint32_t number, const TetgenPoints& points);
 
-/// The current line's first word: how many records follow. Refuses more than the rest of the file can hold.
+/// The current line's first word: how many records follow. Refuses more than the rest of the file
+/// can hold.
 std::uint64_t tetgen_count(const LineReader& lines, std::string_view what);
 
 }  // namespace rhoray::preprocess

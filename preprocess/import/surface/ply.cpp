@@ -80,7 +80,8 @@ class Ply {
     }
     if (!has_format_)
       reader_.refuse("a header without format", "format ascii, binary_little_endian or binary_big_endian");
-    if (encoding_ != Encoding::text || reader_.bytes_left() > 0) reader_.line();  // the line of end_header itself
+    // the line of end_header itself
+    if (encoding_ != Encoding::text || reader_.bytes_left() > 0) reader_.line();
   }
 
   void format() {

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t title_bytes = 80, triangle_bytes = 50;
 
-/// A binary file is recognised by its length, which follows from its count; its title may begin with "solid" too.
+/// A binary file is recognised by its length, which follows from its count; its title may begin
+/// with "solid" too.
 std::optional<std::uint64_t> binary_triangle_count(std::span<const std::byte> bytes) {
   if (bytes.size() < title_bytes + 4) return std::nullopt;
   std::array<std::byte, 4> raw;

@@ -10,7 +10,8 @@
 
 namespace rhoray::preprocess {
 
-/// Gives points that coincide exactly one position. +0 and -0 coincide; a NaN coincides with the same NaN.
+/// Gives points that coincide exactly one position. +0 and -0 coincide; a NaN coincides with the
+/// same NaN.
 class PointMerger {
  public:
   explicit PointMerger(NeutralSurface& surface) : surface_(surface) {}

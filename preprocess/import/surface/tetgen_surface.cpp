@@ -4,7 +4,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Words of a record that may run over several lines: TetGen lets long polygons continue on the next line.
+/// Words of a record that may run over several lines: TetGen lets long polygons continue on the
+/// next line.
 class RecordWords {
  public:
   RecordWords(LineReader& lines, std::size_t next) : lines_(lines), next_(next) {}
@@ -39,7 +40,8 @@ std::array<double, 3> point_after_number(const LineReader& lines) {
           lines.number<double>(3, "three coordinates")};
 }
 
-/// Part 2 of a .poly file: each facet is one or more polygons in a plane, and points in openings among them.
+/// Part 2 of a .poly file: each facet is one or more polygons in a plane, and points in openings
+/// among them.
 void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurface& surface) {
   const std::uint64_t count = tetgen_count(lines, "a number of facets");
   bool simple = true;
@@ -51,7 +53,8 @@ void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurf
     simple = simple && polygons == 1 && openings == 0;
     for (std::uint64_t i = 0; i < polygons; ++i) {
       lines.need("a polygon");
-      read_polygon(lines, points, polygons == 1 ? 3 : 1, surface);  // lines and points may lie in a larger facet
+      // lines and points may lie in a larger facet
+      read_polygon(lines, points, polygons == 1 ? 3 : 1, surface);
       surface.facet_faces.push_back(face);
     }
     for (std::uint64_t i = 0; i < openings; ++i) {

@@ -27,8 +27,9 @@ struct DicomImage {
   std::string series;  ///< SeriesInstanceUID
   std::string description, modality, unit;
   Index3 sample_count;  ///< columns, rows, frames
-  Vec3 row, column;     ///< unit vectors, from sample to sample along a row and down a column (LPS, mm)
-  Vec3 spacing;         ///< along them; z: from frame to frame
+  /// unit vectors, from sample to sample along a row and down a column (LPS, mm)
+  Vec3 row, column;
+  Vec3 spacing;  ///< along them; z: from frame to frame
   Vec3 origin;
   gdcm::PixelFormat format;
   double slope = 1, intercept = 0;
@@ -46,8 +47,9 @@ std::string unit_of(const std::string& modality, const std::string& code) {
   return modality == "CT" ? "HU" : "";
 }
 
-/// GDCM fills what a cut file lacks with zeros. True when the samples, not packed, lie whole in the bytes: the element
-/// Pixel Data with this many of them, or one more to make them even, in any of the codings of a data set.
+/// GDCM fills what a cut file lacks with zeros. True when the samples, not packed, lie whole in the
+/// bytes: the element Pixel Data with this many of them, or one more to make them even, in any of
+/// the codings of a data set.
 bool holds_samples(std::string_view bytes, std::uint64_t expected) {
   const auto holds_after = [&](std::string_view head, bool big_endian) {
     for (std::size_t at = bytes.find(head); at != std::string_view::npos; at = bytes.find(head, at + 1)) {
@@ -145,8 +147,8 @@ Found read_images(const fs::path& path) {
   return found;
 }
 
-/// The images of one series: the one that `wanted` names by its description or number, else the only one, else the one
-/// with the most images.
+/// The images of one series: the one that `wanted` names by its description or number, else the
+/// only one, else the one with the most images.
 std::vector<DicomImage> one_series(Found found, const std::string& wanted, const fs::path& path,
                                    std::vector<std::string>& notes, std::vector<std::string>& others) {
   std::map<std::string, std::vector<DicomImage>> series;
@@ -190,7 +192,8 @@ void check_alike(const std::vector<DicomImage>& images, const fs::path& path) {
   }
 }
 
-/// Where the images stand: the third axis of the grid, with a table when the steps between them differ.
+/// Where the images stand: the third axis of the grid, with a table when the steps between them
+/// differ.
 void place_images(NeutralVolume& volume, std::vector<DicomImage>& images, const fs::path& path) {
   const Vec3 normal = normal_of(images.front());
   std::stable_sort(images.begin(), images.end(), [&](const DicomImage& a, const DicomImage& b) {
@@ -247,7 +250,8 @@ void check_format(const gdcm::PixelFormat& format, const std::string& name, cons
                  "8, 16 or 32 bits for integers", ErrorCode::unsupported);
 }
 
-/// The narrowest type that holds every scaled sample: integers where scaling keeps them whole, else 32-bit floats.
+/// The narrowest type that holds every scaled sample: integers where scaling keeps them whole, else
+/// 32-bit floats.
 ElementType type_for(const std::vector<DicomImage>& images, const fs::path& path) {
   double low = 0, high = 0;
   for (const DicomImage& image : images) {

@@ -83,12 +83,19 @@ class Header {
 };
 
 ElementType sample_type(const Header& header) {
-  static const std::map<std::string, ElementType> types{
-      {"MET_CHAR", ElementType::I8},       {"MET_UCHAR", ElementType::U8},       {"MET_SHORT", ElementType::I16},
-      {"MET_USHORT", ElementType::U16},    {"MET_INT", ElementType::I32},        {"MET_UINT", ElementType::U32},
-      {"MET_LONG", ElementType::I32},      {"MET_ULONG", ElementType::U32},  // 4 bytes each in the format's definition
-      {"MET_LONG_LONG", ElementType::I64}, {"MET_ULONG_LONG", ElementType::U64}, {"MET_FLOAT", ElementType::F32},
-      {"MET_DOUBLE", ElementType::F64}};
+  static const std::map<std::string, ElementType> types{{"MET_CHAR", ElementType::I8},
+                                                        {"MET_UCHAR", ElementType::U8},
+                                                        {"MET_SHORT", ElementType::I16},
+                                                        {"MET_USHORT", ElementType::U16},
+                                                        {"MET_INT", ElementType::I32},
+                                                        {"MET_UINT", ElementType::U32},
+                                                        // 4 bytes each in the format's definition
+                                                        {"MET_LONG", ElementType::I32},
+                                                        {"MET_ULONG", ElementType::U32},
+                                                        {"MET_LONG_LONG", ElementType::I64},
+                                                        {"MET_ULONG_LONG", ElementType::U64},
+                                                        {"MET_FLOAT", ElementType::F32},
+                                                        {"MET_DOUBLE", ElementType::F64}};
   const std::string name = header.word("ElementType", "nothing");
   const auto found = types.find(name);
   if (found == types.end())
@@ -252,7 +259,8 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
                  "the same number of slices in each file");
   check_files(header, file, files, bytes);
   const bool big_endian = header.is_true("ElementByteOrderMSB") || header.is_true("BinaryDataByteOrderMSB");
-  // The caller takes samples from a file only where the header names it; a pattern with a number does not.
+  // The caller takes samples from a file only where the header names it; a pattern with a number
+  // does not.
   const bool is_named = files.empty() || header.words("ElementDataFile").front().find('%') == std::string::npos;
   const bool stays =
       files.size() <= 1 && is_named && !header.is_true("CompressedData") && is_native(volume.type, big_endian);

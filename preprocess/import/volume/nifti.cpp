@@ -105,7 +105,8 @@ Vec3 grid_spacing(const Header& header) {
   return {along(1), along(2), along(3)};
 }
 
-/// Method 2 of nifti1.h: a rotation given by a unit quaternion, the spacing, and qfac, which may mirror the third axis.
+/// Method 2 of nifti1.h: a rotation given by a unit quaternion, the spacing, and qfac, which may
+/// mirror the third axis.
 Affine from_qform(const Header& header) {
   double b = header.real(quatern), c = header.real(quatern + 4), d = header.real(quatern + 8);
   double a = 1 - (b * b + c * c + d * d);
@@ -154,8 +155,8 @@ Array<std::byte> scaled(std::span<const std::byte> samples, double slope, double
   return result;
 }
 
-/// Applies scl_slope and scl_inter, where the file gives them: to 32-bit floats, or 64-bit ones where those would
-/// round.
+/// Applies scl_slope and scl_inter, where the file gives them: to 32-bit floats, or 64-bit ones
+/// where those would round.
 void apply_scale(NeutralVolume& volume, const Header& header) {
   const double slope = header.real(scl_slope), intercept = header.real(scl_inter);
   if (!std::isfinite(slope) || !std::isfinite(intercept) || slope == 0 || (slope == 1 && intercept == 0)) return;

@@ -55,7 +55,8 @@ std::size_t end_of_header(std::string_view text) {
   return plain < with_returns ? plain + 2 : with_returns + 3;
 }
 
-/// The file of this number under a name such as "slice%03d.raw"; nothing when it has no place for one number.
+/// The file of this number under a name such as "slice%03d.raw"; nothing when it has no place for
+/// one number.
 std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
   const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
   if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
@@ -117,8 +118,8 @@ Loaded load_header(const std::filesystem::path& path) {
   return loaded;
 }
 
-/// The samples in an array of our own: Teem fills the memory that a Nrrd has when it is as large as the file's header
-/// asks for.
+/// The samples in an array of our own: Teem fills the memory that a Nrrd has when it is as large as
+/// the file's header asks for.
 Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
   Array<std::byte> samples(bytes);
   const OwnedNrrd nrrd(nrrdNew());
@@ -131,7 +132,8 @@ Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& hea
   return samples;
 }
 
-/// The samples in the one file that holds them, where they stand as they are wanted; false otherwise.
+/// The samples in the one file that holds them, where they stand as they are wanted; false
+/// otherwise.
 bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, const NrrdIoState& io,
                   std::uint64_t bytes) {
   const bool is_raw = std::string_view(io.encoding->name) == "raw" && io.dataFNFormat == nullptr && io.lineSkip == 0;
@@ -147,8 +149,8 @@ bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, cons
   return true;
 }
 
-/// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them. Numbered files are left
-/// to Teem, and encodings whose tightest packing is not known.
+/// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them.
+/// Numbered files are left to Teem, and encodings whose tightest packing is not known.
 /// @param wanted  bytes of `sample_count` samples
 void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted,
                      std::uint64_t sample_count) {
@@ -162,8 +164,9 @@ void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, s
   }
   const std::string_view encoding = io.encoding->name;
   if (encoding == "gzip") check_packed_size(path, wanted, held);
-  const std::uint64_t least = encoding == "raw"     ? wanted
-                              : encoding == "ASCII" ? 2 * sample_count - 1  // digits with spaces between
+  const std::uint64_t least = encoding == "raw" ? wanted
+                              // digits with spaces between
+                              : encoding == "ASCII" ? 2 * sample_count - 1
                               : encoding == "hex"   ? 2 * wanted
                                                     : 0;
   if (held < least)
@@ -255,7 +258,8 @@ double spacing_of(const NrrdAxisInfo& axis) {
   return (axis.max - axis.min) / (axis.center == nrrdCenterNode ? samples - 1 : samples);
 }
 
-/// Where the first sample lies on such an axis: `axis mins` names the cell's edge when samples stand for cells.
+/// Where the first sample lies on such an axis: `axis mins` names the cell's edge when samples
+/// stand for cells.
 double first_position(const NrrdAxisInfo& axis) {
   if (!std::isfinite(axis.min)) return 0;
   const bool cells = axis.center == nrrdCenterCell ||
@@ -317,8 +321,8 @@ void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
 
 /// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
 NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
-  if (!ForeignFile(path).text().starts_with("NRRD000"))  // Teem would also take PNG, PNM and text here
-    refuse_input(path, "byte 0", "another beginning", "NRRD000");
+  // Teem would also take PNG, PNM and text here
+  if (!ForeignFile(path).text().starts_with("NRRD000")) refuse_input(path, "byte 0", "another beginning", "NRRD000");
   // The header alone, so that nothing is allocated for sizes that are refused.
   const auto [header, io] = load_header(path);
   if (colors) check_colors(path, *header);

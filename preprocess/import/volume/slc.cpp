@@ -62,9 +62,9 @@ class SlcHeader {
   int unit_ = 0, compression_ = 0;
 };
 
-/// Runs of bytes: a count in seven bits, and in the eighth whether that many follow as they are or one is repeated; a
-/// count of 0 ends them. VolVis' own files leave out the last sample of a slice: it is then the same as the one before.
-/// Returns whether it was left out.
+/// Runs of bytes: a count in seven bits, and in the eighth whether that many follow as they are or
+/// one is repeated; a count of 0 ends them. VolVis' own files leave out the last sample of a slice:
+/// it is then the same as the one before. Returns whether it was left out.
 bool unpack_runs(const std::filesystem::path& path, std::int64_t slice, std::span<const std::byte> packed,
                  std::span<std::byte> plain) {
   std::size_t from = 0, to = 0;

@@ -48,7 +48,8 @@ int vtk_type_of(ElementType type) {
   return VTK_DOUBLE;
 }
 
-/// The samples at whole positions: their own frame, so that only the corners of triangles are moved into the world.
+/// The samples at whole positions: their own frame, so that only the corners of triangles are moved
+/// into the world.
 template <class T>
 vtkSmartPointer<vtkImageData> image_of(const GridSamples<T>& samples) {
   const Index3& count = samples.sample_count();
@@ -65,7 +66,8 @@ vtkSmartPointer<vtkImageData> image_of(const GridSamples<T>& samples) {
   return image;
 }
 
-/// True when all corners of the cell that holds this point have data. A triangle of marching cubes lies in one cell.
+/// True when all corners of the cell that holds this point have data. A triangle of marching cubes
+/// lies in one cell.
 template <class T>
 bool has_data_around(const GridSamples<T>& samples, const Vec3& p) {
   if constexpr (!std::is_floating_point_v<T>) return true;

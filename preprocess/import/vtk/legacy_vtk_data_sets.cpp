@@ -44,7 +44,8 @@ void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
   }
 }
 
-/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the other way round.
+/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the
+/// other way round.
 void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
   for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
     if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;

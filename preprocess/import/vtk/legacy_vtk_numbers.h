@@ -14,7 +14,8 @@ namespace rhoray::preprocess {
 
 std::string in_capitals(std::string_view text);
 
-/// The words and numbers of a legacy VTK file, in text or binary. Every count is checked against what follows.
+/// The words and numbers of a legacy VTK file, in text or binary. Every count is checked against
+/// what follows.
 class LegacyVtkNumbers {
  public:
   explicit LegacyVtkNumbers(const ForeignFile& file) : words(file) {}

@@ -11,7 +11,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// N numbers with spaces between them, or `otherwise` where there is no text; nothing for anything else.
+/// N numbers with spaces between them, or `otherwise` where there is no text; nothing for anything
+/// else.
 template <class T, std::size_t N>
 std::optional<std::array<T, N>> numbers_in(std::string_view text, const std::array<T, N>& otherwise) {
   constexpr std::string_view spaces = " \t\r\n";
@@ -51,7 +52,8 @@ std::optional<PointGrid> grid_of(const XmlElement& image, const XmlElement& piec
     return (*spacing)[axis] * Vec3((*direction)[axis], (*direction)[3 + axis], (*direction)[6 + axis]);
   };
   grid.world_from_grid = {column(0), column(1), column(2), Vec3((*origin)[0], (*origin)[1], (*origin)[2])};
-  grid.world_from_grid.origin = grid.world_from_grid.point(first);  // images cut from larger ones do not begin at 0
+  // images cut from larger ones do not begin at 0
+  grid.world_from_grid.origin = grid.world_from_grid.point(first);
   return grid;
 }
 
@@ -63,7 +65,8 @@ std::uint64_t owner_count(const Index3& points, bool in_cells) {
   return count;
 }
 
-/// Adds the arrays of PointData or CellData, to be read when they are chosen; false when one is for VTK.
+/// Adds the arrays of PointData or CellData, to be read when they are chosen; false when one is for
+/// VTK.
 bool add_arrays(std::vector<GridArray>& arrays, const VtkXmlStream& file, const XmlElement* data,
                 const Index3& point_count, bool in_cells) {
   if (data == nullptr) return true;

@@ -9,7 +9,8 @@ class vtkDataArray;
 
 namespace rhoray::preprocess {
 
-/// Our element type for a VTK array, by what its numbers are in memory; nothing for bits and the like.
+/// Our element type for a VTK array, by what its numbers are in memory; nothing for bits and the
+/// like.
 std::optional<formats::ElementType> element_type_of_vtk(const vtkDataArray& array);
 
 }  // namespace rhoray::preprocess

@@ -44,7 +44,8 @@ class VtkErrors::Window : public vtkOutputWindow {
 vtkStandardNewMacro(VtkErrors::Window);
 
 VtkErrors::VtkErrors() : before_(vtkOutputWindow::GetInstance()) {
-  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // it would print each error a second time
+  // it would print each error a second time
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   const auto window = vtkSmartPointer<Window>::New();
   window->keep_in(&first_);
   vtkOutputWindow::SetInstance(window);
@@ -76,14 +77,16 @@ std::optional<std::string_view> attribute(std::string_view text, std::string_vie
 }
 
 void check_count(const ForeignFile& file, std::string_view name, std::uint64_t count) {
-  // No compressor of VTK's packs a point, cell or sample into less than 1/4096 byte; ten times that to be safe.
+  // No compressor of VTK's packs a point, cell or sample into less than 1/4096 byte; ten times that
+  // to be safe.
   constexpr std::uint64_t most_per_byte = 40960;
   if (count / most_per_byte > file.bytes().size())
     refuse_input(file.path(), concat("attribute ", name), concat(count, " in ", file.bytes().size(), " bytes"),
                  "a number that the file can hold");
 }
 
-/// Calls act(element) for the text of each opening tag `<name ...` of the file, outside of appended data.
+/// Calls act(element) for the text of each opening tag `<name ...` of the file, outside of appended
+/// data.
 template <class Act>
 void for_each_tag(std::string_view text, std::string_view name, Act&& act) {
   const std::string_view opening = "<AppendedData";
@@ -151,7 +154,8 @@ std::optional<Extent> extent_in(const ForeignFile& file, std::string_view elemen
   return extent;
 }
 
-/// VTK leaves what no piece covers as it finds the memory: pieces must fill the whole, without overlap.
+/// VTK leaves what no piece covers as it finds the memory: pieces must fill the whole, without
+/// overlap.
 void check_cover(const ForeignFile& file, const Extent& whole, const std::vector<Extent>& pieces) {
   const auto refuse = [&] {
     refuse_input(file.path(), "attribute Extent", concat(pieces.size(), " pieces that do not make up WholeExtent"),

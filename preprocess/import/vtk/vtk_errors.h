@@ -11,9 +11,10 @@ class vtkOutputWindow;
 
 namespace rhoray::preprocess {
 
-/// While it lives, everything that VTK would print as an error is kept here instead. One at a time in a process.
-/// Asking the readers themselves is not enough: GetErrorCode() is 0 for missing and for truncated files, and errors of
-/// their helpers (parser, decompressor) do not pass through them.
+/// While it lives, everything that VTK would print as an error is kept here instead. One at a time
+/// in a process. Asking the readers themselves is not enough: GetErrorCode() is 0 for missing and
+/// for truncated files, and errors of their helpers (parser, decompressor) do not pass through
+/// them.
 class VtkErrors {
  public:
   VtkErrors();
@@ -37,9 +38,9 @@ struct VtkXmlCounts {
   std::uint64_t points = 0, cells = 0;
 };
 
-/// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all; one that names larger counts
-/// in its attributes than so short a file can hold; and one of a structured kind whose pieces do not cover its whole
-/// extent once.
+/// Refuses a VTK XML file whose root says another kind than `kind`, or no VTKFile at all; one that
+/// names larger counts in its attributes than so short a file can hold; and one of a structured
+/// kind whose pieces do not cover its whole extent once.
 VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view kind);
 
 }  // namespace rhoray::preprocess

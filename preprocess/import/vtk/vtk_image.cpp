@@ -30,7 +30,8 @@ Affine world_from_points(vtkImageData& image) {
            Vec3(direction->GetElement(0, axis), direction->GetElement(1, axis), direction->GetElement(2, axis));
   };
   Affine map{column(0), column(1), column(2), Vec3(image.GetOrigin()[0], image.GetOrigin()[1], image.GetOrigin()[2])};
-  map.origin = map.point(Vec3(extent[0], extent[2], extent[4]));  // pieces of larger images do not begin at 0
+  // pieces of larger images do not begin at 0
+  map.origin = map.point(Vec3(extent[0], extent[2], extent[4]));
   return map;
 }
 

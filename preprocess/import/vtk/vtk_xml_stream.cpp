@@ -24,7 +24,8 @@ namespace {
 using formats::ElementType;
 
 constexpr std::string_view spaces = " \t\r\n";
-constexpr std::uint64_t largest_block_bytes = std::uint64_t{64} << 20;  // larger ones are left to VTK
+// larger ones are left to VTK
+constexpr std::uint64_t largest_block_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t plain_piece_bytes = std::uint64_t{1} << 18;
 
 constexpr std::array<std::int8_t, 256> base64_digits = [] {
@@ -36,8 +37,8 @@ constexpr std::array<std::int8_t, 256> base64_digits = [] {
   return digits;
 }();
 
-/// Base64 read piece by piece. Every four letters stand for themselves, so that texts that were ended by '=' may follow
-/// each other.
+/// Base64 read piece by piece. Every four letters stand for themselves, so that texts that were
+/// ended by '=' may follow each other.
 class Base64Reader {
  public:
   explicit Base64Reader(std::string_view text) : text_(text) {}
@@ -105,7 +106,8 @@ std::string unit_of(const XmlElement& array) {
   return {};
 }
 
-/// Threads that unpack: as many as there are cores, fewer under a memory cap, of which each takes its share.
+/// Threads that unpack: as many as there are cores, fewer under a memory cap, of which each takes
+/// its share.
 unsigned unpacking_threads() {
   constexpr rlim_t share = rlim_t{64} << 20;
   rlimit limit{};
@@ -232,8 +234,8 @@ void VtkXmlStream::count_progress(std::uint64_t bytes) const {
   report_worker_progress(bytes_done_->fetch_add(bytes) + bytes, file_->bytes().size());
 }
 
-/// Calls act(first byte, bytes) for pieces that together are the first wanted_bytes of the array, each of whole
-/// numbers, in the file's byte order, from several threads.
+/// Calls act(first byte, bytes) for pieces that together are the first wanted_bytes of the array,
+/// each of whole numbers, in the file's byte order, from several threads.
 template <class Act>
 void VtkXmlStream::for_each_piece(const VtkXmlArray& array, std::uint64_t wanted_bytes, const Act& act) const {
   if (is_packed_)
@@ -282,7 +284,8 @@ class VtkXmlStream::Blocks {
     block_bytes_ = stream.header_number(array, source);
     const std::uint64_t last = stream.header_number(array, source);
     last_bytes_ = last == 0 ? block_bytes_ : last;
-    const std::uint64_t most = stream.file_->bytes().size();  // a block has its size in the header, and a byte at least
+    // a block has its size in the header, and a byte at least
+    const std::uint64_t most = stream.file_->bytes().size();
     const std::optional<std::uint64_t> whole = checked_product({count, block_bytes_});
     if (count > most || !whole || last_bytes_ > block_bytes_ ||
         (count == 0 ? 0 : *whole - block_bytes_ + last_bytes_) < wanted_bytes)

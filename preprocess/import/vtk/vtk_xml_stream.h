@@ -26,31 +26,33 @@ struct VtkXmlArray {
   std::uint64_t appended_byte = 0;  ///< from the start of the appended data
 };
 
-/// A VTK XML file whose arrays are read one at a time, block by block, straight into arrays of ours: text, base64 and
-/// appended data, plain or packed by zlib, in both byte orders. VTK's own reader would hold the whole data set in
-/// memory of its own first. Progress is reported as that of a worker.
+/// A VTK XML file whose arrays are read one at a time, block by block, straight into arrays of
+/// ours: text, base64 and appended data, plain or packed by zlib, in both byte orders. VTK's own
+/// reader would hold the whole data set in memory of its own first. Progress is reported as that of
+/// a worker.
 class VtkXmlStream {
  public:
-  /// Nothing for a file that uses what is not known here, or is not well-formed: VTK's reader then has the last word.
-  /// Views look into the file, which must stay.
+  /// Nothing for a file that uses what is not known here, or is not well-formed: VTK's reader then
+  /// has the last word. Views look into the file, which must stay.
   static std::optional<VtkXmlStream> open(const ForeignFile& file);
 
   /// The element named as the file's type, UnstructuredGrid or ImageData.
   const XmlElement& data_set() const { return *root_.child(root_.attribute("type")); }
 
-  /// What a DataArray element says; nothing for arrays that are not numbers, belong to time steps, or have no name
-  /// where one is asked for.
+  /// What a DataArray element says; nothing for arrays that are not numbers, belong to time steps,
+  /// or have no name where one is asked for.
   std::optional<VtkXmlArray> array(const XmlElement& element) const;
 
-  /// Reads all of `numbers`; refuses an array that holds fewer, and damaged ones. Number is double, or an unsigned
-  /// integer, to which negative numbers are cast.
+  /// Reads all of `numbers`; refuses an array that holds fewer, and damaged ones. Number is double,
+  /// or an unsigned integer, to which negative numbers are cast.
   template <class Number>
   void read(const VtkXmlArray& array, std::span<Number> numbers) const;
 
   /// The array's bytes in native order.
   void read_bytes(const VtkXmlArray& array, std::span<std::byte> bytes) const;
 
-  /// Refuses more numbers than the file's bytes can hold: to be asked before memory is taken for them.
+  /// Refuses more numbers than the file's bytes can hold: to be asked before memory is taken for
+  /// them.
   void check_count(const VtkXmlArray& array, std::uint64_t count) const;
 
  private:

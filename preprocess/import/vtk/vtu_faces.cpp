@@ -53,7 +53,8 @@ void append_old(std::size_t cell, std::span<const vtkIdType> faces, std::span<co
     return static_cast<std::uint64_t>(faces[at]);
   };
   if (cell >= locations.size()) refuse_faces(cell, path);
-  const auto begin = static_cast<std::uint64_t>(locations[cell]);  // a negative one is too large as well
+  // a negative one is too large as well
+  const auto begin = static_cast<std::uint64_t>(locations[cell]);
   std::size_t at = begin;
   const std::uint64_t face_count = number_at(at++);
   for (std::uint64_t face = 0; face < face_count; ++face) at += number_at(at) + 1;
@@ -106,7 +107,8 @@ bool VtuReader::read_faces() {
 
 /// Reads an array of whole numbers; a negative one becomes too large and is refused later.
 bool VtuReader::read(const char* name, std::uint64_t count, FaceStream& numbers) {
-  // No compressor of VTK's packs a number into less than 1/4096 byte: nothing is allocated for absurd counts.
+  // No compressor of VTK's packs a number into less than 1/4096 byte: nothing is allocated for
+  // absurd counts.
   constexpr std::uint64_t most_per_byte = 40960;
   const auto refuse = [&](const char* reason) {
     vtkErrorMacro("Cannot read the faces of polyhedra: array '" << name << "' " << reason);

@@ -12,7 +12,8 @@ namespace rhoray::preprocess {
 struct XmlElement {
   std::string_view name;
   std::map<std::string, std::string, std::less<>> attributes;  ///< entities replaced
-  std::string_view content;  ///< from the end of its tag to the next one: all of it where there are no elements inside
+  /// from the end of its tag to the next one: all of it where there are no elements inside
+  std::string_view content;
   std::vector<XmlElement> children;
 
   /// Empty when it is not there.
@@ -21,9 +22,10 @@ struct XmlElement {
   const XmlElement* child(std::string_view name) const;
 };
 
-/// The root element of a text in which no element `last` has been opened, or up to there: what follows its tag is that
-/// element's content, to the end of the text, and is not looked at. Nothing for what is not well-formed, or uses
-/// features that data files do not (document types, CDATA, entities of their own).
+/// The root element of a text in which no element `last` has been opened, or up to there: what
+/// follows its tag is that element's content, to the end of the text, and is not looked at. Nothing
+/// for what is not well-formed, or uses features that data files do not (document types, CDATA,
+/// entities of their own).
 std::optional<XmlElement> xml_outline(std::string_view text, std::string_view last);
 
 }  // namespace rhoray::preprocess
