@@ -12,27 +12,27 @@
 
 namespace rhoray::formats {
 
-/// The shape of a tree over clusters of cells that follow each other. Level 0 is the clusters;
-/// entry n of level l + 1 stands for entries 8n to 8n + 7 of level l, those that there are. The
-/// last level has at most eight entries.
+/// Shape of a tree over clusters of consecutive cells. Level 0 holds the clusters. Entry n of level
+/// l + 1 is the parent of entries 8n to 8n + 7 of level l, as far as they exist. The last level has
+/// at most eight entries.
 struct ClusterShape {
-  static constexpr std::uint64_t width = 8;  ///< entries below one entry
-  /// of a cluster: it has at most 256 vertices then
+  static constexpr std::uint64_t width = 8;  ///< children per entry
+  /// Largest cluster size, in cells; such a cluster has at most 256 vertices.
   static constexpr std::uint64_t largest_cell_count = 64;
 
   std::uint64_t cell_count = 0;  ///< of the mesh
-  /// cells of every cluster but the last: a power of two, 1 to largest_cell_count
+  /// Cells in every cluster but the last: a power of two, 1 to largest_cell_count.
   std::uint64_t cluster_size = 64;
 
-  std::uint64_t count(int level) const;  ///< entries of a level
-  /// blocks of eight entries, the last one filled up with empty ones
+  std::uint64_t count(int level) const;  ///< number of entries in a level
+  /// Number of blocks of eight entries; empty entries fill the last block.
   std::uint64_t block_count(int level) const;
-  int top_level() const;  ///< the first level of one block
+  int top_level() const;  ///< first level that fits in one block
 };
 
-/// Boxes of eight entries of one level, coordinate by coordinate. Each holds the cells below it,
-/// rounded outwards. An entry beyond the last one has lo = infinity, hi = -infinity, which no ray
-/// meets.
+/// Boxes of eight entries of one level, stored coordinate by coordinate. Each contains the cells
+/// below it, rounded outwards. An entry beyond the last one has lo = infinity, hi = -infinity; no
+/// ray meets it.
 struct BoxBlock {
   /// [axis][entry], in the view's box_unit
   std::array<std::array<float, ClusterShape::width>, 3> lo, hi;
@@ -45,13 +45,14 @@ struct RangeBlock {
 };
 
 /// Clusters of a mesh: cell c belongs to cluster c / cluster_size. Each cluster has a table of its
-/// vertices (positions of points, rising), and each cell four positions in the table of its
-/// cluster, a byte each.
+/// vertices (point indices, increasing). Each cell has four indices into its cluster's table, one
+/// byte each.
 struct CellClustersView {
   ClusterShape shape;
-  double box_unit = 1;                          ///< of boxes, in the mesh's frame: a power of two
-  std::span<const std::uint64_t> table_starts;  ///< clusters + 1: where tables begin in `tables`
-  std::span<const std::uint32_t> tables;        ///< positions of points
+  double box_unit = 1;  ///< unit of boxes, in the mesh's frame: a power of two
+  /// [clusters + 1] first entry of each table in `tables`
+  std::span<const std::uint64_t> table_starts;
+  std::span<const std::uint32_t> tables;  ///< point indices
   /// [cells], in the vertex order of a packed cell
   std::span<const std::array<std::uint8_t, 4>> corners;
   std::vector<std::span<const BoxBlock>> boxes;  ///< [level][block]
@@ -68,7 +69,7 @@ struct CellClustersView {
   std::span<const std::uint32_t> table(std::uint64_t cluster) const {
     return tables.subspan(table_starts[cluster], table_starts[cluster + 1] - table_starts[cluster]);
   }
-  /// Positions of a cell's points.
+  /// Point indices of a cell.
   std::array<std::uint32_t, 4> cell(std::uint64_t position) const {
     const std::uint32_t* const table = tables.data() + table_starts[cluster_of(position)];
     const std::array<std::uint8_t, 4>& at = corners[position];
@@ -80,12 +81,12 @@ struct CellClustersView {
 template <class T>
 using ClusterRangesView = std::vector<std::span<const RangeBlock<T>>>;
 
-/// Names and shapes of the arrays of boxes, `cluster.boxes.0`, ..., and of a field's ranges,
+/// Names and shapes of the box arrays, `cluster.boxes.0`, ..., and of a field's range arrays,
 /// `range.<field>.0`, ...
 std::vector<ArraySpec> cluster_box_arrays(const ClusterShape& shape);
 std::vector<ArraySpec> cluster_range_arrays(const ClusterShape& shape, std::size_t field, ElementType type);
 
-/// Refuse an array that is missing or of another type or shape, and entries beyond the last one
+/// Refuse an array that is missing or has another type or shape, and entries beyond the last one
 /// that are not empty.
 std::vector<std::span<const BoxBlock>> view_cluster_boxes(const PackedFile& file, const ClusterShape& shape);
 template <class T>

@@ -13,23 +13,23 @@
 
 namespace rhoray::formats {
 
-/// Colours on one uniform grid: sRGB with 8 bits a channel, of which a fourth one is the share of
-/// the colour that covers what it is laid on. Texel (i, j, k) stands at world_from_grid.point({i,
-/// j, k}) and stands for the box half a step around it.
+/// Colours on one uniform grid: sRGB with 8 bits per channel. The optional fourth channel is alpha,
+/// the share of the background that the colour covers. Texel (i, j, k) has its centre at
+/// world_from_grid.point({i, j, k}) and covers half a grid step around it.
 struct ColorGridDescription {
   BrickLayout layout;  ///< not sparse; an axis may have a single texel
   Affine world_from_grid;
-  std::string length_unit;  ///< of world coordinates; empty when the source names none
-  int component_count = 3;  ///< 3: red, green, blue; 4: and alpha
+  std::string length_unit;  ///< of world coordinates; empty: not given by the source
+  int component_count = 3;  ///< 3: red, green, blue; 4: with alpha
   Provenance provenance;
 
   bool has_alpha() const { return component_count == 4; }
-  Box3 box_grid() const;  ///< what all texels stand for, in the grid's frame
-  Box3 bounds() const;    ///< around the same, in world axes
+  Box3 box_grid() const;  ///< box that all texels cover, in the grid's frame
+  Box3 bounds() const;    ///< bounds of box_grid() in world axes
 };
 
 /// A packed grid of colours, checked and ready for reading. Array "texels" U8 in the layout's
-/// shape, the components of a texel side by side.
+/// shape; the components of a texel are adjacent.
 class ColorGrid {
  public:
   static constexpr const char* kind = "colors";
@@ -41,7 +41,7 @@ class ColorGrid {
   const AxisTables& tables() const { return *tables_; }
   const PackedFile& file() const { return file_; }
 
-  /// Of texel (i, j, k) the first component stands at component_count * tables().address(i, j, k).
+  /// The first component of texel (i, j, k) has index component_count * tables().address(i, j, k).
   std::span<const std::uint8_t> texels() const { return texels_; }
 
  private:

@@ -10,11 +10,11 @@
 
 namespace rhoray::formats {
 
-/// What is known of a scalar field before looking at it: in every packed file, for choosing
-/// isovalues and windows.
+/// Summary of a scalar field, stored in every packed file. Users choose isovalues and windows with
+/// it.
 struct FieldSummary {
   std::string name;  ///< as in the source; never empty
-  std::string unit;  ///< empty when the source names none
+  std::string unit;  ///< empty: not given by the source
   ElementType type = ElementType::F32;
   Interval<double> range;           ///< of all finite values; empty when there is none
   std::uint64_t no_data_count = 0;  ///< NaN and infinite values; cells that touch one are absent
@@ -26,12 +26,12 @@ struct FieldSummary {
 /// bin closed. 0 when all values are equal.
 std::size_t histogram_bin(const Interval<double>& range, std::size_t bin_count, double value);
 
-/// The value below which a share of the values lies, linear inside a bin; NaN when no value is
-/// finite.
+/// The value below which this share of the values lies, interpolated linearly inside a bin; NaN
+/// when no value is finite.
 /// @param share in [0, 1]
 double percentile(const FieldSummary& field, double share);
 
-/// The threshold that parts the histogram into two classes with the largest between-class variance
+/// The threshold that splits the histogram into two classes with the largest between-class variance
 /// (Otsu, IEEE Trans. SMC 9, 1979); nothing when all values are equal or none is finite.
 std::optional<double> otsu_threshold(const FieldSummary& field);
 

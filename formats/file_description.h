@@ -22,15 +22,15 @@ constexpr ElementType element_type_of();  // below
 template <class Act>
 decltype(auto) with_element_type(ElementType type, Act&& act);  // below
 
-/// One named array: what a writer declares.
+/// Declaration of one named array, for a writer.
 struct ArraySpec {
   std::string name;
   ElementType type = ElementType::U8;
   std::vector<std::uint64_t> shape;  ///< slowest axis first; at most 8 axes
-  std::uint64_t alignment = 64;      ///< of its first byte in the file: 64, or 4096 for bricks
+  std::uint64_t alignment = 64;      ///< of the first byte in the file: 64, or 4096 for bricks
 };
 
-/// One named array: what a reader finds.
+/// One named array that a reader found.
 struct ArrayEntry {
   std::string name;
   ElementType type = ElementType::U8;
@@ -41,13 +41,13 @@ struct ArrayEntry {
   std::uint64_t element_count() const;
 };
 
-/// What the header says of the file as a whole.
+/// File-wide information of the header.
 struct FileDescription {
-  std::string kind;  ///< "grid", "tets", or a neutral kind that workers hand over
-  /// features that a reader must know; an unknown one is refused by name
+  std::string kind;  ///< "grid", "tets", or a neutral kind for data from workers
+  /// features that a reader must support; an unknown one is refused by name
   std::vector<std::string> required = {};
-  std::string details = "{}";  ///< one JSON text; its meaning belongs to the kind
-  int minor_version = 0;       ///< of the format 1.x: the first that has all that the file uses
+  std::string details = "{}";  ///< one JSON text; its meaning depends on the kind
+  int minor_version = 0;       ///< of format 1.x: the first version with all features in use
 };
 
 // -------------------------------------------------------------------------------------------------

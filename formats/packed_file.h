@@ -13,27 +13,27 @@
 
 namespace rhoray::formats {
 
-/// 64 KiB of the data area whose checksum does not match.
+/// A block of 64 KiB of the data area whose checksum does not match.
 struct DamagedBlock {
   std::uint64_t first_byte = 0;  ///< counted from the start of the file
   std::uint64_t byte_count = 0;
 };
 
-/// A packed file (SPEC.md), memory-mapped. Opening checks the seal, the header, the table of
-/// checksums and the layout of the arrays, and reads nothing else: its cost does not depend on the
-/// file's size beyond 8 bytes per 64 KiB. Checking the data itself is `damaged_blocks`, apart, so
-/// that a caller may do it beside its work.
+/// A packed file (SPEC.md), memory-mapped. Opening checks the seal, the header, the checksum table
+/// and the layout of the arrays, and reads nothing else. Its cost does not depend on the file's
+/// size, except for 8 bytes per 64 KiB. `damaged_blocks` checks the data separately, so a caller
+/// can run it in parallel with other work.
 ///
 /// Copies share the mapping; spans and views stay valid while any copy lives.
 class PackedFile {
  public:
   /// Refuses with ErrorCode::unreadable (missing, not a file), invalid (damaged, not a packed file)
-  /// or unsupported (newer version, unknown requirement). Nothing is allocated because a number in
-  /// the file asks for it.
+  /// or unsupported (newer version, unknown requirement). A number in the file alone never makes it
+  /// allocate memory.
   static PackedFile open(const std::filesystem::path& path);
 
-  /// As `open`, on a descriptor (not closed, position not used); `name` stands for the file in
-  /// messages.
+  /// Like `open`, but reads from a descriptor, which is not closed; its file position is not used.
+  /// `name` identifies the file in messages.
   static PackedFile from_descriptor(int descriptor, std::string name);
 
   /// True when the file starts like a packed file; false also when it cannot be read.
@@ -42,7 +42,7 @@ class PackedFile {
   const std::string& name() const;  ///< path as given, for messages
   const std::string& version() const;
   const FileDescription& description() const;
-  /// without padding, checksums and seal; sorted by position
+  /// without padding, checksums and seal; sorted by offset
   const std::vector<ArrayEntry>& arrays() const;
   std::uint64_t file_bytes() const;
 
@@ -50,8 +50,8 @@ class PackedFile {
   const ArrayEntry& entry(std::string_view array) const;  ///< refuses when there is no such array
   std::span<const std::byte> bytes(std::string_view array) const;
 
-  /// The array's elements; refuses when it is missing, or has another type or shape. In `shape`, 0
-  /// takes any size.
+  /// The array's elements. Refuses when the array is missing, or has another type or shape. A 0 in
+  /// `shape` accepts any size.
   template <class T>
   std::span<const T> array(std::string_view name, std::span<const std::uint64_t> shape) const {
     const std::span<const std::byte> raw = checked_bytes(name, element_type_of<T>(), shape);
@@ -62,7 +62,7 @@ class PackedFile {
     return array<T>(name, std::span(shape.begin(), shape.size()));
   }
 
-  /// Reads every byte of the data area once, on `threads` threads (0 = all cores), and names each
+  /// Reads every byte of the data area once, on `threads` threads (0 = all cores), and returns each
   /// damaged block.
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
 
@@ -75,30 +75,29 @@ class PackedFile {
 };
 
 /// Writes a packed file. The whole layout is declared first and its space reserved, so that a full
-/// disk fails early; arrays are filled in any order and from any thread; `commit` adds checksums
+/// disk fails early. Arrays are filled in any order and from any thread. `commit` adds checksums
 /// and seal and gives the file its name. Without `commit` (an error, an interrupt, a kill) nothing
-/// appears under that name, and a file that was there stays.
+/// appears under that name, and an existing file stays.
 class PackedFileWriter {
  public:
   struct Options {
-    bool replace_existing = false;  ///< otherwise an existing file is refused (ErrorCode::usage)
+    bool replace_existing = false;  ///< false: an existing file is refused (ErrorCode::usage)
   };
   PackedFileWriter(std::filesystem::path path, FileDescription description, std::vector<ArraySpec> arrays,
                    Options options);
   PackedFileWriter(std::filesystem::path path, FileDescription description, std::vector<ArraySpec> arrays)
       : PackedFileWriter(std::move(path), std::move(description), std::move(arrays), Options{}) {}
 
-  /// Writes into an open descriptor (an anonymous file that is handed to another process) instead
-  /// of a named file.
+  /// Writes into an open descriptor instead of a named file: an anonymous file that is sent to
+  /// another process.
   PackedFileWriter(int descriptor, FileDescription description, std::vector<ArraySpec> arrays);
 
   PackedFileWriter(PackedFileWriter&&) noexcept;
   PackedFileWriter& operator=(PackedFileWriter&&) noexcept;
   ~PackedFileWriter();
 
-  /// Fills part of an array. Every byte of every array is written exactly once; `commit` refuses
-  /// otherwise.
-  /// May be called from several threads.
+  /// Fills part of an array. Every byte of every array must be written exactly once; otherwise
+  /// `commit` refuses. May be called from several threads.
   void write(std::string_view array, std::uint64_t byte_offset, std::span<const std::byte> bytes);
 
   template <class T>
@@ -106,8 +105,8 @@ class PackedFileWriter {
     write(array, 0, std::as_bytes(values));
   }
 
-  /// Checksums what is on disk, seals, flushes, and renames into place. Returns the size of the
-  /// file.
+  /// Computes checksums of what is on disk, adds the seal, flushes, and renames the file into
+  /// place. Returns the size of the file.
   std::uint64_t commit(unsigned threads = 0);
 
  private:

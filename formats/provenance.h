@@ -4,10 +4,10 @@
 
 namespace rhoray::formats {
 
-/// Where a packed file came from and what packing did to it.
+/// Source of a packed file, and the command that made it.
 struct Provenance {
   std::string source_name;  ///< file name without folders
-  /// XXH3-128 of the source's bytes, hexadecimal; empty when not taken
+  /// XXH3-128 of the source's bytes, hexadecimal; empty: not computed
   std::string source_checksum;
   std::string command;  ///< the command line that made the file
 };

@@ -4,12 +4,12 @@
 
 namespace rhoray::formats {
 
-/// The field by which packing shows a mesh that brings none: the distance of its points to its
-/// boundary.
+/// Name of the field that packing adds to a mesh without fields: the distance of each point to the
+/// mesh's boundary.
 inline constexpr std::string_view boundary_distance = "boundary_distance";
 
-/// The share of its largest value at which the mesh's shape is drawn; the smaller, the nearer to
-/// the boundary.
+/// Isovalue that shows the mesh's shape, as a share of the field's largest value. The smaller it
+/// is, the closer the surface is to the boundary.
 inline constexpr double shape_share_of_distance = 0.0001;
 
 }  // namespace rhoray::formats

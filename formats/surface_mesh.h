@@ -12,8 +12,8 @@
 
 namespace rhoray::formats {
 
-/// Triangles in space: landmarks among what is shown of volumes. They need not be closed, nor face
-/// one way.
+/// A triangle mesh, shown as a landmark together with volumes. It need not be closed or
+/// consistently oriented.
 struct SurfaceMeshDescription {
   std::string length_unit;
   ElementType point_type = ElementType::F32;  ///< F32 or F64
@@ -21,26 +21,27 @@ struct SurfaceMeshDescription {
   std::uint64_t triangle_count = 0;
   Box3 bounds;  ///< of all points
 
-  /// Triangles are the source's facets, one for one. Else array "triangle_ids" leads back.
+  /// True: the triangles are the source's facets, one for one. False: array "triangle_ids" gives
+  /// the source facets.
   bool has_source_order = true;
 
-  // What packing met.
-  /// without area, kept: they close what their neighbours leave open
+  // Counts of what packing found.
+  /// without area; kept, because they close gaps between their neighbours
   std::uint64_t flat_triangle_count = 0;
-  std::uint64_t dropped_facet_count = 0;  ///< a corner twice, or a coordinate that is not finite
-  std::uint64_t unused_point_count = 0;   ///< belong to no triangle, dropped
+  std::uint64_t dropped_facet_count = 0;  ///< with a repeated corner or a non-finite coordinate
+  std::uint64_t unused_point_count = 0;   ///< in no triangle; dropped
   Provenance provenance;
 };
 
 /// A packed surface, checked and ready for reading. Arrays: "points" F32 or F64 [points, 3] in
 /// world axes, "triangles" U32 [triangles, 3], optional "triangle_ids" U32 [triangles]. Corners
-/// stand as in the source: where its facets are seen counter-clockwise from outside, so are these.
+/// keep the source's order: facets that are counter-clockwise seen from outside stay so.
 class SurfaceMesh {
  public:
   static constexpr const char* kind = "surface";
 
   /// Refuses a file of another kind, shapes that differ from the description, a corner not below
-  /// point_count, a point that is not finite. Reads all corners and points once.
+  /// point_count, and a point that is not finite. Reads all corners and points once.
   explicit SurfaceMesh(PackedFile file);
 
   const SurfaceMeshDescription& description() const { return description_; }
@@ -53,7 +54,7 @@ class SurfaceMesh {
   }
   std::span<const std::array<std::uint32_t, 3>> triangles() const { return triangles_; }
 
-  /// The position in the source file of the facet that this triangle is, or was cut from.
+  /// Index in the source file of the facet that this triangle is, or was cut from.
   std::uint64_t triangle_id(std::uint64_t triangle) const {
     return triangle_ids_.empty() ? triangle : triangle_ids_[triangle];
   }
@@ -61,7 +62,7 @@ class SurfaceMesh {
  private:
   PackedFile file_;
   SurfaceMeshDescription description_;
-  std::span<const std::array<float, 3>> floats_;  ///< either these,
+  std::span<const std::array<float, 3>> floats_;  ///< one of these two is empty
   std::span<const std::array<double, 3>> doubles_;
   std::span<const std::array<std::uint32_t, 3>> triangles_;
   std::span<const std::uint32_t> triangle_ids_;
@@ -70,7 +71,8 @@ class SurfaceMesh {
 std::vector<ArraySpec> surface_mesh_arrays(const SurfaceMeshDescription& description);
 FileDescription describe(const SurfaceMeshDescription& description);
 
-/// Wrong bounds, a point that no triangle has, a corner twice in one triangle, ids that fall.
+/// Reports wrong bounds, a point in no triangle, a repeated corner in a triangle, and decreasing
+/// ids.
 std::vector<std::string> deep_findings(const SurfaceMesh& surface);
 
 }  // namespace rhoray::formats

@@ -17,7 +17,7 @@
 
 namespace rhoray::formats {
 
-/// What is told of clusters (cell_clusters.h).
+/// Description of the clusters (cell_clusters.h).
 struct ClusterDescription {
   std::uint64_t cluster_size = 64;  ///< as in ClusterShape
   std::uint64_t vertex_count = 0;   ///< of all tables together
@@ -33,44 +33,48 @@ struct ClusterDescription {
 ///      \ | /
 ///        1
 ///
-/// A structure over the cells tells which of them a ray may meet: leaf lists, or clusters.
+/// A structure over the cells gives the cells that a ray may meet: leaf lists, or clusters.
 struct TetMeshDescription {
-  Vec3 origin;  ///< world position of the mesh frame's zero: world = origin + point
+  Vec3 origin;  ///< origin of the mesh frame in the world: world = origin + point
   std::string length_unit;
   std::uint64_t point_count = 0;
   std::uint64_t cell_count = 0;
-  std::vector<FieldSummary> fields;  ///< at least one; names differ
-  /// around the mesh; also without lists the measure of steps along a ray (leaf cells)
+  std::vector<FieldSummary> fields;  ///< at least one, with distinct names
+  /// Lattice around the mesh. Without leaf lists it is still the unit for steps along a ray (leaf
+  /// cells).
   LeafLattice lattice;
   std::uint64_t leaf_item_count = 0;           ///< only with leaf lists
-  std::optional<ClusterDescription> clusters;  ///< nothing: leaf lists
+  std::optional<ClusterDescription> clusters;  ///< null: leaf lists
 
-  /// Cells and points stand as in the source. Else cells stand so that neighbours lie close
-  /// together, points in the order in which cells name them first, and arrays "cell_ids" and
-  /// "point_ranks" lead back.
+  /// True: cells and points keep the source's order. False: neighbouring cells are stored close
+  /// together, and points in the order in which cells first use them. Arrays "cell_ids" and
+  /// "point_ranks" give the source order.
   bool in_source_order = true;
 
-  // What packing met. Array "cell_ids" is there also when cells of the source are not here.
-  std::uint64_t flipped_cell_count = 0;  ///< given in negative orientation, two vertices exchanged
-  /// of zero volume, kept: they carry the surface from face to face
+  // Counts of what packing found. Array "cell_ids" is also present when cells of the source were
+  // left out.
+  std::uint64_t flipped_cell_count = 0;  ///< had negative orientation; two vertices exchanged
+  /// zero volume; kept, because they carry the surface from face to face
   std::uint64_t flat_cell_count = 0;
-  std::uint64_t dropped_cell_count = 0;  ///< a vertex twice, or a coordinate that is not finite
-  std::uint64_t unused_point_count = 0;  ///< belong to no cell, dropped
+  std::uint64_t dropped_cell_count = 0;  ///< with a repeated vertex or a non-finite coordinate
+  std::uint64_t unused_point_count = 0;  ///< in no cell; dropped
   Provenance provenance;
 };
 
-/// A packed mesh, checked and ready for reading. Arrays: "points" F64 [points, 3] relative to
-/// origin, optional "cell_ids" U32 [cells] and "point_ranks" U32 [points]; with leaf lists "cells"
-/// U32 [cells, 4], "leaf.offsets" U64 [leaves + 1], "leaf.items" U32 [items]; with clusters
-/// "cluster.corners" U8 [cells, 4], "cluster.offsets" U64 [clusters + 1], "cluster.vertices" U32
-/// [vertices], "cluster.boxes.0", ... (clusters, entries above); and for each field f (by position)
-/// "field.<f>" F32 or F64 [points] and "range.<f>.0", "range.<f>.1", ... (leaf cells, macrocells;
-/// or clusters, entries above).
+/// A packed mesh, checked and ready for reading. Arrays:
+///   - "points" F64 [points, 3] relative to origin
+///   - optional "cell_ids" U32 [cells] and "point_ranks" U32 [points]
+///   - with leaf lists "cells" U32 [cells, 4], "leaf.offsets" U64 [leaves + 1],
+///     "leaf.items" U32 [items]
+///   - with clusters "cluster.corners" U8 [cells, 4], "cluster.offsets" U64 [clusters + 1],
+///     "cluster.vertices" U32 [vertices], "cluster.boxes.0", ... (clusters, entries above)
+///   - for each field f (by index) "field.<f>" F32 or F64 [points] and "range.<f>.0",
+///     "range.<f>.1", ... (leaf cells, macrocells; or clusters, entries above)
 class TetMesh {
  public:
   /// Refuses a file of another kind, shapes that differ from the description, a vertex index not
-  /// below point_count, offsets that fall, an item not below cell_count, a corner beyond its
-  /// cluster's table, entries of the tree of clusters beyond its last one, a point that is not
+  /// below point_count, decreasing offsets, an item not below cell_count, a corner beyond its
+  /// cluster's table, entries beyond the last one in the cluster tree, and a point that is not
   /// finite. Reads all indices and points once.
   explicit TetMesh(PackedFile file);
 
@@ -78,23 +82,23 @@ class TetMesh {
   const PackedFile& file() const { return file_; }
 
   std::span<const std::array<double, 3>> points() const { return points_; }
-  /// Positions of a cell's points.
+  /// Point indices of a cell.
   std::array<std::uint32_t, 4> cell(std::uint64_t position) const {
     return cells_.empty() ? clusters_.cell(position) : cells_[position];
   }
 
   bool has_clusters() const { return description_.clusters.has_value(); }
   LeafListsView leaf_lists() const { return leaf_lists_; }        ///< only without clusters
-  const CellClustersView& clusters() const { return clusters_; }  ///< only with them
+  const CellClustersView& clusters() const { return clusters_; }  ///< only with clusters
 
-  /// The position in the source file of the cell that this one is, or was cut from.
+  /// Index in the source file of the cell that this cell is, or was cut from.
   std::uint64_t cell_id(std::uint64_t cell) const { return cell_ids_.empty() ? cell : cell_ids_[cell]; }
 
-  /// How many of these points come before it in the source. Below the count of points; true when no
-  /// two are the same.
+  /// Number of these points that precede it in the source; below the number of points. Correct only
+  /// if no two points share a rank, which opening does not check.
   std::uint64_t point_rank(std::uint64_t point) const { return point_ranks_.empty() ? point : point_ranks_[point]; }
 
-  /// Position of the field of that name, or nothing.
+  /// Index of the field with this name, or nothing.
   std::optional<std::size_t> find_field(std::string_view name) const;
 
   /// T must be the field's type, float or double.
@@ -127,14 +131,14 @@ class TetMesh {
   CellClustersView clusters_;
 };
 
-/// Of a description with clusters.
+/// The description must have clusters.
 ClusterShape cluster_shape(const TetMeshDescription& description);
 
 std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description);
 FileDescription describe(const TetMeshDescription& description);
 
-/// As for grids: intervals that lack a value, wrong ranges, a tetrahedron missing from the list at
-/// its own centroid or outside its cluster's box, a box outside the one above it.
+/// As for grids. Reports intervals that miss a value, wrong ranges, a tetrahedron missing from the
+/// leaf list at its own centroid or outside its cluster's box, and a box outside its parent box.
 std::vector<std::string> deep_findings(const TetMesh& mesh);
 
 }  // namespace rhoray::formats

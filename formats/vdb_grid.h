@@ -12,14 +12,14 @@
 
 namespace rhoray::formats {
 
-/// A scalar grid of an OpenVDB file, in the form in which the program that has read it gives it to
-/// the renderer: an anonymous packed file of kind "vdb" that is never kept on disk. Voxel (i, j, k)
-/// is a sample at world_from_index.point({i, j, k}); between samples the field is trilinear. What
-/// is shown are the cells between the samples of a box.
+/// A scalar grid of an OpenVDB file, as the worker that read it passes it to the renderer: an
+/// anonymous packed file of kind "vdb" that is never kept on disk. Voxel (i, j, k) is a sample at
+/// world_from_index.point({i, j, k}). Between samples the field is trilinear. The cells between the
+/// samples of a box are shown.
 struct VdbGridDescription {
   /// range over the box, histogram over active voxels; type F32
   FieldSummary field;
-  std::vector<std::string> field_names;  ///< of all scalars in the OpenVDB file
+  std::vector<std::string> field_names;  ///< of all scalar grids in the OpenVDB file
   Affine world_from_index;
   Index3 first_sample;     ///< of the box; at least -2^30 on every axis
   Index3 sample_count{2};  ///< of the box; at least 2 and at most 2^30 on every axis
@@ -29,7 +29,8 @@ struct VdbGridDescription {
   std::vector<std::string> notes;  ///< what reading changed or left out, one sentence each
 };
 
-/// The description, checked, and the NanoVDB buffer (array "nanovdb" U8), not looked into.
+/// The description, checked, and the NanoVDB buffer (array "nanovdb" U8), whose content is not
+/// checked.
 class VdbGrid {
  public:
   explicit VdbGrid(PackedFile file);

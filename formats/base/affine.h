@@ -4,8 +4,9 @@
 
 namespace rhoray {
 
-/// A map p -> origin + p.x * x_axis + p.y * y_axis + p.z * z_axis, named target_from_source.
-/// The axes may be rotated, sheared or mirrored; they must be linearly independent to be inverted.
+/// An affine map p -> origin + p.x * x_axis + p.y * y_axis + p.z * z_axis. Variables are named
+/// target_from_source. The axes may be rotated, sheared or mirrored; only a map with linearly
+/// independent axes has an inverse.
 struct Affine {
   Vec3 x_axis{1, 0, 0};
   Vec3 y_axis{0, 1, 0};
@@ -18,12 +19,12 @@ struct Affine {
   /// Volume of the image of the unit cube; negative when the map mirrors.
   double determinant() const { return x_axis.dot(y_axis.cross(z_axis)); }
 
-  /// A gradient taken in the source frame, expressed in the target frame (inverse transpose).
+  /// Transforms a gradient from the source frame to the target frame (inverse transpose).
   Vec3 gradient(const Vec3& g) const {
     return (g.x * y_axis.cross(z_axis) + g.y * z_axis.cross(x_axis) + g.z * x_axis.cross(y_axis)) / determinant();
   }
 
-  /// source_from_target. The determinant must not be zero.
+  /// Returns source_from_target. The determinant must not be zero.
   Affine inverse() const {
     const double det = determinant();
     const Vec3 row_x = y_axis.cross(z_axis) / det, row_y = z_axis.cross(x_axis) / det,

@@ -10,7 +10,7 @@
 
 namespace rhoray {
 
-/// The product, or nothing when it does not fit 64 bits.
+/// The product, or nothing when it does not fit in 64 bits.
 constexpr std::optional<std::uint64_t> checked_product(std::initializer_list<std::uint64_t> factors) {
   std::uint64_t product = 1;
   for (const std::uint64_t factor : factors)

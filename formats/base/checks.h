@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// Our own broken promise: prints the expression and stops. Never for input (that is
-/// formats/base/error.h).
+/// Checks an internal invariant: prints the expression and aborts. Never use it for input errors
+/// (use formats/base/error.h).
 #define RHORAY_CHECK(condition)                                                                   \
   do {                                                                                            \
     if (!(condition)) [[unlikely]] {                                                              \
@@ -13,14 +13,14 @@
     }                                                                                             \
   } while (false)
 
-/// As RHORAY_CHECK, where the check would cost a hot loop: only in builds with RHORAY_DCHECKS, as
-/// sanitizers have it.
+/// Like RHORAY_CHECK, for hot loops: active only in builds with RHORAY_DCHECKS, such as the
+/// sanitizer builds.
 #ifndef RHORAY_DCHECKS
 #define RHORAY_DCHECK(condition) ((void)0)
 #else
 #define RHORAY_DCHECK(condition) RHORAY_CHECK(condition)
 #endif
 
-/// Shared helpers of the kernels: inlined always, so that no weak copy compiled for one machine
-/// runs on another.
+/// For shared helpers of the kernels. Always inlined, so that a weak copy compiled for one machine
+/// never runs on another.
 #define RHORAY_INLINE [[gnu::always_inline]] inline

@@ -4,20 +4,20 @@
 
 namespace rhoray {
 
-/// Default floating-point environment for the calling thread, as long as the object lives: rounding
-/// to nearest, denormal numbers kept (neither FTZ nor DAZ on x86), traps off. The destructor
-/// restores the caller's environment as a whole, its exception flags included: operations in
-/// between raise no flag that the caller sees.
+/// Sets the default floating-point environment for the calling thread while the object lives:
+/// rounding to nearest, denormal numbers kept (neither FTZ nor DAZ on x86), traps off. The
+/// destructor restores the caller's whole environment, including its exception flags. So the caller
+/// sees no flag that operations in between have raised.
 ///
 /// Error bounds, exact arithmetic and the comparison of stored ranges are proven for this
-/// environment. A host program may run in another one, or a library built with -ffast-math may have
-/// set it. So every public function that computes has such a guard, and every task that runs on a
-/// thread of a pool: threads of a pool have the environment of whoever started them. It costs about
-/// a hundred nanoseconds, so it stands around tiles and ranges, never around single rays.
+/// environment. A host program may run in another one, and a library built with -ffast-math may
+/// have changed it. So every public function that computes has such a guard. Every task on a pool
+/// thread has one too, because pool threads have the environment of whoever started them. A guard
+/// costs about a hundred nanoseconds, so guards surround tiles and ranges, never single rays.
 ///
-/// Constructor and destructor are not inline: the compiler, which takes the environment for the
-/// default one, may move arithmetic across what it can look into, but no loads from memory across
-/// these calls.
+/// Constructor and destructor are not inline. The compiler assumes the default environment and may
+/// move arithmetic across code that it can see, but it cannot move loads from memory across these
+/// calls.
 class DefaultFloatingPoint {
  public:
   DefaultFloatingPoint();

@@ -7,7 +7,7 @@
 
 namespace rhoray {
 
-/// The values from lo to hi, both included. Starts empty (lo > hi); NaN is never taken in.
+/// The values from lo to hi, both included. Starts empty (lo > hi); NaN is never included.
 template <class T>
 struct Interval {
   static constexpr T lowest() {

@@ -6,8 +6,8 @@
 
 namespace rhoray {
 
-/// False where the axes span no volume, and where numbers leave the range of doubles on the way to
-/// the inverse, as with an axis of 1e-320.
+/// False when the axes span no volume. Also false when a number on the way to the inverse leaves
+/// the range of doubles, for example with an axis of 1e-320.
 inline bool is_invertible(const Affine& map) {
   const double determinant = map.determinant();
   if (determinant == 0 || !std::isfinite(determinant)) return false;

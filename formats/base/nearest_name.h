@@ -8,16 +8,17 @@
 
 namespace rhoray {
 
-/// Letters to insert, drop, change, or exchange with their neighbour, to make one word of the
-/// other; case counts.
+/// Number of edits that turn one word into the other: insert, drop or change a letter, or exchange
+/// two neighbours. Case-sensitive.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate that was probably meant: one that `word` begins (three letters or more), or the
-/// one at the smallest edit distance, ignoring case, if that is at most a third of the word's
-/// length (but one letter in any case). The first of equals; nothing when none is near.
+/// Returns the candidate that was probably meant, ignoring case: one that starts with `word` (three
+/// letters or more), or the one at the smallest edit distance. That distance may be at most a third
+/// of the word's length, but one letter is always allowed. Returns the first among equals; nothing
+/// when no candidate is close enough.
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates);
 
-/// "did you mean bone.vtu?", or nothing when no candidate is near: for the hint of an Error.
+/// "did you mean bone.vtu?" for the hint of an Error; empty when no candidate is close enough.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
 }  // namespace rhoray

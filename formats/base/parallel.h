@@ -15,21 +15,21 @@
 
 #include "formats/base/checks.h"
 
-/// Parallel loops of all rooms, on std::thread: thread sanitizer follows every one of them. The
-/// tiles of a frame have threads of their own (render/frame/tile_threads.h), which wait from frame
-/// to frame. A loop's threads begin with the floating-point environment of its caller
+/// Parallel loops of all modules, on std::thread: thread sanitizer can follow all of them. The
+/// tiles of a frame have their own threads (render/frame/tile_threads.h), which wait between
+/// frames. A loop's threads start with the floating-point environment of its caller
 /// (floating_point.h).
 namespace rhoray {
 
 /// Cores that this process may run on, at least 1.
 unsigned available_cores();
 
-/// How many threads the parallel loops of this process use together, the caller's among them: what
-/// a ThreadLimit says, or available_cores().
+/// The number of threads that the parallel loops of this process use together, including the
+/// caller's: the value of a ThreadLimit, or available_cores().
 unsigned thread_limit();
 
-/// While it lives, thread_limit() is `threads`, or available_cores() for 0; then what it was
-/// before. Not to be made while a loop runs.
+/// While it lives, thread_limit() is `threads`, or available_cores() for 0. Its destructor restores
+/// the previous limit. Do not create one while a loop runs.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned threads);
@@ -41,7 +41,7 @@ class ThreadLimit {
   unsigned before_;
 };
 
-/// Indices begin() <= i < end() that one thread works on at a time.
+/// A range of indices begin() <= i < end() that one thread processes at a time.
 class IndexRange {
  public:
   IndexRange(std::size_t begin, std::size_t end, unsigned worker) : begin_(begin), end_(end), worker_(worker) {}
@@ -49,7 +49,8 @@ class IndexRange {
   std::size_t begin() const { return begin_; }
   std::size_t end() const { return end_; }
   std::size_t size() const { return end_ - begin_; }
-  /// Which of the loop's threads: below thread_limit(), never the same in two calls at a time.
+  /// Index of the thread within the loop: below thread_limit(), never shared by two calls at a
+  /// time.
   unsigned worker() const { return worker_; }
 
  private:
@@ -59,26 +60,27 @@ class IndexRange {
 
 namespace parallel_details {
 
-/// Calls run(piece, worker) once for every piece below `count`, on the caller's thread and on those
-/// that the limit still allows; they take pieces in rising order. After a call has thrown no piece
-/// is begun; what the lowest piece threw is thrown again when all have ended.
-/// @param threads  at most so many; 0 = as many as the limit allows
+/// Calls run(piece, worker) once for every piece below `count`, on the caller's thread and on as
+/// many others as the limit still allows. Threads take pieces in increasing order. After a call
+/// throws, no further piece starts. When all have ended, the exception of the lowest failing piece
+/// is rethrown.
+/// @param threads  upper limit; 0 = as many as the limit allows
 void run_pieces(std::size_t count, unsigned threads,
                 const std::function<void(std::size_t piece, unsigned worker)>& run);
 
-/// Calls both, `second` on a thread of its own if the limit allows one. What `first` threw goes
-/// before what `second` threw.
+/// Calls both, `second` on its own thread if the limit allows one. An exception of `first` takes
+/// precedence over one of `second`.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
 
 }  // namespace parallel_details
 
 /// Cuts [0, count) into ranges of `grain` indices, the last one shorter, and calls act(IndexRange)
-/// on each: many at a time, in no promised order. Where ranges begin does not depend on the number
-/// of threads. A call that throws ends the loop, and what the lowest failing range threw is passed
-/// on. Loops inside loops get the threads that are left.
-/// @param grain    at least 1; worth some ten microseconds, so that taking a range costs nothing
-///                 beside it
-/// @param threads  at most so many; 0 = as many as the limit allows
+/// on each. Several calls run at a time, in no promised order. The ranges do not depend on the
+/// number of threads. A call that throws ends the loop, and the exception of the lowest failing
+/// range is rethrown. Nested loops get the threads that are left.
+/// @param grain    at least 1; about ten microseconds of work, so that the cost of taking a range
+///                 is negligible
+/// @param threads  upper limit; 0 = as many as the limit allows
 template <class Act>
 void parallel_for(std::size_t count, std::size_t grain, Act&& act, unsigned threads = 0) {
   RHORAY_CHECK(grain > 0);
@@ -88,16 +90,16 @@ void parallel_for(std::size_t count, std::size_t grain, Act&& act, unsigned thre
   });
 }
 
-/// As parallel_for, calling act(index) for each index alone: where each is worth some ten
+/// Like parallel_for, but calls act(index) for each index. Use it where each index takes about ten
 /// microseconds or more.
 template <class Act>
 void parallel_for_each(std::size_t count, Act&& act) {
   parallel_details::run_pieces(count, 0, [&](std::size_t index, unsigned) { act(index); });
 }
 
-/// What `of(IndexRange)` returns for each range of parallel_for, joined two and two in rising
-/// order: the same for any number of threads, floating-point sums too.
-/// @param none  the result of no range
+/// Joins the results of `of(IndexRange)` for the ranges of parallel_for pairwise, in increasing
+/// order. The result is the same for any number of threads, also for floating-point sums.
+/// @param none  the result for no range
 template <class Result, class Of, class Join>
 Result parallel_reduce(std::size_t count, std::size_t grain, Result none, Of&& of, Join&& join) {
   static_assert(!std::is_same_v<Result, bool>, "std::vector<bool> has no elements that threads may write");
@@ -108,15 +110,15 @@ Result parallel_reduce(std::size_t count, std::size_t grain, Result none, Of&& o
   return none;
 }
 
-/// Calls first() and second(), at the same time where the limit allows another thread. What first()
-/// throws goes before what second() throws; both have ended then.
+/// Calls first() and second(), concurrently if the limit allows another thread. Both have ended
+/// when it returns or throws. An exception of first() takes precedence over one of second().
 template <class First, class Second>
 void parallel_invoke(First&& first, Second&& second) {
   parallel_details::run_both(std::ref(first), std::ref(second));
 }
 
-/// As std::sort. Equal values end up in an order that depends on the number of threads only if
-/// `less` leaves some equal that are not.
+/// Like std::sort. The order of equal values depends on the number of threads only if `less` treats
+/// different values as equal.
 template <class T, class Less>
 void parallel_sort(std::span<T> values, const Less& less) {
   constexpr std::size_t grain = 1 << 13;
@@ -124,8 +126,8 @@ void parallel_sort(std::span<T> values, const Less& less) {
     std::sort(values.begin(), values.end(), less);
     return;
   }
-  // One step of quicksort, its pivot the middle of three. Where it divides badly, std::nth_element
-  // halves exactly.
+  // One step of quicksort with the median of three as pivot. Where the pivot divides badly,
+  // std::nth_element halves exactly.
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::array<T, 3> sample{values.front(), *middle, values.back()};
   std::sort(sample.begin(), sample.end(), less);
@@ -139,22 +141,22 @@ void parallel_sort(std::span<T> values, const Less& less) {
   parallel_invoke([&] { parallel_sort(values.first(at), less); }, [&] { parallel_sort(values.subspan(at), less); });
 }
 
-/// One T for each thread of a loop: buffers, counts. Made when a thread first asks for its own.
+/// One T per thread of a loop: buffers, counts. Created when a thread first uses its own.
 template <class T>
 class PerWorker {
  public:
   template <class Make>
   explicit PerWorker(Make make) : make_(std::move(make)), values_(thread_limit()) {}
 
-  /// The one of the thread that works on this range.
+  /// The T of the thread that processes this range.
   T& of(const IndexRange& range) {
-    RHORAY_CHECK(range.worker() < values_.size());  // not if a ThreadLimit was made in between
+    RHORAY_CHECK(range.worker() < values_.size());  // fails if a ThreadLimit was made in between
     std::unique_ptr<T>& value = values_[range.worker()];
     if (!value) value.reset(new T(make_()));  // not moved: T need not be movable
     return *value;
   }
 
-  /// Calls act(T&) for those that were made; after the loop.
+  /// Calls act(T&) for each T that was created. Call it after the loop.
   template <class Act>
   void for_each(Act&& act) {
     for (const std::unique_ptr<T>& value : values_)
@@ -166,11 +168,11 @@ class PerWorker {
   std::vector<std::unique_ptr<T>> values_;
 };
 
-/// Cuts [0, count) into at most `threads` neighbouring ranges of at least `smallest` and calls
-/// act(first, last) on all of them at the same time; returns when all are done. What the lowest
-/// range that failed threw is thrown again.
-/// @param threads  0 = thread_limit(). One range, or no room for another thread, needs no thread
-///                 beside the caller's.
+/// Cuts [0, count) into at most `threads` adjacent ranges of at least `smallest` indices and calls
+/// act(first, last) on all of them concurrently. Returns when all are done. Rethrows the exception
+/// of the lowest failing range.
+/// @param threads  0 = thread_limit(). With one range, or when the limit allows no other thread,
+///                 only the caller's thread is used.
 template <class Act>
 void for_each_range(std::uint64_t count, std::uint64_t smallest, unsigned threads, Act&& act) {
   const std::uint64_t wanted = threads != 0 ? threads : thread_limit();

@@ -11,26 +11,27 @@
 
 namespace rhoray {
 
-/// A file that gets its name when it is complete. Until then it has none (an anonymous file in the
-/// target's folder) or, where the file system knows no such files, a temporary one.
+/// A file that gets its name when it is complete. Until then it has no name (an anonymous file in
+/// the target's folder). Where the file system does not support such files, it has a temporary
+/// name.
 ///
 /// Temporary names look like ".rhoray-PID-N.partial" and are locked (flock) while their process
-/// lives. A process that is killed may leave one behind; the first PendingFile that another process
+/// lives. A process that is killed may leave one behind. The first PendingFile that another process
 /// makes in that folder removes it.
 class PendingFile {
  public:
   struct Options {
     bool replace_existing = false;
-    /// false: a named temporary, as on file systems without anonymous files
+    /// false: use a named temporary file, as on file systems without anonymous files
     bool anonymous = true;
   };
 
-  /// A symbolic link as target stands for the file that it points to. Refuses (ErrorCode::usage) a
-  /// folder, a special file, a missing folder, and a file that exists unless it may be replaced;
-  /// and (ErrorCode::resource) a folder in which no file can be made.
+  /// If the target is a symbolic link, the file it points to is written. Refuses (ErrorCode::usage)
+  /// a folder, a special file, a missing folder, and an existing file unless it may be replaced.
+  /// Refuses (ErrorCode::resource) a folder in which no file can be created.
   PendingFile(const std::filesystem::path& target, Options options);
 
-  /// Writes into a descriptor that stays the caller's; `publish` then names nothing. What it held
+  /// Writes into a descriptor that the caller owns; `publish` then gives no name. Previous content
   /// is discarded.
   explicit PendingFile(int borrowed_descriptor);
 
@@ -41,28 +42,30 @@ class PendingFile {
   const std::string& name() const { return name_; }
   int descriptor() const { return descriptor_; }
 
-  /// A path by which a library or another process can open the file for writing while this one
+  /// A path by which a library or another process can open the file for writing while this object
   /// lives.
   std::filesystem::path open_name() const;
 
-  /// Gives the file its size, all bytes 0, and takes the space on disk now. ErrorCode::resource
-  /// when there is not enough.
+  /// Sets the file's size, with all bytes 0, and allocates the space on disk now.
+  /// ErrorCode::resource when there is not enough.
   void reserve(std::uint64_t bytes);
 
-  /// All bytes, or an exception. Several threads may write at once.
+  /// Writes all bytes or throws. Several threads may write at once.
   void write(std::uint64_t first_byte, std::span<const std::byte> bytes);
 
-  /// Writes behind what `append` wrote before.
+  /// Writes after the bytes of previous calls of `append`.
   void append(std::span<const std::byte> bytes);
   void append(std::string_view text) { append(std::as_bytes(std::span(text))); }
 
-  /// Flushes, gives the file its name, flushes the folder. A file of that name that came meanwhile
-  /// is refused (ErrorCode::usage) unless it may be replaced; then it is replaced in one step, and
-  /// its permissions, owner and group are kept (the last two where the user may set them). When
-  /// anything fails, the old file has its name again, or there is none. (Only a file system that
-  /// cannot exchange two names keeps the new file if the folder's flush fails.) Refuses
-  /// (ErrorCode::invalid) when an input lost bytes while it was mapped and nobody was told yet
-  /// (mapped_file.h): what was written may come from it.
+  /// Flushes the file, gives it its name, and flushes the folder. A file with that name that
+  /// appeared meanwhile is refused (ErrorCode::usage) unless it may be replaced. Then it is
+  /// replaced in one step, and its permissions, owner and group are kept (the last two where the
+  /// user may set them).
+  ///
+  /// If anything fails, the old file has its name again, or no file has it. (Only on a file system
+  /// that cannot exchange two names does the new file stay if flushing the folder fails.) Refuses
+  /// (ErrorCode::invalid) when an input lost bytes while it was mapped and no error has reported it
+  /// yet (mapped_file.h): the output may depend on those bytes.
   void publish();
 
  private:
@@ -94,21 +97,21 @@ class PendingFile {
   std::filesystem::path folder_name_;
   Options options_;
   bool borrowed_ = false;
-  bool has_name_ = false;  ///< and is not settled: the name can be taken back
-  bool has_old_ = false;   ///< the temporary name holds the file that is replaced
+  bool has_name_ = false;  ///< named, but not final: the name can be taken back
+  bool has_old_ = false;   ///< the temporary name holds the file being replaced
   int descriptor_ = -1;
   int folder_ = -1;
-  int old_ = -1;  ///< the file that is replaced, locked while it has the temporary name
+  int old_ = -1;  ///< the file being replaced, locked while it has the temporary name
   std::uint64_t appended_bytes_ = 0;
   std::string file_name_;       ///< in folder_
-  std::string temporary_name_;  ///< in folder_; empty while there is none
+  std::string temporary_name_;  ///< in folder_; empty: none
 };
 
-/// Publishes files that belong together: all are flushed before the first gets its name, and when
-/// one cannot be named, those before it lose theirs again.
+/// Publishes files that belong together. All are flushed before the first gets its name. If one
+/// cannot be named, the files before it lose their names again.
 void publish_all(std::span<const std::unique_ptr<PendingFile>> files);
 
-/// The whole act for a few bytes.
+/// Writes a whole file in one call, for a few bytes.
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> bytes, bool replace_existing);
 void write_whole_file(const std::filesystem::path& path, std::string_view text, bool replace_existing);
 
@@ -126,9 +129,9 @@ class PendingFiles {
   std::vector<std::unique_ptr<PendingFile>> files_;
 };
 
-/// Removes the temporary names of all files of this process that are not complete, after waiting
-/// for those that are just getting their names. To be called once, before the process ends without
-/// destructors: afterwards no file of it is named any more, and who tries waits for ever.
+/// Removes the temporary names of all incomplete files of this process, after waiting for files
+/// that are being named right now. Call it once, before the process ends without destructors.
+/// Afterwards this process names no file any more; a thread that tries waits for ever.
 void end_pending_files();
 
 }  // namespace rhoray

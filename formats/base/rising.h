@@ -7,7 +7,7 @@
 
 namespace rhoray {
 
-/// Four numbers from the least to the greatest: five comparisons, as few as there can be.
+/// Sorts four numbers in increasing order with five comparisons, the minimum possible.
 template <class T>
 RHORAY_INLINE std::array<T, 4> rising(std::array<T, 4> v) {
   if (v[1] < v[0]) std::swap(v[0], v[1]);

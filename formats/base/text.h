@@ -14,7 +14,7 @@ inline void append(std::string& out, std::string_view text) {
 inline void append(std::string& out, char letter) {
   out += letter;
 }
-template <std::same_as<bool> T>  // a template, so that a text does not convert to bool
+template <std::same_as<bool> T>  // a template, so that a string literal does not convert to bool
 void append(std::string& out, T value) {
   out += value ? "true" : "false";
 }
@@ -22,9 +22,8 @@ template <class T>
 requires((std::integral<T> && !std::same_as<T, bool>) || std::floating_point<T>) void append(std::string& out,
                                                                                              T number) {
   char digits[64];
-  out.append(digits,
-             // shortest text that reads back the same
-             std::to_chars(digits, digits + sizeof digits, number).ptr);
+  // to_chars gives the shortest text that reads back to the same value.
+  out.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
 }
 }  // namespace text_detail
 

@@ -7,16 +7,16 @@
 
 namespace rhoray {
 
-/// The error for a call of the system that failed while a file was being written.
+/// The error for a system call that failed while writing a file.
 ///
-/// ErrorCode::usage when the name itself is wrong (no such folder, a folder of that name); else
-/// ErrorCode::resource, also for a folder that may not be written to. A full disk adds the bytes
-/// needed and free, a limit of the process (RLIMIT_FSIZE) the limit.
+/// ErrorCode::usage when the name itself is wrong (no such folder, a folder of that name).
+/// Otherwise ErrorCode::resource, also for a folder without write permission. For a full disk, the
+/// message adds the bytes needed and free; for a process limit (RLIMIT_FSIZE), the limit.
 /// @param name          the file's name, as the user gave it
-/// @param act           what was tried: "write 10 bytes at byte 0"
+/// @param act           attempted operation: "write 10 bytes at byte 0"
 /// @param error         errno
 /// @param descriptor    the file, or -1 where there is none yet
-/// @param needed_bytes  how large the file must become at least; 0 = not known
+/// @param needed_bytes  minimum size that the file must reach; 0 = not known
 Error write_failure(const std::string& name, const std::string& act, int error, int descriptor = -1,
                     std::uint64_t needed_bytes = 0);
 

@@ -5,8 +5,8 @@
 
 namespace rhoray::formats::details {
 
-/// What deep_findings asks of clusters beside check_ranges: tables that rise and hold the vertices
-/// of their cells and no others.
+/// The checks of clusters in deep_findings beyond check_ranges: each table must be increasing and
+/// hold exactly the vertices of its cells.
 void check_clusters(const TetMesh& mesh, Findings& findings);
 
 }  // namespace rhoray::formats::details

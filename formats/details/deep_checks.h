@@ -12,15 +12,15 @@
 #include "formats/field_summary.h"
 #include "formats/macro_levels.h"
 
-/// What deep_findings of grids and meshes share.
+/// Shared parts of deep_findings for grids and meshes.
 namespace rhoray::formats::details {
 
-/// Findings of the same kind become one sentence: the first place, and how many there are. Used
-/// from several threads; what it says does not depend on their order.
+/// Collects findings. Findings of the same kind become one sentence: the first location, and the
+/// count. Thread-safe; the text does not depend on the order of the threads.
 class Findings {
  public:
-  /// @param kind   what is wrong, the start of the sentence
-  /// @param order  the finding with the smallest one is shown
+  /// @param kind   what is wrong; start of the sentence
+  /// @param order  the finding with the smallest order is shown
   void add(const std::string& kind, std::uint64_t order, const std::function<std::string()>& first);
   std::vector<std::string> sentences() const;
 
@@ -41,7 +41,7 @@ bool is_value(T value) {
     return true;
 }
 
-/// Counts values again, to compare with what a summary says of them.
+/// Recounts the values of a field, to compare with its summary.
 class FieldTally {
  public:
   explicit FieldTally(const FieldSummary& summary);
@@ -67,8 +67,8 @@ class FieldTally {
   std::vector<std::uint64_t> at_edge_;  ///< values that rounding may put into bin b - 1 or b
 };
 
-/// A macrocell of level l + 1 must contain the intervals of the cells of level l below it, and be
-/// empty when all are.
+/// Checks that a macrocell of level l + 1 contains the intervals of its cells of level l, and is
+/// empty when all of them are.
 /// @param threads  0 = all cores
 template <class T>
 void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads, Findings& findings);
@@ -84,10 +84,10 @@ std::string cell_text(int level, const Index3& cell);
 template <class T>
 std::string interval_text(const Interval<T>& interval) {
   if (interval.is_empty()) return "empty";
-  return concat("[", +interval.lo, ", ", +interval.hi, "]");  // + prints small integers as numbers
+  return concat("[", +interval.lo, ", ", +interval.hi, "]");  // + prints 8-bit integers as numbers
 }
 
-/// Calls act(i, j, k) for all of a lattice, x fastest, k from first to last.
+/// Calls act(i, j, k) for all cells of a lattice, x fastest, with k from first to last.
 template <class Act>
 void for_each_cell(const Index3& count, std::uint64_t first, std::uint64_t last, Act&& act) {
   for (auto k = static_cast<std::int64_t>(first); k < static_cast<std::int64_t>(last); ++k)

@@ -14,23 +14,23 @@
 #include "formats/packed_file.h"
 #include "formats/provenance.h"
 
-/// The JSON text `details` of a packed file: what grids and meshes share in writing and reading it.
+/// Reads and writes the JSON text `details` of a packed file; shared by grids and meshes.
 namespace rhoray::formats::details {
 
 using Json = nlohmann::ordered_json;
 
-/// Parses a file's details; refuses text that is not one JSON object, keys given twice, and more
-/// than eight levels.
+/// Parses a file's details. Refuses text that is not one JSON object, duplicate keys, and more than
+/// eight levels.
 Json parse(const PackedFile& file);
 
-/// One object of the details, read strictly: a key that is missing, or whose value is of another
-/// type or out of its limits, is refused by its name. Keys that nobody asks for are ignored. Refers
-/// to the Json and the file it was made from.
+/// One object of the details, read strictly. Refuses a missing key, and a value with another type
+/// or out of its limits; the error names the key. Ignores keys that nobody reads. Refers to the
+/// Json and the file that it was made from.
 class Reader {
  public:
   Reader(const Json& object, std::string_view file, std::string place);
 
-  bool has(const std::string& key) const;  ///< for the keys that may be missing
+  bool has(const std::string& key) const;  ///< for optional keys
   Reader object(const std::string& key) const;
   std::vector<Reader> objects(const std::string& key) const;
   std::string text(const std::string& key) const;
@@ -54,22 +54,23 @@ class Reader {
   std::string place_;
 };
 
-// Numbers are written so that they read back to the same bits; one that is not finite has no place
-// in JSON and is refused (ErrorCode::invalid, named by `what`).
+// Numbers are written so that they read back to the same bits. JSON cannot represent a number that
+// is not finite: it is refused (ErrorCode::invalid, named by `what`).
 Json number_json(double number, std::string_view what);
 Json vector_json(const Vec3& vector, std::string_view what);
 Json index_json(const Index3& index);
 Json field_json(const FieldSummary& field);
 Json macro_json(const MacroShape& shape);
 Json provenance_json(const Provenance& provenance);
-std::string dump(const Json& json);  ///< bytes that are not UTF-8 become the replacement character
+/// replaces bytes that are not UTF-8 by the replacement character
+std::string dump(const Json& json);
 
 FieldSummary read_field(const Reader& reader);
 MacroShape read_macro(const Reader& reader, const Index3& leaf_count);
 Provenance read_provenance(const Reader& reader);
 
-/// Samples or leaf cells per axis at most: what is allocated per axis stays small whatever a file
-/// claims.
+/// Largest number of samples or leaf cells per axis. It keeps allocations per axis small, whatever
+/// a file claims.
 inline constexpr std::int64_t largest_axis = std::int64_t{1} << 20;
 
 }  // namespace rhoray::formats::details

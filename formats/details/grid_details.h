@@ -4,15 +4,15 @@
 #include "formats/brick_layout.h"
 #include "formats/details/details.h"
 
-/// What bricked grids of values and of colours share in writing and reading their details.
+/// Shared by grids of values and of colours: reading and writing their details.
 namespace rhoray::formats::details {
 
-/// Samples and bricks of a layout that is dense, or may still become sparse. Refuses one whose size
-/// does not fit 64 bits.
-/// @param least_count  samples that every axis has at least
+/// Reads samples and bricks of a layout that is dense, or may still become sparse. Refuses a layout
+/// whose size does not fit in 64 bits.
+/// @param least_count  minimum number of samples per axis
 BrickLayout read_layout(const Reader& reader, std::int64_t least_count);
 
-/// `world_from_grid`; refuses one that has no inverse.
+/// Reads `world_from_grid`; refuses a map without an inverse.
 Affine read_affine(const Reader& reader);
 
 Json affine_json(const Affine& affine);

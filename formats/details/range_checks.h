@@ -8,15 +8,15 @@
 #include "formats/details/deep_checks.h"
 #include "formats/tet_mesh.h"
 
-/// Whether stored value ranges, boxes and leaf lists hold what they stand for. They are compared
-/// with the samples, points and cells of the file; nothing here is shared with the code that packs.
+/// Checks whether stored value ranges, boxes and leaf lists contain what they should. Compares them
+/// with the samples, points and cells of the file; shares nothing with the packer.
 namespace rhoray::formats::details {
 
-/// What the check has read.
+/// Results of reading a field's values.
 struct RangesRead {
   Interval<double> values{};  ///< of the field, where it has data
   bool has_gaps = false;      ///< the field has no data at some sample or point
-  /// of the arrays compared; of a mesh with those of check_boxes_and_lists
+  /// of the arrays compared; for a mesh, includes those of check_boxes_and_lists
   std::uint64_t bytes = 0;
 };
 
@@ -26,9 +26,10 @@ struct RangesRead {
 /// @param threads  0 = all cores
 void check_boxes_and_lists(const TetMesh& mesh, unsigned threads, Findings& findings);
 
-/// The ranges of one field. In a grid each macrocell of level 1 contains the samples of its cells
-/// that have data; in a mesh each leaf cell or cluster the values at the vertices of its cells that
-/// have data; each level above contains the one below.
+/// Checks the ranges of one field. In a grid, each macrocell of level 1 must contain the samples of
+/// those of its cells that have data. In a mesh, each leaf cell or cluster must contain the values
+/// at the vertices of those of its cells that have data. Each higher level must contain the one
+/// below.
 /// @param threads  0 = all cores
 RangesRead check_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, Findings& findings);
 RangesRead check_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, Findings& findings);

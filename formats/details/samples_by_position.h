@@ -9,7 +9,7 @@
 
 namespace rhoray::formats::details {
 
-/// One field's samples by position, wherever they lie; NaN in a brick that is not stored.
+/// Reads one field's samples by grid index, for any layout; NaN in a brick that is not stored.
 template <class T>
 class SamplesByPosition {
  public:
@@ -24,7 +24,7 @@ class SamplesByPosition {
     return address == SparseAddress::no_sample ? std::numeric_limits<T>::quiet_NaN() : samples_[address];
   }
 
-  /// True when a stored brick holds one of the samples from low to high, both included.
+  /// True when a stored brick overlaps the range of samples from low to high, both included.
   bool some_stored(const Index3& low, const Index3& high) const {
     if (!sparse_) return true;
     const std::int64_t n = grid_.description().layout.brick_edge;

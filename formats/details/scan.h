@@ -15,16 +15,15 @@
 #include "formats/format_error.h"
 #include "formats/packed_file.h"
 
-/// What meshes check of whole arrays when they are opened.
+/// Checks of whole arrays that meshes run when they are opened.
 namespace rhoray::formats::details {
 
-// elements; a smaller scan is done before a thread has started
+// elements; a smaller scan finishes before another thread could start
 inline constexpr std::uint64_t scan_piece = 1 << 18;
 
-/// The first position at which `is_bad(first, last)` meets a bad element, narrowed down only where
-/// there is one.
-/// @param is_bad  tells of a range whether it holds a bad element; written to run at the speed of
-///                memory
+/// Finds the first bad element. It searches element by element only in a range in which
+/// `is_bad(first, last)` is true.
+/// @param is_bad  true if a range contains a bad element; written to run at memory speed
 template <class IsBad>
 std::optional<std::uint64_t> first_bad(std::uint64_t count, IsBad is_bad) {
   constexpr std::uint64_t chunk = 4096;
@@ -68,7 +67,7 @@ void check_finite(const PackedFile& file, std::string_view array, std::span<cons
     refuse(file.name(), concat("array '", array, "', element ", *bad), concat(numbers[*bad]), "a finite number");
 }
 
-/// Groups of `size` neighbouring numbers as one element each.
+/// Views groups of `size` consecutive numbers as one element each.
 template <std::size_t size, class T>
 std::span<const std::array<T, size>> grouped(std::span<const T> numbers) {
   static_assert(sizeof(std::array<T, size>) == size * sizeof(T));

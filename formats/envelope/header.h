@@ -11,11 +11,12 @@
 namespace rhoray::formats::envelope {
 
 inline constexpr std::uint64_t page_bytes = 4096;
-inline constexpr std::uint64_t length_bytes = 8;  ///< the header's length, before its text
+inline constexpr std::uint64_t length_bytes = 8;  ///< length of the header, stored before its text
 inline constexpr std::uint64_t small_alignment = 64;
 
-// Limits of a header: far above what real files need, low enough that a hostile one costs nothing.
-inline constexpr std::uint64_t largest_header_bytes = std::uint64_t{1} << 20;  ///< with its length
+// Limits of a header: far above what real files need, low enough that a hostile file costs nothing.
+/// including its length field
+inline constexpr std::uint64_t largest_header_bytes = std::uint64_t{1} << 20;
 inline constexpr std::size_t largest_array_count = 4096;
 inline constexpr std::size_t largest_rank = 8;
 inline constexpr std::size_t largest_name_bytes = 256;
@@ -28,23 +29,23 @@ inline constexpr std::string_view seal_name = "_seal";
 struct Header {
   std::string version;
   FileDescription description;
-  /// all, in the order of the file; first_byte counted from the data area's start
+  /// all, in file order; first_byte counts from the start of the data area
   std::vector<ArrayEntry> arrays;
 };
 
-/// Reads and checks a header's text: grammar, limits, version, requirements; arrays without gap
-/// from the start of the data area to its end, "_sum" and "_seal" last, every other array that is
-/// not padding on a multiple of 64.
+/// Reads and checks a header's text: grammar, limits, version, requirements. Arrays must fill the
+/// data area without gaps, with "_sum" and "_seal" last. Every other array that is not padding must
+/// start at a multiple of 64.
 /// @param file  name for messages
 Header read_header(std::string_view file, std::string_view text, std::uint64_t data_bytes);
 
-/// Where declared arrays come to lie, with the padding between them and with "_sum" and "_seal"
-/// behind them. Throws ErrorCode::usage when their sizes do not fit 63 bits.
+/// Assigns offsets to declared arrays and adds padding between them, and "_sum" and "_seal" at the
+/// end. Throws ErrorCode::usage when the sizes do not fit in 63 bits.
 /// @param file  name for messages
 std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<ArraySpec>& arrays);
 
-/// The header as it lies in the file: length, text, spaces up to a multiple of 4096.
-/// Throws ErrorCode::usage when it would go beyond the limits.
+/// The header as stored in the file: length, text, spaces up to a multiple of 4096. Throws
+/// ErrorCode::usage when it would exceed the limits.
 std::string write_header(std::string_view file, const FileDescription& description,
                          const std::vector<ArrayEntry>& arrays);
 
