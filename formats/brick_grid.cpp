@@ -15,7 +15,7 @@ namespace {
 using details::Json;
 
 constexpr std::string_view grid_kind = "grid";
-// Without these a reader would put samples where they do not belong.
+// Without these features a reader would place samples at wrong positions.
 constexpr std::string_view axis_tables_feature = "axis-tables";
 constexpr std::string_view sparse_bricks_feature = "sparse-bricks";
 
@@ -95,7 +95,7 @@ std::vector<double> read_axis(const PackedFile& file, int axis, std::int64_t sam
   return {table.begin(), table.end()};
 }
 
-/// So that every sample has a place in the array and no two have the same.
+/// Checks that every stored brick has exactly one slot.
 void check_slots(const PackedFile& file, std::span<const std::uint32_t> slots, std::uint64_t stored_count) {
   const auto refuse_slot = [&](std::size_t brick, std::string_view expected) {
     refuse(file.name(), concat("array 'bricks', element ", brick), concat(slots[brick]), expected);
@@ -139,7 +139,7 @@ Json grid_field_json(const GridDescription& description, std::size_t field) {
   return json;
 }
 
-/// The first version that has all that the file uses.
+/// The first minor version with all features that the file uses.
 int first_minor_version(const GridDescription& description, const FileDescription& file) {
   for (const auto& [field, certificate] : description.certificates)
     if (certificate.coverage || certificate.requested_error) return 5;
@@ -189,8 +189,8 @@ BrickGrid::BrickGrid(PackedFile file) : file_(std::move(file)), description_(rea
     brick_slots_ = file_.array<std::uint32_t>("bricks", brick_shape());
     check_slots(file_, brick_slots_, description_.layout.stored_brick_count);
   }
-  // Only now: the tables are no larger than the macro levels and samples whose sizes have just been
-  // checked, or small.
+  // Created only here: the tables are small, or no larger than the macro levels and samples whose
+  // sizes have just been checked.
   tables_ = std::make_shared<const AxisTables>(description_.layout);
 }
 

@@ -13,13 +13,13 @@
 namespace rhoray::formats {
 namespace {
 
-/// Calls act(first, last) on ranges of a z axis, at the same time.
+/// Calls act(first, last) on ranges of a z axis, in parallel.
 template <class Act>
 void over_z(std::int64_t count, Act&& act) {
   for_each_range(static_cast<std::uint64_t>(count), 4, 0, act);
 }
 
-/// Reads one field's samples again, by position.
+/// Reads one field's samples again, by grid index.
 template <class T>
 class GridCheck {
  public:
@@ -45,9 +45,9 @@ class GridCheck {
  private:
   static bool is_nan(const Index3&, T found) { return std::isnan(static_cast<double>(found)); }
 
-  /// Calls act(low, high) on blocks that make up the lattice of `count` samples, on ranges of z at
-  /// the same time: whole layers, or the bricks of a sparse grid. start() makes what each range
-  /// takes along, done(range) takes it back.
+  /// Calls act(low, high) on blocks that cover the lattice of `count` samples, in parallel over
+  /// ranges of z: whole layers, or the bricks of a sparse grid. start() creates the state of a
+  /// range, done(range) collects it.
   template <class Start, class Act, class Done>
   void over_blocks(const Index3& count, Start&& start, Act&& act, Done&& done) const {
     const std::int64_t n = layout_.is_sparse ? layout_.brick_edge : 0;
@@ -91,7 +91,7 @@ class GridCheck {
     all.compare(findings_);
   }
 
-  /// @param holds  says whether the padding at a position is as it must be
+  /// @param holds  true if the padding at an index is correct
   template <class Holds>
   void check_padding(const std::string& kind, Holds&& holds) {
     const Index3 count = layout_.sample_count, padded = layout_.padded_count();
@@ -115,11 +115,11 @@ class GridCheck {
   const BrickLayout& layout_;
   const FieldSummary& summary_;
   details::SamplesByPosition<T> sample_;
-  std::string of_field_;  ///< for findings, where there are several fields
+  std::string of_field_;  ///< for findings; used if there are several fields
   details::Findings& findings_;
 };
 
-/// The errors of every brick, and what the certificate says of them all.
+/// Checks the errors of every brick, and the totals in the certificate.
 template <class T>
 void check_certificate(const BrickGrid& grid, std::size_t field, const Certificate& certificate,
                        details::Findings& findings) {

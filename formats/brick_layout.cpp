@@ -11,7 +11,8 @@ constexpr std::int64_t divide_up(std::int64_t a, std::int64_t b) {
   return (a + b - 1) / b;
 }
 
-/// The largest superbrick, in bricks, that pads an axis of `brick_count` bricks by at most 1.5 %.
+/// The largest superbrick edge, in bricks, that pads an axis of `brick_count` bricks by at most 1.5
+/// %.
 std::int64_t superbrick_edge_for(std::int64_t brick_count, std::int64_t largest) {
   for (std::int64_t m = std::min(largest, brick_count); m > 1; --m) {
     const std::int64_t added = divide_up(brick_count, m) * m - brick_count;
@@ -20,8 +21,8 @@ std::int64_t superbrick_edge_for(std::int64_t brick_count, std::int64_t largest)
   return 1;
 }
 
-/// One axis of the address: where samples, bricks and superbricks of this axis start, in samples of
-/// the array.
+/// One axis of the address: strides of samples, bricks and superbricks along this axis, in samples
+/// of the array.
 struct AxisStrides {
   std::uint64_t sample, brick, superbrick;
 };

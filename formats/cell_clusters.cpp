@@ -21,7 +21,7 @@ std::uint64_t divided_up(std::uint64_t count, std::uint64_t by) {
   return count / by + (count % by != 0 ? 1 : 0);
 }
 
-/// Numbers of the array as blocks.
+/// Views the numbers of an array as blocks.
 template <class Block, class T>
 std::span<const Block> blocks(std::span<const T> numbers) {
   static_assert(sizeof(Block) % (width * sizeof(T)) == 0);

@@ -34,7 +34,7 @@ std::vector<std::uint64_t> shape_of(const ColorGridDescription& grid) {
 
 ColorGrid::ColorGrid(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
   texels_ = file_.array<std::uint8_t>("texels", shape_of(description_));
-  // Only now: the tables are smaller than the texels whose size has just been checked.
+  // Created only here: the tables are smaller than the texels, whose size has just been checked.
   tables_ = std::make_shared<const AxisTables>(description_.layout);
 }
 

@@ -7,7 +7,7 @@
 namespace rhoray::formats {
 
 std::size_t histogram_bin(const Interval<double>& range, std::size_t bin_count, double value) {
-  // Halved, so that the width of a range does not overflow.
+  // Halved first, so that the width of a range does not overflow.
   const double width = range.hi / 2 - range.lo / 2;
   if (!(width > 0)) return 0;
   const double position = (value / 2 - range.lo / 2) / width * static_cast<double>(bin_count);
@@ -41,8 +41,8 @@ std::optional<double> otsu_threshold(const FieldSummary& field) {
     moment += count * static_cast<double>(bin);
   }
 
-  // Every edge between two bins parts the values; through a gap of empty bins all edges are equally
-  // good, so the threshold lies in the middle of the best ones.
+  // Every edge between two bins splits the values. Across a gap of empty bins all edges are equally
+  // good, so the threshold is the middle of the best ones.
   double best = 0, low_count = 0, low_moment = 0;
   std::size_t first_edge = 0, last_edge = 0;
   for (std::size_t edge = 1; edge < field.histogram.size(); ++edge) {

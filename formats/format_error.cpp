@@ -3,8 +3,8 @@
 namespace rhoray::formats {
 namespace {
 
-/// A text that may hold anything that stands in a file: control characters as \x1b, and no more of
-/// it than a reader needs, so that a message is one line and does nothing to a terminal.
+/// Makes text from a file safe for messages: control characters become \x1b and so on, and long
+/// text is cut. So a message is one line and cannot affect a terminal.
 std::string shown(std::string_view text) {
   constexpr std::size_t most = 600;
   constexpr std::string_view digits = "0123456789abcdef";

@@ -5,7 +5,7 @@
 namespace rhoray::formats {
 
 void require_intact(const PackedFile& file) {
-  if (file.arrays().empty()) return;  // all that was read is the header, which is checked on open
+  if (file.arrays().empty()) return;  // only the header was read, and opening has checked it
   MappedFile::require_intact(file.bytes(file.arrays().front().name).data());
 }
 

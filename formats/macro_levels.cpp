@@ -16,7 +16,7 @@ std::vector<std::uint64_t> level_shape(const MacroShape& shape, int level) {
 
 Index3 MacroShape::count(int level) const {
   RHORAY_DCHECK(level >= 0 && level <= level_count);
-  // Rounding up level by level gives the same as rounding up once, and cannot overflow.
+  // Rounding up level by level gives the same result as rounding up once, and cannot overflow.
   Index3 cells = leaf_count;
   for (int l = 0; l < level; ++l)
     cells = {(cells.x - 1) / factor + 1, (cells.y - 1) / factor + 1, (cells.z - 1) / factor + 1};

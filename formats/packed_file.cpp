@@ -31,10 +31,10 @@ struct PackedFile::Mapping {
   std::string version;
   FileDescription description;
   std::vector<ArrayEntry> arrays;
-  std::map<std::string, std::size_t, std::less<>> position;  ///< in arrays, by name
+  std::map<std::string, std::size_t, std::less<>> position;  ///< name to index in arrays
   std::uint64_t header_bytes = 0;
   std::span<const std::uint64_t> sums;
-  std::uint64_t summed_bytes = 0;  ///< from header_bytes on
+  std::uint64_t summed_bytes = 0;  ///< starting at header_bytes
 
   Mapping(int owned_descriptor, std::string file_name);
   Mapping(const Mapping&) = delete;
@@ -79,7 +79,7 @@ void PackedFile::Mapping::map() {
 std::uint64_t PackedFile::Mapping::checked_header_bytes() const {
   std::uint64_t text_bytes = 0;
   std::memcpy(&text_bytes, start, envelope::length_bytes);
-  // wraps to a small number for a huge one
+  // a huge length wraps to a small number
   const std::uint64_t whole = text_bytes + envelope::length_bytes;
   const std::uint64_t largest = std::min(envelope::largest_header_bytes, bytes - envelope::seal_bytes);
   if (text_bytes > largest || whole > largest || whole % envelope::page_bytes != 0)
@@ -111,7 +111,7 @@ void PackedFile::Mapping::read() {
       sums = {reinterpret_cast<const std::uint64_t*>(raw.data()), raw.size() / sizeof(std::uint64_t)};
       summed_bytes = array.first_byte - header_bytes;
     }
-    if (array.name.front() == '_') continue;  // the envelope's own
+    if (array.name.front() == '_') continue;  // array of the envelope
     position.emplace(array.name, arrays.size());
     arrays.push_back(std::move(array));
   }

@@ -15,10 +15,10 @@
 namespace rhoray::formats {
 namespace {
 
-/// Which bytes of an array have been written.
+/// The bytes of an array that have been written.
 class Coverage {
  public:
-  /// False when a byte of [first, last) was taken before.
+  /// Adds [first, last). False when one of its bytes was already written.
   bool take(std::uint64_t first, std::uint64_t last) {
     if (first == last) return true;
     auto next = runs_.lower_bound(first);
@@ -26,7 +26,7 @@ class Coverage {
     if (next != runs_.begin()) {
       const auto previous = std::prev(next);
       if (previous->second > first) return false;
-      if (previous->second == first) {  // grow it instead of starting a new one
+      if (previous->second == first) {  // extend the run instead of starting a new one
         first = previous->first;
         runs_.erase(previous);
       }
@@ -39,14 +39,14 @@ class Coverage {
     return true;
   }
 
-  /// The first byte of [0, count) that was not written; count when all were.
+  /// The first byte of [0, count) that was not written; count when all were written.
   std::uint64_t first_missing(std::uint64_t count) const {
     if (runs_.empty() || runs_.begin()->first != 0) return 0;
     return std::min(runs_.begin()->second, count);
   }
 
  private:
-  std::map<std::uint64_t, std::uint64_t> runs_;  ///< start -> end, apart from each other
+  std::map<std::uint64_t, std::uint64_t> runs_;  ///< start -> end; runs do not touch
 };
 
 }  // namespace
@@ -67,7 +67,7 @@ struct PackedFileWriter::State {
   std::vector<std::uint64_t> sums(unsigned threads) const;
 
   std::unique_ptr<PendingFile> file;
-  /// with padding, sums and seal; first_byte counted from the data area's start
+  /// with padding, sums and seal; first_byte counts from the start of the data area
   std::vector<ArrayEntry> arrays;
   std::string header;
   std::uint64_t file_bytes = 0;
@@ -91,7 +91,7 @@ PackedFileWriter& PackedFileWriter::operator=(PackedFileWriter&&) noexcept = def
 PackedFileWriter::~PackedFileWriter() = default;
 
 void PackedFileWriter::write(std::string_view array, std::uint64_t byte_offset, std::span<const std::byte> bytes) {
-  RHORAY_CHECK(state_ != nullptr);  // nothing is written after commit
+  RHORAY_CHECK(state_ != nullptr);  // nothing can be written after commit
   State& state = *state_;
   const auto found = state.position.find(array);
   if (found == state.position.end() || array.starts_with('_'))
@@ -137,7 +137,7 @@ std::vector<std::uint64_t> PackedFileWriter::State::sums(unsigned threads) const
 }
 
 std::uint64_t PackedFileWriter::commit(unsigned threads) {
-  RHORAY_CHECK(state_ != nullptr);  // once
+  RHORAY_CHECK(state_ != nullptr);  // only once
   State& state = *state_;
   state.check_coverage();
   const std::span<const std::byte> header = std::as_bytes(std::span(state.header));

@@ -8,7 +8,7 @@
 namespace rhoray::formats {
 namespace {
 
-/// @param findings  so far
+/// @param findings  found so far
 template <class Data>
 std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, details::Findings& findings) {
   const details::RangesRead read = details::check_ranges(data, field, threads, findings);

@@ -25,7 +25,8 @@ using details::scan_piece;
 
 constexpr std::string_view mesh_kind = "tets";
 constexpr std::string_view clusters_feature = "cell-clusters";
-constexpr std::string_view curve_order = "curve";  // of cells; the source's has no name in the file
+// order of cells; the source's order has no name in the file
+constexpr std::string_view curve_order = "curve";
 constexpr std::uint64_t largest_count =
     std::numeric_limits<std::uint32_t>::max();  // of points and cells: 32-bit indices
 
@@ -117,8 +118,7 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
            concat("at least ", offsets[*bad], ", the one before"));
 }
 
-/// Readers keep the vertices of a cluster in arrays of this size, and a corner is a position of one
-/// byte.
+/// Readers keep the vertices of a cluster in arrays of this size, and a corner is a one-byte index.
 constexpr std::uint64_t largest_table = 4 * ClusterShape::largest_cell_count;
 
 void check_tables(const PackedFile& file, const CellClustersView& clusters) {
@@ -134,7 +134,7 @@ void check_tables(const PackedFile& file, const CellClustersView& clusters) {
            concat("at most ", largest_table, " vertices"));
 }
 
-/// Corners must lie in the table of their cluster.
+/// Checks that corners lie in the table of their cluster.
 void check_corners(const PackedFile& file, const CellClustersView& clusters) {
   const auto largest_corner = [&](std::uint64_t cluster) {
     std::uint8_t largest = 0;
@@ -186,7 +186,7 @@ void TetMesh::view_leaf_lists() {
   const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
   leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
   leaf_lists_.items = file_.array<std::uint32_t>("leaf.items", {d.leaf_item_count});
-  // where the description says 0, the shape check takes any size
+  // if the description says 0, the shape check accepts any size
   if (leaf_lists_.items.size() != d.leaf_item_count)
     refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
   check_below(file_, "cells", vertices, d.point_count);

@@ -46,7 +46,7 @@ class MeshCheck {
     return p;
   }
 
-  /// Six times the volume is negative beyond what rounding can explain.
+  /// True when six times the volume is negative by more than rounding can explain.
   static bool is_flipped(const std::array<Vec3, 4>& p) {
     const Vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
     return a.cross(b).dot(c) < -1e-14 * a.length() * b.length() * c.length();

@@ -18,7 +18,7 @@ Json index_as_numbers(const Index3& index) {
       {static_cast<double>(index.x), static_cast<double>(index.y), static_cast<double>(index.z)}, "first_sample");
 }
 
-/// An index that may be negative, which details::Reader::index does not take.
+/// Reads an index that may be negative, which details::Reader::index refuses.
 Index3 read_signed_index(const details::Reader& reader, const std::string& key) {
   const Vec3 numbers = reader.vector(key);
   Index3 index;

@@ -5,7 +5,7 @@
 namespace rhoray {
 
 // The default environment of the C library has FTZ and DAZ off;
-// tests/formats/floating_point_test.cpp looks.
+// tests/formats/floating_point_test.cpp checks this.
 DefaultFloatingPoint::DefaultFloatingPoint() {
   RHORAY_CHECK(std::fegetenv(&callers_) == 0);
   RHORAY_CHECK(std::fesetenv(FE_DFL_ENV) == 0);

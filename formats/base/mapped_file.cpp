@@ -15,18 +15,18 @@
 
 namespace rhoray {
 
-/// One mapping. Entries form a list that only grows; those of mappings that are gone are used
-/// again, so that a signal handler may walk the list at any time.
+/// One mapping. Entries form a list that only grows, and entries of removed mappings are reused. So
+/// a signal handler may walk the list at any time.
 struct MappedFile::Entry {
   std::atomic<std::uint64_t> version{0};  ///< odd while start and byte_count change
   std::atomic<std::uintptr_t> start{0};
   std::atomic<std::uint64_t> byte_count{0};  ///< 0: free
   std::atomic<bool> damaged{false};
-  std::string name;       ///< guarded by the table's mutex, as the next three
-  bool reported = false;  ///< an exception has told of the damage
+  std::string name;       ///< guarded by the table's mutex, like the next three
+  bool reported = false;  ///< an exception has reported the damage
   bool is_mapped = false;
-  int descriptor = -1;    ///< of the mapped file; -1 where the process may have no more
-  Entry* next = nullptr;  ///< set once, before the entry is in the list
+  int descriptor = -1;    ///< of the mapped file; -1 if the process had no descriptor left
+  Entry* next = nullptr;  ///< set once, before the entry joins the list
 
   void set(std::uintptr_t new_start, std::uint64_t new_count) {
     version.fetch_add(1);
@@ -52,8 +52,8 @@ Error loss(const std::string& name) {
 
 }  // namespace
 
-/// Bytes that a shorter file lacks inside its last page read as zeros without a signal: its size
-/// tells.
+/// If a shortened file lacks bytes only inside its last page, they read as zeros without a signal.
+/// Its size reveals the loss.
 void MappedFile::look_at_size(Entry& entry) {
   struct stat status {};
   if (!entry.is_mapped || entry.descriptor < 0 || ::fstat(entry.descriptor, &status) != 0) return;
@@ -69,7 +69,7 @@ MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_
   const std::lock_guard lock(table_mutex);
   Entry* const first = first_entry_.load();
   Entry* entry = first;
-  // The name of a loss that nobody was told of is kept.
+  // Keep the name of a loss that has not been reported.
   while (entry != nullptr && (entry->is_mapped || (entry->damaged && !entry->reported))) entry = entry->next;
   const bool is_new = entry == nullptr;
   if (is_new) {
@@ -88,8 +88,8 @@ MappedFile::Entry* MappedFile::enter(const std::byte* start, std::uint64_t byte_
 
 MappedFile::MappedFile(int descriptor, std::uint64_t byte_count, std::string name) : byte_count_(byte_count) {
   RHORAY_CHECK(byte_count > 0);
-  // Private, as files in memory that are sealed against writing take no other mapping; nothing is
-  // written or copied.
+  // Private, because files in memory that are sealed against writing allow no other mapping.
+  // Nothing is written or copied.
   void* const start = ::mmap(nullptr, byte_count, PROT_READ, MAP_PRIVATE, descriptor, 0);
   if (start == MAP_FAILED)
     throw Error(ErrorCode::resource,
@@ -106,7 +106,7 @@ MappedFile::MappedFile(int descriptor, std::uint64_t byte_count, std::string nam
 MappedFile::~MappedFile() {
   {
     const std::lock_guard lock(table_mutex);
-    entry_->set(0, 0);  // before the addresses may belong to somebody else
+    entry_->set(0, 0);  // before the system can reuse the addresses
     entry_->is_mapped = false;
     if (entry_->descriptor >= 0) ::close(entry_->descriptor);
     entry_->descriptor = -1;
@@ -140,7 +140,7 @@ void MappedFile::require_intact(const void* address) {
 bool replace_lost_bytes(const void* address) noexcept {
   const auto at = reinterpret_cast<std::uintptr_t>(address);
   for (MappedFile::Entry* entry = MappedFile::first_entry_.load(); entry != nullptr; entry = entry->next) {
-    // The entry of the mapping that is being read does not change; one that does is another's.
+    // The entry of the mapping being read cannot change; an entry that changes belongs to another.
     const std::uint64_t version = entry->version.load();
     const std::uintptr_t start = entry->start.load();
     const std::uint64_t byte_count = entry->byte_count.load();

@@ -19,8 +19,8 @@ std::string lower_case(std::string_view text) {
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Rows of the dynamic programme: the one in work and the two before it (the exchange of
-  // neighbours looks two back).
+  // Rows of the dynamic programme: the current one and the two before it. The exchange of
+  // neighbours needs the row two before.
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {

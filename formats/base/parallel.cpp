@@ -9,9 +9,10 @@ namespace rhoray {
 namespace {
 
 std::atomic<unsigned> chosen_limit{0};  ///< 0 = available_cores()
-std::atomic<unsigned> threads_lent{0};  ///< threads beside callers' that loops have at the moment
+/// threads that loops currently use beside their callers' own
+std::atomic<unsigned> threads_lent{0};
 
-/// The right to start one more thread, or none when the limit is reached.
+/// The right to start one more thread, or nothing when the limit is reached.
 class Lent {
  public:
   Lent() {
@@ -31,7 +32,7 @@ class Lent {
   bool is_there_ = false;
 };
 
-/// The failure of the lowest piece that failed.
+/// The exception of the lowest failing piece.
 class LowestFailure {
  public:
   void keep(std::size_t piece) {
@@ -50,16 +51,16 @@ class LowestFailure {
   std::size_t piece_ = 0;
 };
 
-/// Threads that are waited for, also when what started them is left by an exception; each gives
-/// back its right first.
+/// Threads that are joined even if an exception leaves the scope that started them. Each returns
+/// its right to run first.
 class Threads {
  public:
   ~Threads() {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  /// Runs `work` on another thread and returns true, or returns false where the limit or the system
-  /// gives none.
+  /// Runs `work` on another thread and returns true; returns false if the limit or the system
+  /// allows none.
   bool start(std::function<void()> work) {
     Lent lent;
     if (!lent) return false;

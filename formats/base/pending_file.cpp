@@ -27,18 +27,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t new_file_mode = 0666;  // less what the user's mask takes away
+constexpr mode_t new_file_mode = 0666;  // minus the bits of the user's umask
 constexpr std::string_view temporary_begin = ".rhoray-", temporary_end = ".partial";
 
-/// A name for a short time, not used by this process before.
+/// A temporary name that this process has not used before.
 std::string next_temporary_name() {
   static std::atomic<unsigned> counter{0};
   return concat(temporary_begin, ::getpid(), "-", counter++, temporary_end);
 }
 
-/// The file that a chain of symbolic links leads to, whether it exists or not.
+/// The file at the end of a chain of symbolic links, whether it exists or not.
 fs::path follow_links(fs::path path) {
-  constexpr int longest_chain = 40;  // as the kernel's own limit
+  constexpr int longest_chain = 40;  // same as the kernel's limit
   for (int step = 0; step < longest_chain; ++step) {
     std::error_code none;
     if (!fs::is_symlink(fs::symlink_status(path, none))) return path;
@@ -57,11 +57,11 @@ bool is_same_file(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// Removes a temporary name whose process is gone: nobody holds the lock.
+/// Removes a temporary name whose process has ended: nobody holds the lock.
 void remove_if_stale(int folder, const std::string& name) {
   constexpr int flags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
   int file = ::openat(folder, name.c_str(), O_RDWR | flags);
-  // what it was to replace
+  // The name may belong to a replaced file that does not allow writing.
   if (file < 0 && errno == EACCES) file = ::openat(folder, name.c_str(), O_RDONLY | flags);
   if (file < 0) return;
   struct stat opened {};
@@ -72,10 +72,10 @@ void remove_if_stale(int folder, const std::string& name) {
   ::close(file);
 }
 
-/// CandidateList for stale temporary names once per folder and process.
+/// Looks for stale temporary names, once per folder and process.
 void remove_stale_names(int folder, const fs::path& name_of_folder) {
   static std::mutex guard;
-  // the path too: numbers come back when folders are removed
+  // the path is part of the key: inode numbers are reused when folders are removed
   static std::set<std::tuple<dev_t, ino_t, fs::path>> seen;
   struct stat status {};
   if (::fstat(folder, &status) != 0) return;
@@ -87,7 +87,7 @@ void remove_stale_names(int folder, const fs::path& name_of_folder) {
   DIR* const list = again < 0 ? nullptr : ::fdopendir(again);
   if (list == nullptr) {
     if (again >= 0) ::close(again);
-    return;  // a folder may be closed to reading and open to writing
+    return;  // a folder may allow writing but not reading
   }
   while (const dirent* const entry = ::readdir(list)) {
     const std::string name = entry->d_name;
@@ -98,13 +98,13 @@ void remove_stale_names(int folder, const fs::path& name_of_folder) {
 
 }  // namespace
 
-/// The files of this process that have a temporary name, and the guard of all naming.
+/// The files of this process that have a temporary name, and the mutex for all naming.
 struct PendingFile::Unfinished {
   std::recursive_mutex guard;
   std::set<PendingFile*> files;
 
   static Unfinished& all() {
-    // lives as long as the process: an interrupt may come at its end
+    // never destroyed: an interrupt may come while the process ends
     static Unfinished* const all = new Unfinished;
     return *all;
   }
@@ -140,7 +140,7 @@ void PendingFile::release() {
 
 void PendingFile::remove_temporary() {
   const std::lock_guard lock(Unfinished::all().guard);
-  // An error here is ignored: the next run removes a file that stays.
+  // An error here is ignored: the next run removes a leftover file.
   if (!temporary_name_.empty()) ::unlinkat(folder_, temporary_name_.c_str(), 0);
   temporary_name_.clear();
   Unfinished::all().files.erase(this);
@@ -177,12 +177,13 @@ void PendingFile::open_target(const fs::path& target) {
 }
 
 void PendingFile::create() {
-  // An anonymous file is named through /proc; without it, as without O_TMPFILE, a named temporary
-  // does.
+  // An anonymous file is named through /proc. Without /proc or O_TMPFILE, use a named temporary
+  // file.
   if (options_.anonymous && ::access("/proc/self/fd", X_OK) == 0) {
     descriptor_ = ::openat(folder_, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, new_file_mode);
     if (descriptor_ >= 0) {
-      ::flock(descriptor_, LOCK_EX | LOCK_NB);  // for the moment in which it has a temporary name
+      // for the short time in which it has a temporary name
+      ::flock(descriptor_, LOCK_EX | LOCK_NB);
       return;
     }
     if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL && errno != ENOENT) fail("create it", errno);
@@ -194,20 +195,20 @@ void PendingFile::create() {
 void PendingFile::create_named() {
   Unfinished& all = Unfinished::all();
   const std::lock_guard lock(all.guard);
-  all.files.insert(this);  // before there is a name: memory may end here
+  all.files.insert(this);  // before the name exists: this may run out of memory
   for (;;) {
     std::string name = next_temporary_name();
     descriptor_ = ::openat(folder_, name.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, new_file_mode);
     if (descriptor_ < 0 && errno == EEXIST) continue;
     if (descriptor_ < 0) fail("create it", errno);
     temporary_name_ = std::move(name);
-    // Another process may have taken it for stale before it was locked.
+    // Another process may have considered it stale before it was locked.
     ::flock(descriptor_, LOCK_EX);
     struct stat status {};
     if (::fstat(descriptor_, &status) != 0 || status.st_nlink > 0) break;
     ::close(descriptor_);
   }
-  keep_permissions();  // other users see this name: what was private is private from the start
+  keep_permissions();  // other users can see this name: a private file is private from the start
 }
 
 fs::path PendingFile::open_name() const {
@@ -221,7 +222,7 @@ void PendingFile::reserve(std::uint64_t bytes) {
   do {
     error = ::fallocate(descriptor_, 0, 0, size) == 0 ? 0 : errno;
   } while (error == EINTR);
-  // Some file systems cannot promise space; there a full disk is met while writing.
+  // Some file systems cannot reserve space; there a full disk is noticed while writing.
   if (error == EOPNOTSUPP || error == ENOSYS) error = ::ftruncate(descriptor_, size) == 0 ? 0 : errno;
   if (error != 0) fail(concat("reserve ", bytes, " bytes"), error, bytes);
 }
@@ -231,7 +232,7 @@ void PendingFile::write(std::uint64_t first_byte, std::span<const std::byte> byt
   while (!bytes.empty()) {
     const ssize_t put = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(first_byte));
     if (put < 0 && errno == EINTR) continue;
-    // Where an input that is written on lost bytes, a system call says so instead of a signal.
+    // If an input being copied has lost bytes, the system call reports EFAULT instead of a signal.
     if (put < 0 && errno == EFAULT && replace_lost_bytes(bytes.data())) require_no_lost_bytes();
     if (put <= 0) fail(concat("write ", bytes.size(), " bytes at byte ", first_byte), put < 0 ? errno : ENOSPC, end);
     bytes = bytes.subspan(static_cast<std::size_t>(put));
@@ -271,15 +272,15 @@ void PendingFile::publish_each(std::span<PendingFile* const> files) {
   for (PendingFile* const file : own) file->settle();
 }
 
-/// A file that is replaced hands on its owner, group and permissions.
+/// Gives the new file the owner, group and permissions of the file it replaces.
 void PendingFile::keep_permissions() {
   const std::optional<struct stat> old = status_in(folder_, file_name_);
   if (!old || !S_ISREG(old->st_mode)) return;
   struct stat own {};
   if (::fstat(descriptor_, &own) != 0) fail("look at it", errno);
   mode_t mode = old->st_mode & 0777;
-  // A user may not give files away; in a user namespace, or on some file systems, others do not
-  // even exist.
+  // A user may not give files away. In a user namespace, or on some file systems, other users do
+  // not even exist.
   const auto may_not = [](int error) {
     return error == EPERM || error == EINVAL || error == ENOSYS || error == ENOTSUP;
   };
@@ -287,7 +288,7 @@ void PendingFile::keep_permissions() {
     fail("keep its owner", errno);
   if (old->st_gid != own.st_gid && ::fchown(descriptor_, static_cast<uid_t>(-1), old->st_gid) != 0) {
     if (!may_not(errno)) fail("keep its group", errno);
-    // Another group than before: it may do what all others may.
+    // The group has changed: it gets the permissions of all others.
     mode = (mode & 0707) | ((mode & 07) << 3);
   }
   if (::fchmod(descriptor_, mode) != 0) fail("keep its permissions", errno);
@@ -296,8 +297,8 @@ void PendingFile::keep_permissions() {
 void PendingFile::flush() {
   keep_permissions();
   if (::fsync(descriptor_) != 0) fail("flush it to disk", errno);
-  // A file server may tell only on closing that a write failed; the descriptor itself is needed to
-  // name the file.
+  // Some file servers report a failed write only on close. The descriptor itself is still needed to
+  // name the file, so close a copy.
   const int copy = ::fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);
   if (copy < 0) fail("flush it to disk", errno);
   if (::close(copy) != 0) fail("close it", errno);
@@ -322,7 +323,7 @@ void PendingFile::take_name() {
     rename_temporary();
 }
 
-/// Gives an anonymous file a name in the folder; false when that name is taken.
+/// Gives an anonymous file a name in the folder; false when the name is taken.
 bool PendingFile::link_to(const std::string& name) const {
   const std::string self = concat("/proc/self/fd/", descriptor_);
   if (::linkat(AT_FDCWD, self.c_str(), folder_, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return true;
@@ -331,13 +332,13 @@ bool PendingFile::link_to(const std::string& name) const {
 }
 
 void PendingFile::link_temporary() {
-  Unfinished::all().files.insert(this);  // before there is a name: memory may end here
+  Unfinished::all().files.insert(this);  // before the name exists: this may run out of memory
   std::string second = next_temporary_name();
   while (!link_to(second)) second = next_temporary_name();
   temporary_name_ = std::move(second);
 }
 
-/// Keeps other processes from taking the old file for a stale one.
+/// Locks the old file, so that other processes do not consider it stale.
 void PendingFile::hold_old() {
   const std::optional<struct stat> status = status_in(folder_, file_name_);
   if (!status) return;
@@ -347,7 +348,7 @@ void PendingFile::hold_old() {
   if (old_ >= 0) ::flock(old_, LOCK_SH | LOCK_NB);
 }
 
-/// The old file, if there is one, gets the temporary name until all is settled.
+/// Gives the old file, if there is one, the temporary name until everything is settled.
 void PendingFile::replace_by_temporary() {
   hold_old();
   const char *from = temporary_name_.c_str(), *to = file_name_.c_str();
@@ -358,7 +359,7 @@ void PendingFile::replace_by_temporary() {
   if (errno != ENOENT && errno != EINVAL && errno != ENOSYS) fail("give it its name", errno);
   const bool is_new = errno == ENOENT;
   if (::renameat(folder_, from, folder_, to) != 0) fail("give it its name", errno);
-  has_name_ = is_new;  // without exchange, what was replaced cannot come back
+  has_name_ = is_new;  // without an exchange, the replaced file cannot come back
   temporary_name_.clear();
   Unfinished::all().files.erase(this);
 }
@@ -366,7 +367,7 @@ void PendingFile::replace_by_temporary() {
 void PendingFile::rename_temporary() {
   const char *from = temporary_name_.c_str(), *to = file_name_.c_str();
   int error = ::renameat2(folder_, from, folder_, to, RENAME_NOREPLACE) == 0 ? 0 : errno;
-  // Where renaming cannot promise to replace nothing, linking can.
+  // If renaming cannot guarantee that it replaces nothing, linking can.
   if (error == EINVAL || error == ENOSYS) {
     error = ::linkat(folder_, from, folder_, to, 0) == 0 ? 0 : errno;
     if (error == 0) ::unlinkat(folder_, from, 0);
@@ -378,13 +379,13 @@ void PendingFile::rename_temporary() {
   Unfinished::all().files.erase(this);
 }
 
-/// From here on the file keeps its name.
+/// Makes the name final.
 void PendingFile::settle() {
   has_name_ = has_old_ = false;
   remove_temporary();
 }
 
-/// Takes the name back: the old file has it again, or nobody.
+/// Takes the name back: the old file has it again, or no file has it.
 void PendingFile::withdraw() {
   if (!std::exchange(has_name_, false)) return;
   const std::lock_guard lock(Unfinished::all().guard);
@@ -398,7 +399,7 @@ void PendingFile::withdraw() {
 
 void end_pending_files() {
   PendingFile::Unfinished& all = PendingFile::Unfinished::all();
-  all.guard.lock();  // and never unlocked
+  all.guard.lock();  // never unlocked
   for (const PendingFile* const file : all.files) ::unlinkat(file->folder_, file->temporary_name_.c_str(), 0);
 }
 

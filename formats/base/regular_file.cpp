@@ -39,7 +39,7 @@ void require_regular_file(const std::filesystem::path& path) {
 }
 
 int open_regular_file(const std::filesystem::path& path) {
-  require_regular_file(path);  // opening some devices already does something
+  require_regular_file(path);  // opening some devices already has side effects
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) refuse_by_system(path);
   try {

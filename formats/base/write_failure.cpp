@@ -23,8 +23,8 @@ ErrorCode error_code_of(int error) {
   }
 }
 
-/// " (needed: 100 bytes, free: 10 bytes)", with what is known of it. Bytes that the file already
-/// takes count as free.
+/// " (needed: 100 bytes, free: 10 bytes)", as far as known. Bytes that the file already occupies
+/// count as free.
 std::string space_text(int descriptor, std::uint64_t needed_bytes) {
   std::string text;
   if (needed_bytes > 0) text = concat("needed: ", needed_bytes, " bytes");

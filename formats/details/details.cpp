@@ -10,7 +10,7 @@ namespace {
 
 constexpr int deepest_level = 8;  // real details have four
 
-/// A value as found, short enough for a message.
+/// A value that was found, shortened for a message.
 std::string shown(const Json& value) {
   constexpr std::size_t longest = 60;
   std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);

@@ -16,8 +16,8 @@ BrickLayout read_layout(const Reader& reader, std::int64_t least_count) {
   layout.sample_count = reader.index("sample_count", least_count, largest_axis);
   layout.brick_edge = static_cast<std::int64_t>(reader.count("brick_edge", 1, largest_brick_edge));
   layout.superbrick_edge = reader.index("superbrick_edge", 1, largest_superbrick_edge);
-  // Each padded axis is below 2^21, so that three of them fit; with the bytes of a sample they may
-  // not.
+  // Each padded axis is below 2^21, so the product of three fits in 64 bits. Times the bytes of a
+  // sample, it may not.
   const Index3 padded = layout.padded_count();
   if (!checked_product({static_cast<std::uint64_t>(volume(padded)), sizeof(double)}))
     reader.refuse_value("sample_count", "a grid whose size fits 64 bits");

@@ -9,11 +9,11 @@
 namespace rhoray::formats::details {
 namespace {
 
-/// One field's samples against the macrocells of level 1.
+/// Compares one field's samples with the macrocells of level 1.
 ///
-/// A dense grid is read in rows of macrocells, all samples of a row at once and without a test of
-/// each cell: where every sample has data, the smallest and the largest are what the macrocell
-/// needs. Macrocells with gaps, and those that seem to lack a value, are looked at again cell by
+/// A dense grid is read in rows of macrocells: all samples of a row at once, without testing each
+/// cell. If every sample has data, the smallest and the largest are the range that the macrocell
+/// needs. Macrocells with gaps, and those that seem to miss a value, are checked again cell by
 /// cell.
 template <class T>
 class GridRanges {
@@ -50,14 +50,14 @@ class GridRanges {
   }
 
  private:
-  // of macrocells; fewer are done before a thread has started
+  // macrocells; a smaller piece finishes before another thread could start
   static constexpr std::uint64_t least_rows = 16;
 
-  /// What one thread has found, and its memory.
+  /// Findings and buffers of one thread.
   struct Part {
     Interval<T> values;
     bool has_gaps = false;
-    std::vector<T> row, lo, hi, gap;  ///< by sample along x; gap is 0 where all have data, else NaN
+    std::vector<T> row, lo, hi, gap;  ///< by sample along x; gap: 0 where all have data, else NaN
     std::vector<T> block;
 
     explicit Part(std::int64_t sample_count) {
@@ -77,7 +77,7 @@ class GridRanges {
     return cells;
   }
 
-  /// All macrocells (i, j, k) of level 1 for one j and k.
+  /// Checks all macrocells (i, j, k) of level 1 for one j and k.
   void check_row(std::int64_t j, std::int64_t k, Part& part) {
     const Index3 count = levels_.shape.count(1);
     const T* const stored = levels_.ranges[0].data() + 2 * linear_order(count, 0, j, k);
@@ -103,7 +103,7 @@ class GridRanges {
     }
   }
 
-  /// Smallest and largest sample at each x, over the samples of the cells along y and z.
+  /// Finds the smallest and largest sample at each x, over the samples of the cells along y and z.
   void read_rows(const Cells& cells, Part& part) const {
     std::fill(part.lo.begin(), part.lo.end(), Interval<T>::highest());
     std::fill(part.hi.begin(), part.hi.end(), Interval<T>::lowest());
@@ -140,8 +140,8 @@ class GridRanges {
                   });
   }
 
-  /// All values that interpolation reaches in these cells: between their corners, where all eight
-  /// have data.
+  /// All values that interpolation reaches in these cells: the range of the corners of each cell
+  /// whose eight corners have data.
   Interval<T> needed_by(const Cells& cells, Part& part) const {
     if (!sample_at_.some_stored(cells.first, cells.end)) {
       part.has_gaps = true;
@@ -183,7 +183,7 @@ class GridRanges {
   std::span<const T> samples_;
   SamplesByPosition<T> sample_at_;
   MacroLevelsView<T> levels_;
-  std::string of_field_;  ///< for findings, where there are several fields
+  std::string of_field_;  ///< for findings; used if there are several fields
   unsigned threads_;
   Findings& findings_;
 };

@@ -24,15 +24,16 @@ bool have_data(std::span<const T> values, const std::array<std::uint32_t, 4>& ve
 
 // ---- leaf lists ---------------------------------------------------------------------------------
 
-/// A tetrahedron in units of leaf cells, counted from the low corner of the lattice.
+/// A tetrahedron in units of leaf cells, relative to the low corner of the lattice.
 ///
-/// A box and a tetrahedron are apart exactly when their projections are apart along an axis of the
-/// box, a normal of a face, or a product of an axis of the box with an edge. A direction is only a
-/// witness: its own rounding does no harm.
+/// A box and a tetrahedron are disjoint exactly when their projections are disjoint along an axis
+/// of the box, a normal of a face, or the cross product of a box axis and an edge. Any direction
+/// that separates them is a valid proof, so rounding of the direction itself does no harm.
 class TetInLattice {
  public:
-  /// Leaf cells are this much wider on every side, in leaf cells. Far more than rounding, which
-  /// reaches 2e-10 at 2^20 leaf cells on an axis; a packer has to list what comes as near as that.
+  /// Leaf cells are enlarged by this much on every side, in leaf cells. It far exceeds rounding,
+  /// which reaches 2e-10 at 2^20 leaf cells on an axis. A packer has to list tetrahedra within this
+  /// distance.
   static constexpr double margin = 1e-8;
 
   TetInLattice(const LeafLattice& lattice, const std::array<Vec3, 4>& points) {
@@ -60,11 +61,12 @@ class TetInLattice {
     }
   }
 
-  /// Around the tetrahedron: first <= leaf cell < end.
+  /// Leaf cells of the tetrahedron's bounding box: first <= leaf cell < end.
   const Index3& first() const { return first_; }
   const Index3& end() const { return end_; }
 
-  /// True when no point of it lies in these leaf cells, of those around it.
+  /// True when no point of the tetrahedron lies in these leaf cells, which must be inside its
+  /// bounding box.
   bool is_apart_from(const Index3& first, const Index3& end) const {
     const Vec3 middle = 0.5 * (Vec3(first) + Vec3(end)), half = 0.5 * (Vec3(end) - Vec3(first)) + Vec3(margin);
     for (const Direction& d : directions_) {
@@ -85,9 +87,9 @@ class TetInLattice {
   Index3 first_, end_;
 };
 
-/// Calls visit(leaf cell) for leaf cells around a tetrahedron until it returns false: for all that
-/// it touches, and some near those. Halves the block around it down to a few leaf cells, so that
-/// the work grows with the leaf cells touched and not with those around.
+/// Calls visit(leaf cell) until it returns false, for all leaf cells that a tetrahedron touches and
+/// some close to them. Halves the tetrahedron's block of leaf cells down to a few cells. So the
+/// work grows with the leaf cells touched, not with those of the bounding box.
 template <class Visit>
 bool for_leaves_near(const TetInLattice& tet, const Index3& first, const Index3& end, Visit& visit) {
   constexpr std::int64_t few = 32;
@@ -117,7 +119,7 @@ class LeafLists {
         findings_(findings) {}
 
   void check() {
-    if (!check_points()) return;  // else cells lie where no leaf cell is
+    if (!check_points()) return;  // otherwise cells may lie outside the lattice
     for_each_range(mesh_.description().cell_count, scan_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t cell = first; cell < last; ++cell) check_cell(cell);
     });
@@ -166,7 +168,7 @@ class LeafLists {
       if (tet.is_apart_from(at, at + Index3(1, 1, 1))) return true;
       findings_.add("a cell missing from the list of a leaf cell that it touches", cell,
                     [&] { return concat("cell ", cell, " touches leaf ", leaf, ", which lists ", list.size()); });
-      return false;  // one leaf cell is enough of a finding
+      return false;  // one leaf cell is enough for a finding
     };
     for_leaves_near(tet, tet.first(), tet.end(), is_listed_or_apart);
   }
@@ -200,8 +202,8 @@ std::string entry_text(int level, std::uint64_t entry) {
   return concat("entry ", entry, " of level ", level);
 }
 
-/// Every entry above level 0 must hold the block below it.
-/// @param text_of  (entry, its block, the block below): what it has, and what those below need
+/// Checks that every entry above level 0 contains the block below it.
+/// @param text_of  (entry, its block, the block below): stored range, and the range needed
 template <class Block, class Holds, class TextOf>
 void check_upward(const ClusterShape& shape, const std::vector<std::span<const Block>>& levels, const std::string& what,
                   Findings& findings, const Holds& holds_below, const TextOf& text_of) {
@@ -220,7 +222,8 @@ Interval<float> box_interval(const BoxBlock& block, std::size_t entry, std::size
   return {block.lo[axis][entry], block.hi[axis][entry]};
 }
 
-/// What the entries of a block need on an axis. Not of those beyond the last, which are empty.
+/// The range that a block's entries need on an axis. Entries beyond the last are empty and do not
+/// count.
 Interval<float> needed_box(const BoxBlock& below, std::size_t axis) {
   Interval<float> needed;
   for (std::size_t e = 0; e < width; ++e)
@@ -286,7 +289,7 @@ Interval<T> needed_range(const RangeBlock<T>& below) {
   return needed;
 }
 
-/// The values of a cluster's cells that have data.
+/// The range of the values of those of a cluster's cells that have data.
 template <class T>
 Interval<T> needed_range(const CellClustersView& clusters, std::uint64_t cluster, std::span<const T> values) {
   Interval<T> range;
@@ -298,8 +301,8 @@ Interval<T> needed_range(const CellClustersView& clusters, std::uint64_t cluster
   return range;
 }
 
-/// The values at a cluster's vertices, which are those of its cells where all have data; nothing
-/// where one has none.
+/// The range of the values at a cluster's vertices. It equals that of the cells if all vertices
+/// have data; nothing if one has none.
 template <class T>
 std::optional<Interval<T>> range_of_table(std::span<const std::uint32_t> table, std::span<const T> values) {
   Interval<T> range;
@@ -355,7 +358,7 @@ RangesRead read_values(std::span<const T> values) {
   return read;
 }
 
-/// Of the arrays that are compared, beside the field's values.
+/// Bytes of the compared arrays, without the field's values.
 std::uint64_t structure_bytes(const TetMesh& mesh, std::size_t field) {
   std::uint64_t bytes = 0;
   const std::string ranges = concat("range.", field, ".");

@@ -27,7 +27,8 @@ constexpr std::array all_types{ElementType::U8,  ElementType::I8,  ElementType::
                                ElementType::U32, ElementType::I32, ElementType::U64, ElementType::I64,
                                ElementType::F32, ElementType::F64};
 
-/// Features that a file may require of its reader; of version 1.1, the last one of 1.2.
+/// Features that a file may require of its reader: the last since version 1.2, the others since
+/// 1.1.
 constexpr std::array<std::string_view, 3> known_features{"axis-tables", "sparse-bricks", "cell-clusters"};
 
 bool has_control_character(std::string_view text) {
@@ -196,8 +197,8 @@ ArrayEntry to_entry(std::string_view file, const Listener::Array& array) {
   return {.name = array.name, .type = *type, .shape = *array.shape, .first_byte = first, .byte_count = *bytes};
 }
 
-/// Every byte of the data area belongs to exactly one array, and the arrays of the envelope stand
-/// at its end.
+/// Checks that every byte of the data area belongs to exactly one array, and that the envelope's
+/// arrays come last.
 void check_layout(std::string_view file, const std::vector<ArrayEntry>& arrays, std::uint64_t data_bytes) {
   std::uint64_t end = 0;
   for (const ArrayEntry& array : arrays) {
@@ -294,7 +295,7 @@ Header read_header(std::string_view file, std::string_view text, std::uint64_t d
 }
 
 std::vector<ArrayEntry> place_arrays(std::string_view file, const std::vector<ArraySpec>& arrays) {
-  // Far below 2^64, so that padding, checksums and seal are added without a check at each step.
+  // Far below 2^64, so that padding, checksums and seal can be added without an overflow check.
   constexpr std::uint64_t largest_file = std::uint64_t{1} << 62;
   std::vector<ArrayEntry> placed;
   std::set<std::string> names;

@@ -15,17 +15,17 @@
 namespace rhoray::formats::envelope {
 namespace {
 
-/// As in PNG, bytes that text-mode transfers and seven-bit channels would change.
+/// As in PNG: bytes that text-mode transfers and seven-bit channels would change.
 constexpr std::array<unsigned char, 8> magic{0x89, 'R', 'H', 'O', '\r', '\n', 0x1a, '\n'};
 
-// Positions in the seal.
+// Byte offsets in the seal.
 constexpr std::size_t file_bytes_at = 8, block_bytes_at = 16, header_sum_at = 24, sums_sum_at = 40, own_sum_at = 56;
 
 void put(Seal& seal, std::size_t at, std::uint64_t value) {
   std::memcpy(seal.data() + at, &value, sizeof value);
 }
 
-/// Low half first, as all numbers of the file.
+/// Low half first, like all numbers in the file.
 void put(Seal& seal, std::size_t at, XXH128_hash_t sum) {
   put(seal, at, sum.low64);
   put(seal, at + 8, sum.high64);
@@ -42,7 +42,7 @@ bool matches(std::span<const std::byte, seal_bytes> seal, std::size_t at, std::s
   return get(seal, at) == sum.low64 && get(seal, at + 8) == sum.high64;
 }
 
-/// True when all bytes came.
+/// True when all bytes were read.
 bool read_fully(int descriptor, std::span<std::byte> target, std::uint64_t first_byte) {
   while (!target.empty()) {
     const ssize_t got = ::pread(descriptor, target.data(), target.size(), static_cast<off_t>(first_byte));
@@ -95,7 +95,7 @@ void check_sealed_sums(std::string_view file, std::span<const std::byte, seal_by
 
 void sum_blocks(const Stretch& stretch, unsigned threads,
                 const std::function<void(std::uint64_t, std::optional<std::uint64_t>)>& act) {
-  // 4 MiB: below, starting a thread costs more than it saves
+  // 4 MiB; for fewer, starting a thread costs more than it saves
   constexpr std::uint64_t fewest_blocks_per_thread = 64;
   for_each_range(block_count(stretch.byte_count), fewest_blocks_per_thread, threads,
                  [&](std::uint64_t first, std::uint64_t last) {

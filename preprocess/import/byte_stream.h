@@ -10,8 +10,8 @@
 
 namespace rhoray::preprocess {
 
-/// Bytes read piece by piece from memory that outlives the stream: plain, or unpacked on the way
-/// when they begin as gzip or zlib data do and `may_be_packed`.
+/// Reads bytes piece by piece from memory, which must outlive the stream. If `may_be_packed`, data
+/// that begins like gzip or zlib is decompressed while reading.
 class ByteStream {
  public:
   ByteStream(const std::filesystem::path& path, std::span<const std::byte> source, bool may_be_packed);
@@ -21,11 +21,11 @@ class ByteStream {
 
   bool is_packed() const { return inflater_ != nullptr; }
 
-  /// Fills `bytes` from the next ones; refuses when they end first or are damaged.
+  /// Fills `bytes` with the next ones; refuses if the data ends too early or is damaged.
   void read(std::span<std::byte> bytes, std::string_view what);
 
-  /// Reads up to `most` bytes more and returns how many there were. At the end of a packed stream
-  /// its own checksum is verified.
+  /// Reads up to `most` more bytes and returns their number. At the end of a compressed stream its
+  /// own checksum is verified.
   std::uint64_t drain(std::uint64_t most);
 
  private:
@@ -34,7 +34,7 @@ class ByteStream {
   std::uint64_t read_packed(std::span<std::byte> bytes);
 
   std::filesystem::path path_;
-  std::span<const std::byte> rest_;  ///< not yet read, or not yet given to zlib
+  std::span<const std::byte> rest_;  ///< not yet read, or not yet passed to zlib
   std::size_t source_bytes_;
   std::unique_ptr<Inflater> inflater_;
 };

@@ -6,8 +6,8 @@
 
 namespace rhoray::preprocess {
 
-/// One function for each family of foreign formats; importers.cpp says which extension goes where.
-/// All refuse with file, place, found and expected.
+/// One function per family of foreign formats; importers.cpp maps extensions to them. All refuse
+/// with file, location, found and expected.
 
 NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_metaimage(const std::filesystem::path& path, const std::string& field);
@@ -35,7 +35,7 @@ CellMesh read_tetgen_mesh(const std::filesystem::path& path);
 CellMesh read_netgen(const std::filesystem::path& path);
 CellMesh read_medit(const std::filesystem::path& path);
 
-/// @param time  which time step, as in ImportMeshOptions
+/// @param time  time step, as in ImportMeshOptions
 CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);
 CellMesh read_gmsh(const std::filesystem::path& path, const std::string& time);
 
@@ -48,7 +48,7 @@ NeutralSurface read_brainvisa(const std::filesystem::path& path);
 NeutralSurface read_tetgen_surface(const std::filesystem::path& path);
 NeutralSurface read_tetgen_faces(const std::filesystem::path& path);
 
-/// Wanted edge lengths, one for each point, from a TetGen .mtr file.
+/// Requested edge lengths, one per point, from a TetGen .mtr file.
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);
 
 }  // namespace rhoray::preprocess

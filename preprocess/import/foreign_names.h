@@ -7,19 +7,18 @@
 
 namespace rhoray::preprocess {
 
-/// By what the tables of importers look a path up: the extension in small letters with its dot
-/// (".nii.gz" counts as one); for a folder, by what lies in it, "dicom/" or "images/"; empty for a
-/// folder with neither.
+/// The key of a path in the importers' tables: the extension in lower case with its dot (".nii.gz"
+/// counts as one). For a folder it depends on the content: "dicom/", "images/", or empty for
+/// neither.
 std::string family_of(const std::filesystem::path& path);
 
-/// Name of the program that reads this family; the import worker where nothing else is said.
+/// Name of the program that reads this family; the import worker by default.
 std::string_view worker_for(const std::filesystem::path& path);
 
-/// True for the extensions of pictures that can be slices of a volume.
+/// True for extensions of pictures that can be slices of a volume.
 bool is_picture_name(const std::filesystem::path& path);
 
-/// The files of a folder, in the order in which people number them: a2 before a10. Hidden ones are
-/// left out.
+/// The files of a folder in natural order: a2 before a10. Hidden files are left out.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 
 }  // namespace rhoray::preprocess

@@ -9,9 +9,9 @@
 
 namespace rhoray::preprocess {
 
-/// The whole text as a number, or nothing. A leading plus sign is accepted, spaces are not.
-/// Floating-point numbers may be nan or inf; those too large or too small for T become infinity, a
-/// subnormal or zero, as strtod has it.
+/// The whole text as a number, or nothing. Accepts a leading plus sign but no spaces.
+/// Floating-point numbers may be nan or inf. As with strtod, those too large for T become infinity,
+/// those too small become a subnormal or zero.
 template <class T>
 requires(std::integral<T> || std::floating_point<T>) std::optional<T> parse_number(std::string_view text) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);

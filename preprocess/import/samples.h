@@ -15,83 +15,83 @@
 
 namespace rhoray::preprocess {
 
-/// Turns numbers of `element_bytes` bytes into the machine's order, in place.
+/// Converts numbers of `element_bytes` bytes to the machine's byte order, in place.
 void make_native(std::span<std::byte> bytes, std::size_t element_bytes, bool big_endian);
 
 /// Number of bytes of a volume; refuses an axis below 1 and sizes that do not fit 2^62 bytes.
 std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Index3& sample_count,
                                    formats::ElementType type);
 
-/// The same of colours of 8 bits a component, of which a texel has 3 or 4.
+/// The same for colours of 8 bits per component, with 3 or 4 components per texel.
 std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index3& sample_count, int component_count);
 
-/// Refuses sizes that so short a file cannot hold even if packed by zlib as tightly as it can.
+/// Refuses sizes that a file this short cannot hold even at zlib's best compression.
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
 
-/// True when numbers of this type stand in the machine's order already.
+/// True when numbers of this type are already in the machine's byte order.
 bool is_native(formats::ElementType type, bool big_endian);
 
 void set_samples(NeutralVolume& volume, Array<std::byte> samples);
 
-/// Samples that stand in the file as they are wanted stay there: no copy is made on the way to the
-/// packer.
+/// Leaves samples in the file if they already have the wanted form, so that nothing is copied on
+/// the way to the packer.
 void leave_samples_in(NeutralVolume& volume, const ForeignFile& file, std::span<const std::byte> samples);
 
-/// The last step of every reader: 64-bit integers become F64 where each is kept exactly and are
-/// refused otherwise; a map that is not finite or not invertible is refused.
+/// Last step of every volume reader. Converts 64-bit integers to F64 if every value is exact, and
+/// refuses them otherwise. Refuses a map that is not finite or not invertible.
 void finish_volume(NeutralVolume& volume, const std::filesystem::path& path);
 
-/// Axes along x, y, z with this spacing.
+/// Returns axes along x, y, z with this spacing.
 Affine axis_parallel(const Vec3& spacing, const Vec3& origin);
 
-/// One array among several in a file that keeps values at grid points or in grid cells.
+/// One array of a file that stores several, with values at grid points or in grid cells.
 struct GridArray {
   std::string name;
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  Array<std::byte> owned;  ///< either this,
-  /// or a view of memory that outlives the array; native order,
+  Array<std::byte> owned;  ///< set only one of these three
+  /// a view of memory that outlives the array, in native byte order
   std::span<const std::byte> values;
-  std::function<Array<std::byte>()> load{};  ///< or a way to read them, when they are chosen
+  std::function<Array<std::byte>()> load{};  ///< reads the values when the array is chosen
 };
 
-/// What a grid of points looks like: sample (i, j, k) lies at world_from_grid.point({i, j, k}), or,
-/// on an axis that has a table, at the table's entry instead of the index.
+/// A grid of points. Sample (i, j, k) lies at world_from_grid.point({i, j, k}). On an axis with a
+/// table, the table's entry replaces the index.
 struct PointGrid {
   Index3 point_count;
   Affine world_from_grid;
   std::array<std::vector<double>, 3> axes{};
 };
 
-/// The grid whose points stand at these positions along x, y and z, rising or falling. An axis
-/// whose steps are equal, as far as numbers of this precision can tell, needs no table. Refuses
-/// positions that are not finite or turn back.
+/// The grid with points at these positions along x, y and z, increasing or decreasing. An axis with
+/// equal steps, within the given precision, needs no table. Refuses positions that are not finite
+/// or not monotonic.
 /// @param relative_precision  of one position, such as 2^-23 for 32-bit floats
 PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
                            double relative_precision);
 
-/// What is thrown where no field is named and no array has a single component.
+/// Thrown when no field is named and no array has a single component.
 class VectorsOnly : public Error {
  public:
   VectorsOnly(const Error& error, std::string first) : Error(error), first_(std::move(first)) {}
-  const std::string& first() const { return first_; }  ///< the name of the first array
+  const std::string& first() const { return first_; }  ///< name of the first array
 
  private:
   std::string first_;
 };
 
-/// The volume of one array: `field` names it, or one component of it as NAME.x, NAME.y, NAME.z,
-/// NAME.<n>, NAME.mag; empty takes the first with one component, or throws VectorsOnly. Values in
-/// cells become samples at the middles of cells, with a note.
+/// The volume of one array. `field` names the array, or one component of it as NAME.x, NAME.y,
+/// NAME.z, NAME.<n>, NAME.mag. Empty selects the first array with one component, or throws
+/// VectorsOnly. Cell values become samples at cell centres, with a note.
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 
 using TakeField = NeutralVolume(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                                 const std::string& field);
 
-/// The colours in one array of 3 or 4 8-bit components at points: the one that `field` names, or
-/// the first.
+/// The colours in one point array of 3 or 4 8-bit components: the one that `field` names, or the
+/// first.
 NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 

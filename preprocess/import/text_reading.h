@@ -10,17 +10,18 @@
 
 namespace rhoray::preprocess {
 
-/// Reads a file as words between white space, with raw bytes in between where a format mixes them.
-/// Every refusal names the line, and every read checks the end.
+/// Reads a file as words separated by white space, with raw bytes in between for formats that mix
+/// them. Every refusal names the line, and every read checks for the end.
 class WordReader {
  public:
   explicit WordReader(const ForeignFile& file, std::size_t position = 0)
       : file_(file), text_(file.text()), position_(position) {}
 
-  bool at_end();                                     ///< nothing but white space is left
+  bool at_end();                                     ///< true if only white space is left
   std::string_view word(std::string_view expected);  ///< refuses at the end of the file
-  std::string_view peek() const;                     ///< the next word, not taken; empty at the end
-  /// the rest of this line, without its end; refuses at the end
+  /// the next word, not consumed; empty at the end
+  std::string_view peek() const;
+  /// rest of this line, without its line end; refuses at the end
   std::string_view line();
   std::span<const std::byte> bytes(std::uint64_t count, std::string_view expected);
 
@@ -35,7 +36,7 @@ class WordReader {
   std::uint64_t bytes_left() const { return text_.size() - position_; }
   std::size_t position() const { return position_; }
 
-  /// Refuses at the place where the last word began.
+  /// Refuses at the position where the last word began.
   [[noreturn]] void refuse(std::string_view found, std::string_view expected,
                            ErrorCode error_code = ErrorCode::invalid) const;
 
@@ -48,21 +49,21 @@ class WordReader {
   std::size_t last_ = 0;
 };
 
-/// Reads a file line by line, each split into words at white space and commas; lines that are empty
-/// or hold only a comment are passed over.
+/// Reads a file line by line and splits each line into words at white space and commas. Skips lines
+/// that are empty or contain only a comment.
 class LineReader {
  public:
-  /// @param comment  begins a comment that reaches to the end of its line
+  /// @param comment  character that starts a comment, up to the end of the line
   explicit LineReader(const ForeignFile& file, char comment = '#')
       : file_(file), text_(file.text()), comment_(comment) {}
 
-  /// moves to the next line that says something; false at the end
+  /// moves to the next line with words; false at the end
   bool next();
-  void need(std::string_view expected);  ///< as next, but refuses at the end
+  void need(std::string_view expected);  ///< like next, but refuses at the end
   const std::vector<std::string_view>& words() const { return words_; }
   std::size_t line_number() const { return line_number_; }
 
-  /// Word i of this line as a number; refuses when there is no such word.
+  /// Word i of this line as a number; refuses if there is no such word.
   template <class T>
   T number(std::size_t i, std::string_view expected) const {
     if (i >= words_.size()) refuse("the line ends too early", expected);
@@ -73,7 +74,7 @@ class LineReader {
 
   std::uint64_t bytes_left() const { return text_.size() - position_; }
 
-  /// What stands behind the current line, for formats that go on in binary there.
+  /// Bytes after the current line, for formats that continue in binary.
   std::span<const std::byte> rest() const { return file_.bytes().subspan(position_); }
 
   [[noreturn]] void refuse(std::string_view found, std::string_view expected,
@@ -88,7 +89,7 @@ class LineReader {
   std::vector<std::string_view> words_;
 };
 
-/// A text from a damaged file, cut and cleaned so that it can stand in a message.
+/// Text from a damaged file, shortened and cleaned for use in a message.
 std::string in_quotes(std::string_view text);
 
 }  // namespace rhoray::preprocess

@@ -13,14 +13,14 @@ namespace rhoray::preprocess {
 struct GmshElement {
   std::uint64_t node_count = 0;
   std::uint8_t kind = 0;    ///< VTK's number: a CellKind, or that of a vertex, line or face
-  bool is_readable = true;  ///< false for space-filling types that no CellKind stands for
-  /// where VTK's node i stands among Gmsh's; empty = both are the same
+  bool is_readable = true;  ///< false for volume elements without a CellKind
+  /// Gmsh's index of VTK's node i; empty: both orders are the same
   std::vector<std::uint16_t> order;
 };
 
-/// The element type of this number in MSH files, or nothing when there is none of a fixed node
+/// The element type with this number in MSH files; nothing if there is none with a fixed node
 /// count.
-/// Source: Gmsh Reference Manual, "MSH file format" and "Node ordering"; nodes inside edges, faces
+/// Source: Gmsh Reference Manual, "MSH file format" and "Node ordering". Nodes inside edges, faces
 /// and volumes follow the recursion described there.
 std::optional<GmshElement> gmsh_element(std::uint64_t number);
 

@@ -9,11 +9,10 @@
 
 namespace rhoray::preprocess {
 
-/// Where the things stand that a file calls by numbers of its own: consecutive or in any order,
-/// with gaps.
+/// Maps a file's own ids to indices. Ids may be consecutive or in any order, with gaps.
 class IdPositions {
  public:
-  /// The thing at position i is called ids[i].
+  /// ids[i] is the id of index i.
   explicit IdPositions(const Array<std::uint64_t>& ids) : first_(ids.empty() ? 0 : ids.front()), count_(ids.size()) {
     bool consecutive = true;
     for (std::size_t i = 0; i < ids.size() && consecutive; ++i) consecutive = ids[i] == first_ + i;
@@ -29,7 +28,7 @@ class IdPositions {
     return found != sorted_.end() && found->first == id ? std::optional(found->second) : std::nullopt;
   }
 
-  /// An id that two things share, if there is one.
+  /// An id that occurs twice, if there is one.
   std::optional<std::uint64_t> repeated() const {
     const auto found = std::adjacent_find(sorted_.begin(), sorted_.end(),
                                           [](const auto& a, const auto& b) { return a.first == b.first; });
@@ -38,7 +37,7 @@ class IdPositions {
 
  private:
   std::uint64_t first_ = 0, count_ = 0;
-  Array<std::pair<std::uint64_t, std::uint64_t>> sorted_;  ///< id, position; empty = consecutive
+  Array<std::pair<std::uint64_t, std::uint64_t>> sorted_;  ///< (id, index); empty: consecutive
 };
 
 }  // namespace rhoray::preprocess

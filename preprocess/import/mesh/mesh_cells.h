@@ -10,50 +10,52 @@
 
 namespace rhoray::preprocess {
 
-/// Cells of all kinds, as VTK's formats hold them: cell c has kind kinds[c] (VTK's number) and the
-/// nodes nodes[offsets[c] .. offsets[c+1]-1]; those of a polyhedron are the stream of its faces
+/// Cells of all kinds, as VTK's formats store them. Cell c has kind kinds[c] (VTK's number) and the
+/// nodes nodes[offsets[c] .. offsets[c+1]-1]. For a polyhedron these are its face stream
 /// (CellMesh).
 struct ForeignCells {
   Array<std::uint8_t> kinds{};
   Array<std::uint64_t> offsets{};
   Array<std::uint64_t> nodes{};
-  Array<std::uint8_t> ghosts{};        ///< VTK's vtkGhostType of each cell; empty = none is one
-  Array<std::uint8_t> point_ghosts{};  ///< of each point; empty = none is hidden
+  Array<std::uint8_t> ghosts{};        ///< vtkGhostType of each cell; empty: no ghosts
+  Array<std::uint8_t> point_ghosts{};  ///< vtkGhostType of each point; empty: none is hidden
 };
 
-/// What VTK's arrays vtkGhostType say (vtkDataSetAttributes.h), as far as it is asked here.
+/// Values of VTK's vtkGhostType arrays (vtkDataSetAttributes.h) that are used here.
 constexpr std::uint8_t ghost_duplicate = 1, ghost_refined = 8, ghost_hidden_cell = 32, ghost_hidden_point = 2;
 
-/// How many cells were left out, and why.
+/// Number of cells left out, and why.
 struct LeftOut {
-  std::map<std::string_view, std::uint64_t> not_filling;  ///< by the plural of their kind
+  std::map<std::string_view, std::uint64_t> not_filling;  ///< key: plural name of the cell kind
   std::uint64_t duplicates = 0, refined = 0, hidden = 0, blanked = 0;
 
   void include(const LeftOut& other);
 };
 
-/// Fills `mesh` with the cells that fill space. Left out are vertices, lines and faces; duplicates
-/// of cells in other pieces, cells that finer ones replace, and hidden ones (vtkGhostType); and
-/// cells with a hidden point. `cell_ids` then say where the others stood, and cell fields are
-/// shortened alike. Refuses kinds that are not known, offsets and node counts that do not fit their
-/// kind, nodes that are not there, and streams of polyhedra that are not faces of at least three
-/// corners, four at least. Expects points and fields, one value for each foreign cell, to be there
-/// already.
+/// Fills `mesh` with the cells that fill space. Leaves out vertices, lines and faces. Also leaves
+/// out duplicates of cells in other pieces, cells replaced by finer ones, hidden cells
+/// (vtkGhostType), and cells with a hidden point. `cell_ids` then gives the source index of each
+/// remaining cell, and cell fields are shortened accordingly.
+///
+/// Refuses unknown kinds, offsets and node counts that do not fit their kind, and nodes that do not
+/// exist. Refuses a polyhedron's face stream unless it has at least four faces with at least three
+/// corners each. `mesh` must already have its points and fields, with one value per foreign cell.
 LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path);
 
-/// Notes what was left out; refuses a mesh without cells.
+/// Adds notes about what was left out; refuses a mesh without cells.
 void finish_cells(CellMesh& mesh, const LeftOut& left_out, const std::filesystem::path& path);
 
-/// Both of them, for a mesh in one piece.
+/// Calls sift_cells and finish_cells, for a mesh in one piece.
 void take_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path);
 
-/// Refuses offsets that do not rise from 0 to the number of nodes, one more than there are kinds.
+/// Refuses offsets that do not increase from 0 to the number of nodes, or whose number is not that
+/// of the kinds plus one.
 void check_offsets(const ForeignCells& cells, const std::filesystem::path& path);
 
-/// Refuses a field that does not have one value for each of `owners`.
+/// Refuses a field that does not have one value per element of `owners`.
 void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path);
 
-/// True when every value is the same as a 32-bit float.
+/// True when every value can be stored exactly as a 32-bit float.
 bool fits_single_precision(const Array<double>& values);
 
 }  // namespace rhoray::preprocess

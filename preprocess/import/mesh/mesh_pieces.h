@@ -11,18 +11,18 @@
 
 namespace rhoray::preprocess {
 
-/// Makes one mesh of pieces, one after the other. Their cells are counted through, as `cell_ids`
-/// says.
+/// Concatenates pieces into one mesh. Cells are numbered continuously over all pieces, as in
+/// `cell_ids`.
 class MeshPieces {
  public:
-  /// Appends a piece that has points, fields and notes, and takes its cells as `sift_cells` does. A
-  /// field that a piece lacks is left out of the whole, with a note; pieces without points and
-  /// cells do not count.
-  /// @param path  of the piece, for messages
+  /// Appends a piece that has points, fields and notes, and takes its cells as `sift_cells` does.
+  /// If a piece lacks a field, the whole mesh drops it, with a note. Pieces without points and
+  /// cells are ignored.
+  /// @param path  path of the piece, for messages
   void add(CellMesh piece, ForeignCells cells, const std::filesystem::path& path);
 
-  /// The whole: points of different pieces at the same place are merged (merge_points.h). Refuses
-  /// one without cells.
+  /// Returns the whole mesh, with coincident points of different pieces merged (merge_points.h).
+  /// Refuses a mesh without cells.
   CellMesh finish(const std::filesystem::path& path);
 
  private:

@@ -12,11 +12,11 @@
 
 namespace rhoray::preprocess {
 
-/// A netCDF file of any of its formats, open for reading. Every refusal names the file and the
+/// A netCDF file in any of its formats, open for reading. Every refusal names the file and the
 /// variable.
 ///
-/// The library reads zeros where a classic file was cut off, and believes any size that is written
-/// in a header: here a file is refused when the variables that its header lists do not fit into it.
+/// The library reads zeros where a classic file was cut off, and accepts any size in a header. This
+/// class refuses a file that is too short for the variables in its header.
 class NetcdfFile {
  public:
   explicit NetcdfFile(const std::filesystem::path& path);
@@ -28,7 +28,7 @@ class NetcdfFile {
     int id = 0;
     std::string name;
     int type = 0;                      ///< nc_type
-    std::vector<std::uint64_t> shape;  ///< slowest first
+    std::vector<std::uint64_t> shape;  ///< slowest axis first
   };
 
   const std::filesystem::path& path() const { return path_; }
@@ -36,16 +36,16 @@ class NetcdfFile {
   std::optional<Variable> variable(const std::string& name) const;
   Variable need_variable(const std::string& name) const;
 
-  /// The numbers of this shape, of a variable or, with `first` given, of its part [first, ...]
-  /// along the slowest axis. Refuses a variable that has another shape or holds no numbers.
+  /// Numbers of a variable with this shape or, if `first` is given, of its part [first, ...] along
+  /// the slowest axis. Refuses a variable with another shape or without numbers.
   Array<double> numbers(const Variable& variable, std::span<const std::uint64_t> shape,
                         std::optional<std::uint64_t> first = {}) const;
   Array<std::int64_t> integers(const Variable& variable, std::span<const std::uint64_t> shape) const;
 
-  /// The rows of a two-dimensional variable of letters, without what fills them up.
+  /// The rows of a two-dimensional character variable, without padding.
   std::vector<std::string> texts(const Variable& variable) const;
 
-  /// An attribute that is a text; empty when there is none.
+  /// A text attribute; empty when there is none.
   std::string text_attribute(const Variable& variable, const std::string& name) const;
 
   static bool is_double_precision(const Variable& variable);

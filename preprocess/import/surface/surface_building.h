@@ -10,7 +10,7 @@
 
 namespace rhoray::preprocess {
 
-/// Gives points that coincide exactly one position. +0 and -0 coincide; a NaN coincides with the
+/// Assigns one index to points that coincide exactly. +0 and -0 coincide; a NaN coincides with the
 /// same NaN.
 class PointMerger {
  public:
@@ -25,12 +25,12 @@ class PointMerger {
   std::unordered_map<std::array<std::uint64_t, 3>, std::uint64_t, Hash> positions_;
 };
 
-/// Appends one facet; refuses fewer than three corners and corners that are no points.
-/// @param place  where in the file, for messages
+/// Appends one facet. Refuses fewer than three corners and corners that are not points.
+/// @param place  location in the file, for messages
 void add_facet(NeutralSurface& surface, std::span<const std::uint64_t> corners, const std::filesystem::path& path,
                const std::string& place);
 
-/// The last step of every surface reader: refuses a surface without facets.
+/// Last step of every surface reader: refuses a surface without facets.
 void finish_surface(const NeutralSurface& surface, const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess

@@ -14,8 +14,8 @@ namespace rhoray::preprocess {
 
 std::string in_capitals(std::string_view text);
 
-/// The words and numbers of a legacy VTK file, in text or binary. Every count is checked against
-/// what follows.
+/// Reads words and numbers of a legacy VTK file, in text or binary. Every count is checked against
+/// the data that follows.
 class LegacyVtkNumbers {
  public:
   explicit LegacyVtkNumbers(const ForeignFile& file) : words(file) {}
@@ -23,19 +23,20 @@ class LegacyVtkNumbers {
   WordReader words;
   bool are_binary = false;
 
-  /// The next word, as a type of numbers.
+  /// The next word, as a number type.
   formats::ElementType type();
-  /// The same, for offsets and corners of cells.
+  /// The next word, as the type of cell offsets and corners.
   formats::ElementType index_type();
 
-  /// Numbers in native order. Binary ones begin after the end of the line and are big-endian.
+  /// Numbers in native byte order. Binary numbers begin after the end of the line and are
+  /// big-endian.
   Array<std::byte> values(formats::ElementType type, std::uint64_t tuples, int components, std::string_view what);
 
-  /// I64 or I32; a negative one becomes too large for anything.
+  /// I64 or I32. A negative number becomes too large to be valid.
   Array<std::uint64_t> whole_numbers(formats::ElementType type, std::uint64_t number, std::string_view what);
 };
 
-/// @param to  room for all of them
+/// @param to  memory for all numbers
 void copy_as_doubles(formats::ElementType type, std::span<const std::byte> raw, double* to);
 
 }  // namespace rhoray::preprocess

@@ -9,10 +9,9 @@
 
 namespace rhoray::preprocess {
 
-/// Reads the wanted array of a VTI file, and only that (vtk_xml_stream.h): no more of it is in
-/// memory than the volume itself. Nothing for files that VTK's reader is needed for: several
-/// pieces, arrays of texts, and encodings that are not known. What it does take, it reads as VTK's
-/// reader does; damage is refused.
+/// Reads only the requested array of a VTI file (vtk_xml_stream.h), with no more of it in memory
+/// than the volume itself. Returns nothing for files that need VTK's reader: several pieces, text
+/// arrays, and unknown encodings. It reads other files as VTK's reader does, and refuses damage.
 /// @param take  volume_of_field, or colors_of_field
 std::optional<NeutralVolume> stream_vti(const std::filesystem::path& path, const std::string& field,
                                         TakeField* take = volume_of_field);

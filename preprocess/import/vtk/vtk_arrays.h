@@ -9,8 +9,8 @@ class vtkDataArray;
 
 namespace rhoray::preprocess {
 
-/// Our element type for a VTK array, by what its numbers are in memory; nothing for bits and the
-/// like.
+/// The element type of a VTK array, by the type of its numbers in memory; nothing for bits and
+/// similar types.
 std::optional<formats::ElementType> element_type_of_vtk(const vtkDataArray& array);
 
 }  // namespace rhoray::preprocess

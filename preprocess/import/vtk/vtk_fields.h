@@ -10,14 +10,14 @@ class vtkPoints;
 
 namespace rhoray::preprocess {
 
-/// Appends VTK's points; null has none. Refuses other than three numbers for each.
+/// Appends VTK's points; null means none. Refuses points without exactly three numbers each.
 void take_vtk_points(CellMesh& mesh, vtkPoints* points, const std::filesystem::path& path);
 
-/// Takes the arrays of numbers at points and in cells, with their units. Arrays of texts are left
-/// out with a note, and so is VTK's own bookkeeping without one.
+/// Reads the numeric arrays at points and in cells, with their units. Text arrays are left out with
+/// a note, VTK's internal arrays without one.
 void take_vtk_fields(CellMesh& mesh, vtkDataSet& data);
 
-/// What the arrays vtkGhostType say of points and cells.
+/// Reads the vtkGhostType arrays of points and cells.
 void take_vtk_ghosts(ForeignCells& cells, vtkDataSet& data);
 
 }  // namespace rhoray::preprocess

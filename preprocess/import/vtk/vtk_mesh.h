@@ -6,7 +6,7 @@
 
 namespace rhoray::preprocess {
 
-/// Adds the pieces of a VTU file to others.
+/// Adds the pieces of a VTU file to `pieces`.
 void add_vtu(MeshPieces& pieces, const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess

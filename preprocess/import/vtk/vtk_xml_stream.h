@@ -14,7 +14,7 @@
 
 namespace rhoray::preprocess {
 
-/// An array of numbers in a VTK XML file, as its tag describes it; not read yet.
+/// A numeric array in a VTK XML file, as its tag describes it; not read yet.
 struct VtkXmlArray {
   enum class Format { text, base64, appended };
   std::string name;
@@ -22,36 +22,36 @@ struct VtkXmlArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   Format format = Format::text;
-  std::string_view content;         ///< of the element: text or base64
-  std::uint64_t appended_byte = 0;  ///< from the start of the appended data
+  std::string_view content;         ///< content of the element: text or base64
+  std::uint64_t appended_byte = 0;  ///< offset from the start of the appended data
 };
 
-/// A VTK XML file whose arrays are read one at a time, block by block, straight into arrays of
-/// ours: text, base64 and appended data, plain or packed by zlib, in both byte orders. VTK's own
-/// reader would hold the whole data set in memory of its own first. Progress is reported as that of
-/// a worker.
+/// A VTK XML file whose arrays are read one at a time, block by block, directly into our arrays.
+/// Supports text, base64 and appended data, plain or compressed by zlib, in both byte orders. VTK's
+/// own reader would first hold the whole data set in its own memory. Reports progress like a
+/// worker.
 class VtkXmlStream {
  public:
-  /// Nothing for a file that uses what is not known here, or is not well-formed: VTK's reader then
-  /// has the last word. Views look into the file, which must stay.
+  /// Returns nothing for a file with unknown features or that is not well-formed; VTK's reader then
+  /// decides. Views refer to the file, which must outlive them.
   static std::optional<VtkXmlStream> open(const ForeignFile& file);
 
-  /// The element named as the file's type, UnstructuredGrid or ImageData.
+  /// The element that the file's type names: UnstructuredGrid or ImageData.
   const XmlElement& data_set() const { return *root_.child(root_.attribute("type")); }
 
-  /// What a DataArray element says; nothing for arrays that are not numbers, belong to time steps,
-  /// or have no name where one is asked for.
+  /// The description in a DataArray element. Nothing for arrays that are not numeric, belong to
+  /// time steps, or lack a required name.
   std::optional<VtkXmlArray> array(const XmlElement& element) const;
 
-  /// Reads all of `numbers`; refuses an array that holds fewer, and damaged ones. Number is double,
-  /// or an unsigned integer, to which negative numbers are cast.
+  /// Reads all of `numbers`. Refuses arrays that hold fewer, and damaged ones. Number is double, or
+  /// an unsigned integer, to which negative numbers are cast.
   template <class Number>
   void read(const VtkXmlArray& array, std::span<Number> numbers) const;
 
-  /// The array's bytes in native order.
+  /// Reads the array's bytes in native byte order.
   void read_bytes(const VtkXmlArray& array, std::span<std::byte> bytes) const;
 
-  /// Refuses more numbers than the file's bytes can hold: to be asked before memory is taken for
+  /// Refuses more numbers than the file's bytes can hold. Call it before allocating memory for
   /// them.
   void check_count(const VtkXmlArray& array, std::uint64_t count) const;
 
@@ -77,8 +77,8 @@ class VtkXmlStream {
   bool big_endian_ = false;
   bool is_packed_ = false;
   bool appended_base64_ = false;
-  std::size_t header_bytes_ = 4;  ///< of each number before the data
-  std::string_view appended_;     ///< behind its underscore
+  std::size_t header_bytes_ = 4;  ///< size of each number before the data
+  std::string_view appended_;     ///< after its underscore
   std::shared_ptr<std::atomic<std::uint64_t>> bytes_done_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 

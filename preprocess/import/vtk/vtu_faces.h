@@ -8,16 +8,16 @@
 
 namespace rhoray::preprocess {
 
-/// VTK's reader of VTU files, which also keeps the faces of polyhedra in the layout of VTK 9.4 and
-/// later. VTK 9.1 passes over them.
+/// VTK's reader of VTU files that also keeps the faces of polyhedra in the layout of VTK 9.4 and
+/// later. VTK 9.1 ignores them.
 class VtuReader : public vtkXMLUnstructuredGridReader {
  public:
   static VtuReader* New();
   vtkTypeMacro(VtuReader, vtkXMLUnstructuredGridReader);
 
-  /// Of the piece read last: cell c has the faces cell_faces[cell_offsets[c-1]] .. and face f the
-  /// corners corners[face_offsets[f-1]] .. (0 before the first). Empty when the piece has none. Not
-  /// yet checked.
+  /// Faces of the piece that was read last. Cell c has the faces cell_faces[cell_offsets[c-1]] ..,
+  /// and face f the corners corners[face_offsets[f-1]] .. (0 before the first). Empty when the
+  /// piece has none. Not checked yet.
   struct Faces {
     Array<std::uint64_t> cell_offsets, cell_faces, face_offsets, corners;
   };
@@ -35,8 +35,8 @@ class VtuReader : public vtkXMLUnstructuredGridReader {
   Faces faces_;
 };
 
-/// Puts the stream of its faces into the place of each polyhedron's nodes, from either layout.
-/// Refuses polyhedra without faces, and places and counts of faces that are not there.
+/// Replaces each polyhedron's nodes by its face stream, from either layout. Refuses polyhedra
+/// without faces, and face indices and counts that do not exist.
 void put_face_streams(ForeignCells& cells, VtuReader& reader, const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess
