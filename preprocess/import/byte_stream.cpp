@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t largest_piece = std::size_t{1} << 30;  // zlib counts in 32 bits
 
-/// The two bytes that begin gzip (RFC 1952) and zlib (RFC 1950) data.
+/// True for the first two bytes of gzip (RFC 1952) and zlib (RFC 1950) data.
 bool begins_as_packed(std::span<const std::byte> source) {
   if (source.size() < 2) return false;
   const auto first = std::to_integer<unsigned>(source[0]), second = std::to_integer<unsigned>(source[1]);
@@ -33,7 +33,7 @@ ByteStream::ByteStream(const std::filesystem::path& path, std::span<const std::b
     : path_(path), rest_(source), source_bytes_(source.size()) {
   if (!may_be_packed || !begins_as_packed(source)) return;
   auto inflater = std::make_unique<Inflater>();
-  // +32: gzip or zlib, by its header
+  // +32: detect gzip or zlib by the header
   if (::inflateInit2(&inflater->stream, 15 + 32) != Z_OK) throw std::bad_alloc();
   inflater_ = std::move(inflater);
 }

@@ -20,8 +20,8 @@ struct KindByName {
   std::string_view worker = import_worker;
 };
 
-// The families of importers.cpp, here for programs that only ask; .vtk and those of PLOT3D, which
-// others use too, are answered by the file itself.
+// The families of importers.cpp, for programs that only need the kind. The extensions .vtk and
+// those of PLOT3D have other uses too, so the file's content decides.
 constexpr KindByName kinds[] = {
     {".nrrd", ForeignKind::volume},
     {".nhdr", ForeignKind::volume},
@@ -73,7 +73,7 @@ constexpr KindByName kinds[] = {
 };
 
 struct Advice {
-  std::string_view ending;  ///< of the name, in small letters; the first row that fits counts
+  std::string_view ending;  ///< end of the name, in lower case; the first matching row counts
   std::string_view text;
 };
 
@@ -129,7 +129,7 @@ bool is_plot3d(const std::filesystem::path& path) {
     return false;
   try {
     return !plot3d_layouts(ForeignFile(path)).empty();
-  } catch (const Error&) {  // not there, a folder, or empty
+  } catch (const Error&) {  // missing, a folder, or empty
     return false;
   }
 }
@@ -141,13 +141,13 @@ const KindByName* row_of(const std::filesystem::path& path) {
   return found == std::end(kinds) ? nullptr : found;
 }
 
-/// The word after DATASET in the first lines of a legacy VTK file, in capitals; empty when there is
+/// The word after DATASET in the first lines of a legacy VTK file, in upper case; empty if there is
 /// none.
 std::string legacy_vtk_dataset(const std::filesystem::path& path) {
   std::string head = first_bytes(path, 4096);
   if (!head.starts_with("# vtk DataFile")) return {};
   std::size_t at = head.find('\n');
-  if (at != std::string::npos) at = head.find('\n', at + 1);  // a title of any kind
+  if (at != std::string::npos) at = head.find('\n', at + 1);  // any title
   if (at == std::string::npos) return {};
   std::transform(head.begin(), head.end(), head.begin(),
                  [](char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); });
@@ -190,8 +190,8 @@ std::string_view worker_for(const std::filesystem::path& path) {
 
 namespace {
 
-/// The header beside a file that says where its samples are: one that names it, or its numbered
-/// kind.
+/// The header in the same folder that says where the samples are: one that names this file, or its
+/// numbered series.
 std::filesystem::path header_that_names(const std::filesystem::path& path) {
   constexpr std::string_view headers[] = {".nhdr", ".nrrd", ".mhd", ".bov"};
   const std::string name = path.filename().string(), numbered = path.stem().string() + ".%";

@@ -16,7 +16,7 @@ bool is_digit(char letter) {
   return letter >= '0' && letter <= '9';
 }
 
-/// Compares runs of digits as numbers and everything else letter by letter.
+/// Compares runs of digits as numbers and everything else character by character.
 bool numbered_before(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -38,7 +38,7 @@ bool numbered_before(const std::string& a, const std::string& b) {
     }
   }
   if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;  // 1 and 01
+  return a < b;  // for example 1 and 01
 }
 
 bool looks_like_dicom(const fs::path& path) {
@@ -46,7 +46,7 @@ bool looks_like_dicom(const fs::path& path) {
   return head.size() == 132 && head.ends_with("DICM");
 }
 
-/// By the first files that say something: a folder of slices may hold thousands.
+/// Decides by the first files with a known type: a folder of slices may hold thousands.
 std::string family_of_folder(const fs::path& folder) {
   constexpr std::size_t looked_at = 16;
   std::size_t seen = 0;
@@ -58,7 +58,7 @@ std::string family_of_folder(const fs::path& folder) {
   return {};
 }
 
-/// A .g is an Exodus file without results, which is netCDF, or a grid of PLOT3D.
+/// A .g file is an Exodus file without results (netCDF), or a PLOT3D grid.
 std::string family_of_grid(const fs::path& path) {
   const std::string begin = first_bytes(path, 4);
   return begin.starts_with("CDF") || begin == "\x89HDF" ? ".gen" : ".p3d";

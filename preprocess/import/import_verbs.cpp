@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Size of a file whose reader reads no other; 0 for a header that may name others, a folder, or
-/// one of several files.
+/// Size of a file whose reader reads no other file. 0 for a header that may name other files, a
+/// folder, or one of several files.
 std::uint64_t bytes_of_single_file(const fs::path& path) {
   constexpr std::string_view alone[] = {".nii", ".nii.gz", ".vti", ".vtr", ".vtu",  ".vts", ".vtk",  ".slc", ".cube",
                                         ".dcm", ".zip",    ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm",
@@ -48,7 +48,7 @@ formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> ar
   return run_worker(request);
 }
 
-/// More than a VTU file of this mesh takes: VTK writes numbers of 8 bytes, in base64 at the most.
+/// Upper bound of a VTU file's size for this mesh: VTK writes 8-byte numbers, at most in base64.
 std::uint64_t vtu_bytes_bound(const NeutralMesh& mesh) {
   std::uint64_t numbers = 3 * mesh.points.size() + 7 * mesh.cells.size();
   for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
@@ -56,7 +56,7 @@ std::uint64_t vtu_bytes_bound(const NeutralMesh& mesh) {
   return 4 * sizeof(double) * numbers;
 }
 
-/// The same directions at other distances.
+/// Keeps the directions of the axes and sets their lengths.
 void set_spacing(Affine& map, const Vec3& spacing) {
   if (!(spacing.x > 0 && spacing.y > 0 && spacing.z > 0) || !std::isfinite(spacing.x + spacing.y + spacing.z))
     throw Error(ErrorCode::usage, concat("spacing: found ", spacing.x, ", ", spacing.y, ", ", spacing.z,
@@ -95,7 +95,7 @@ NeutralMesh import_mesh(const fs::path& path, const ImportMeshOptions& options) 
   try {
     return subdivide(std::move(cells), {.max_error = options.max_error, .fields = options.error_fields},
                      options.progress);
-  } catch (const Error& error) {  // the verb knows no file
+  } catch (const Error& error) {  // the verb does not know the file
     throw Error(error.code(), concat(path.string(), ", ", error.what()), error.hint());
   }
 }

@@ -18,8 +18,8 @@ struct Importer {
   Function* read;
 };
 
-// One line for each extension, or kind of folder; foreign_kind.cpp says the same to those who only
-// ask (a test compares the two).
+// One line per extension or kind of folder. foreign_kind.cpp has the same list for programs that
+// only need the kind (a test compares the two).
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> volume_importers[] = {
     {".nrrd", read_nrrd},
     {".nhdr", read_nrrd},
@@ -92,7 +92,7 @@ Function* importer_for(const Importer<Function> (&importers)[N], const std::file
   throw no_importer(path, kind, extensions_of(importers));
 }
 
-/// Formats that hold one field without choice: asking for another is refused.
+/// For formats with only one field: refuses a request for another.
 void check_field_name(const NeutralVolume& volume, const std::string& field, const std::filesystem::path& path) {
   if (!field.empty() && field != volume.field_name)
     throw Error(ErrorCode::usage, concat(path.string(), ": found no field '", field, "'; expected '", volume.field_name,

@@ -36,7 +36,7 @@ bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// The same numbers as doubles, or nothing where one would change.
+/// The same numbers as doubles, or nothing if one would change.
 template <class T>
 std::optional<Array<std::byte>> as_doubles(std::span<const std::byte> bytes) {
   Array<std::byte> result(bytes.size());
@@ -80,7 +80,7 @@ std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index
 }
 
 void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes) {
-  constexpr std::uint64_t tightest = 1040;  // zlib shrinks to no less than about 1/1032
+  constexpr std::uint64_t tightest = 1040;  // zlib compresses to about 1/1032 at best
   if (wanted_bytes / tightest > file_bytes)
     refuse_input(path, "header", concat("sizes that need ", wanted_bytes, " bytes, in ", file_bytes, " packed bytes"),
                  "sizes that the packed bytes can hold");
@@ -109,7 +109,7 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
   if (!is_finite(map.x_axis) || !is_finite(map.y_axis) || !is_finite(map.z_axis) || !is_finite(map.origin))
     refuse_input(path, "header", "an origin, spacing or direction that is not finite", "finite numbers");
   const double volume_of_axes = map.x_axis.length() * map.y_axis.length() * map.z_axis.length();
-  // sine of the smallest angle; written so that 0 refuses
+  // sine of the smallest angle; written so that 0 is refused
   if (!(std::abs(map.determinant()) > 1e-9 * volume_of_axes))
     refuse_input(path, "header", "axes that lie in one plane, or a spacing of 0", "three independent axes");
   if (volume.type != ElementType::I64 && volume.type != ElementType::U64) return;
@@ -125,7 +125,7 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
 
 namespace {
 
-/// One array, or a part of it: `component` counts from 0, or is `magnitude`.
+/// One array or a part of it: `component` counts from 0, or is `magnitude`.
 struct Choice {
   static constexpr int magnitude = -1;
   std::size_t array = 0;
@@ -235,7 +235,7 @@ void set_chosen(NeutralVolume& volume, GridArray& array, int component) {
   }
 }
 
-/// Samples at the middles of cells: one less on each axis that has more than one point.
+/// Samples at cell centres: one fewer on each axis with more than one point.
 PointGrid cell_middles(const PointGrid& grid) {
   PointGrid middles = grid;
   Vec3 first(0, 0, 0);
@@ -258,7 +258,7 @@ PointGrid cell_middles(const PointGrid& grid) {
 
 namespace {
 
-/// True when position i stands at first + i * step, as far as numbers of this precision can tell.
+/// True when position i equals first + i * step, within the given precision.
 bool is_uniform(const std::vector<double>& positions, double relative_precision) {
   const double first = positions.front(), last = positions.back();
   const double step = (last - first) / static_cast<double>(positions.size() - 1);
@@ -300,7 +300,7 @@ PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<s
       step[axis] = (places.back() - places.front()) / static_cast<double>(places.size() - 1);
       continue;
     }
-    // a table rises: its axis points the other way
+    // a table must increase: its axis points the other way
     if (places.back() < places.front()) step[axis] = -1;
     for (const double place : places) grid.axes[a].push_back(step[axis] * place);
   }

@@ -7,7 +7,7 @@
 #include "preprocess/process/child_process.h"
 #include "preprocess/process/messages.h"
 
-// A program of its own: OpenImageIO takes longer to load than most imports take.
+// A separate program: OpenImageIO takes longer to load than most imports take.
 int main(int count, char** words) {
   using namespace rhoray;
   using namespace rhoray::preprocess;

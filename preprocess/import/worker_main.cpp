@@ -23,13 +23,13 @@ bool same_bytes(const Array<T>& a, const Array<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-/// Writes, then reads back what lies on disk, so that a full disk or a failing writer is noticed.
+/// Writes, then reads the file back from disk, so that a full disk or a failing writer is noticed.
 NeutralMesh write_and_read_back(const NeutralMesh& mesh, const std::string& path) {
   write_vtu(mesh, path);
   NeutralMesh read = [&] {
     try {
       return subdivide(read_vtu(path), {});  // the file may have no name yet
-    } catch (const Error& error) {           // nobody gave us this file
+    } catch (const Error& error) {           // the file is not the user's input
       throw Error(ErrorCode::resource, concat("what was written cannot be read back: ", error.what()));
     }
   }();
@@ -64,7 +64,7 @@ void act(const std::vector<std::string>& arguments, int input, int output) {
 }  // namespace
 
 #ifdef __SANITIZE_ADDRESS__
-// VTK and Teem lose memory when they refuse a damaged file; here it ends with the process.
+// VTK and Teem leak memory when they refuse a damaged file; the process ends anyway.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libvtk\nleak:libteem\n";

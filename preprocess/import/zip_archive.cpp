@@ -12,7 +12,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// The file that the archive stands at, unpacked; its checksum is verified.
+/// The archive's current file, decompressed; its checksum is verified.
 std::string unpacked(unzFile archive, const std::string& name, std::uint64_t size, const std::filesystem::path& path) {
   std::string bytes(size, '\0');
   const auto damaged = [&] { refuse_input(path, name, "damaged data", "a file that can be unpacked"); };
@@ -40,7 +40,7 @@ void read_zip(const std::filesystem::path& path,
     char name[4096];
     if (unzGetCurrentFileInfo64(archive.get(), &info, name, sizeof name, nullptr, 0, nullptr, 0) != UNZ_OK)
       refuse_input(path, "table of contents", "a damaged entry", "a zip archive");
-    // minizip fills the array and writes no zero byte behind a name that long
+    // minizip fills the array and writes no terminating zero for such a long name
     if (info.size_filename > sizeof name)
       refuse_input(path, "table of contents", concat("a name of ", info.size_filename, " bytes"),
                    concat("at most ", sizeof name));

@@ -1,6 +1,6 @@
-// Exodus II, a convention for netCDF files: which dimensions and variables there are and what they
-// mean. Source: Schoof and Yarberry, "EXODUS II: A Finite Element Data Model", SAND92-2137, and the
-// node numberings of its successor's manual (SEACAS).
+// Exodus II, a convention that defines dimensions and variables of netCDF files.
+// Source: Schoof and Yarberry, "EXODUS II: A Finite Element Data Model", SAND92-2137, and the node
+// numberings of its successor's manual (SEACAS).
 
 #include <algorithm>
 #include <cctype>
@@ -15,9 +15,9 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// An element type: how its name begins (the rest repeats the node count or says more about its
-/// use), what its cells are, and where VTK's node i stands in the file. An empty order is the same
-/// in both.
+/// An element type: the first letters of its name (the rest repeats the node count or describes its
+/// use), its cell kind, and the file's index of VTK's node i. An empty order means that both are
+/// the same.
 struct ElementType {
   std::string_view beginning;
   std::uint64_t node_count;
@@ -25,16 +25,16 @@ struct ElementType {
   std::vector<std::uint8_t> order;
 };
 
-// Edges of hexahedra and wedges: the file has those below, upright, above, VTK those below, above,
-// upright.
+// Edges of hexahedra and wedges: the file's order is lower, upright, upper; VTK's order is lower,
+// upper, upright.
 const ElementType element_types[] = {
     {"TET", 4, CellKind::tetrahedron, {}},
     {"TET", 10, CellKind::quadratic_tetrahedron, {}},
     {"TET", 14, CellKind::quadratic_tetrahedron_14, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 11, 12, 10}},
     {"HEX", 8, CellKind::hexahedron, {}},
     {"HEX", 20, CellKind::quadratic_hexahedron, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15}},
-    // The file: middle, below, above, left, right, front, back. VTK: left, right, front, back,
-    // below, above, middle.
+    // File: centre, below, above, left, right, front, back. VTK: left, right, front, back, below,
+    // above, centre.
     {"HEX", 27, CellKind::triquadratic_hexahedron, {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
                                                     18, 19, 12, 13, 14, 15, 23, 24, 25, 26, 21, 22, 20}},
     {"WED", 6, CellKind::wedge, {}},
@@ -46,7 +46,7 @@ const ElementType element_types[] = {
     {"PYR", 14, CellKind::quadratic_pyramid_14, {}},
 };
 
-/// Types that fill no space, and VTK's number for what they are.
+/// Types that do not fill space, with VTK's number of their kind.
 struct FlatType {
   std::string_view beginning;
   std::uint8_t kind;
@@ -57,7 +57,7 @@ constexpr FlatType flat_types[] = {{"SPH", 1}, {"CIR", 1}, {"POI", 1}, {"NOD", 1
 constexpr std::uint8_t triangle = 5;
 
 struct Block {
-  std::uint64_t first = 0;  ///< of its elements, among those of all blocks
+  std::uint64_t first = 0;  ///< index of its first element among those of all blocks
   std::uint64_t count = 0;
 };
 
@@ -107,7 +107,8 @@ class ExodusReader {
     for (std::uint64_t i = 0; i < count; ++i) {
       blocks_.push_back({.first = cells_.kinds.size(), .count = 0});
       const auto connect = file_.variable(concat("connect", i + 1));
-      if (!connect || connect->shape.empty()) continue;  // a block without elements has none
+      // a block without elements has no such variable
+      if (!connect || connect->shape.empty()) continue;
       read_block(*connect, i + 1, ids[i]);
       blocks_.back().count = cells_.kinds.size() - blocks_.back().first;
       block_field.values.resize(cells_.kinds.size(), static_cast<double>(ids[i]));
@@ -116,7 +117,7 @@ class ExodusReader {
     mesh_.cell_fields.push_back(std::move(block_field));
   }
 
-  /// @param number  of the block, from 1, as it stands in names; its id may be any other
+  /// @param number  number of the block, from 1, as used in names; its id may differ
   void read_block(const NetcdfFile::Variable& connect, std::uint64_t number, std::int64_t id) {
     const std::string name = file_.text_attribute(connect, "elem_type");
     const Array<std::int64_t> nodes = file_.integers(connect, connect.shape);
@@ -125,7 +126,7 @@ class ExodusReader {
     const std::uint64_t count =
         each == 0 ? file_.dimension(concat("num_el_in_blk", number)).value_or(0) : connect.shape[0];
     std::string beginning = in_capitals(name).substr(0, 3);
-    if (beginning == "PRI") beginning = "WED";  // prisms are another word for wedges
+    if (beginning == "PRI") beginning = "WED";  // prisms are wedges
     const auto type = std::find_if(std::begin(element_types), std::end(element_types), [&](const ElementType& row) {
       return row.beginning == beginning && row.node_count == each;
     });
@@ -146,7 +147,7 @@ class ExodusReader {
     cells_.nodes.reserve(cells_.nodes.size() + nodes.size());
     for (std::uint64_t element = 0; element < count; ++element) {
       const std::int64_t* from = nodes.data() + element * type.node_count;
-      // counted from 1; a 0 becomes too large and is refused
+      // counts from 1; a 0 wraps to a huge number and is refused
       for (std::uint64_t i = 0; i < type.node_count; ++i)
         cells_.nodes.push_back(static_cast<std::uint64_t>(from[type.order.empty() ? i : type.order[i]]) - 1);
       cells_.offsets.push_back(cells_.nodes.size());
@@ -176,8 +177,8 @@ class ExodusReader {
     return variable ? file_.texts(*variable) : std::vector<std::string>();
   }
 
-  /// The name of the vector whose three components begin at name i ("V_X", "V_Y", "V_Z" or "Vx",
-  /// "Vy", "Vz"); empty when there is none.
+  /// Name of the vector whose three components start at name i ("V_X", "V_Y", "V_Z" or "Vx", "Vy",
+  /// "Vz"); empty when there is none.
   static std::string vector_name(const std::vector<std::string>& names, std::size_t i) {
     if (i + 3 > names.size()) return {};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -201,13 +202,13 @@ class ExodusReader {
     return field;
   }
 
-  /// Adds the field that begins at name i, and says how many names it took.
+  /// Adds the field that starts at name i, and returns the number of names it used.
   std::size_t point_field(const std::vector<std::string>& names, std::size_t i) {
     const std::uint64_t owners = mesh_.points.size();
     NeutralField field = new_field(names, i, owners);
     const auto width = static_cast<std::size_t>(field.component_count);
     bool is_double = false;
-    // all variables side by side in small old files
+    // small old files store all variables in one array
     const auto together = file_.variable("vals_nod_var");
     Array<double> all;
     if (together) all = file_.numbers(*together, std::array{std::uint64_t{names.size()}, owners}, step_);
@@ -232,7 +233,7 @@ class ExodusReader {
     if (table) truth_ = file_.integers(*table, std::array{std::uint64_t{blocks_.size()}, variable_count});
   }
 
-  /// As point_field. Blocks that lack the variable have no data: NaN.
+  /// Like point_field. Blocks that lack the variable have no data: NaN.
   std::size_t cell_field(const std::vector<std::string>& names, std::size_t i) {
     NeutralField field = new_field(names, i, cells_.kinds.size());
     const auto width = static_cast<std::size_t>(field.component_count);
@@ -259,7 +260,7 @@ class ExodusReader {
   std::vector<Block> blocks_;
   std::uint64_t step_ = 0;
   std::uint64_t variable_count_ = 0;
-  /// for each block and variable, whether it has values there; empty = everywhere
+  /// per block and variable, whether it has values there; empty: everywhere
   Array<std::int64_t> truth_;
 };
 

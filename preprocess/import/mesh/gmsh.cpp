@@ -1,5 +1,5 @@
-// Gmsh's own meshes, MSH 2 and 4.1, text and binary. Gmsh's library is not asked: it ends the
-// process on damaged files, and of elements that share a number it keeps one.
+// Gmsh's own meshes, MSH 2 and 4.1, text and binary. Gmsh's library is not used: it ends the
+// process on damaged files, and keeps only one of several elements with the same number.
 // Source: Gmsh Reference Manual, "MSH file format" and "MSH file format version 2".
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// The numbers of a file: words, or bytes of known width in one byte order or the other.
+/// Numbers of a file: words, or binary numbers of known width in either byte order.
 class MshNumbers {
  public:
   explicit MshNumbers(const ForeignFile& file, std::size_t position = 0) : words(file, position) {}
@@ -60,14 +60,14 @@ class MshReader {
   }
 
  private:
-  /// One $NodeData or $ElementData: the values of a field at one time.
+  /// One $NodeData or $ElementData section: the values of a field at one time.
   struct Data {
     std::string name;
     bool at_points = false;
     double time = 0;
     int component_count = 1;
     std::uint64_t count = 0;
-    std::size_t position = 0;  ///< in the file, of the first value
+    std::size_t position = 0;  ///< byte offset of the first value in the file
   };
 
   void read_format() {
@@ -101,8 +101,7 @@ class MshReader {
   }
 
   /// Gmsh writes the whole mesh again before each view that it appends to a file. A section that
-  /// says once more what has been said is passed over; one that says something else is of another
-  /// mesh.
+  /// repeats the same content is skipped; one with different content belongs to another mesh.
   bool is_repeated(const std::string& name) {
     const auto found = sections_.find(name);
     if (found == sections_.end()) return false;
@@ -141,7 +140,7 @@ class MshReader {
     if (word != concat("$End", name)) in_.words.refuse(word, concat("$End", name));
   }
 
-  /// Moves behind the end of a section without looking at what it holds.
+  /// Skips to the end of a section without reading its content.
   void skip_section(const std::string& name) {
     if (name == "ElementNodeData") left_out_.insert(name);
     const std::size_t begin = in_.words.position(), end = file_.text().find(concat("$End", name), begin);
@@ -161,7 +160,7 @@ class MshReader {
     }
   }
 
-  /// The rest of this line, without the quotes around it.
+  /// The rest of this line, without surrounding quotes.
   std::string quoted() {
     std::string_view text = in_.words.line();
     const std::size_t begin = text.find('"'), end = text.rfind('"');
@@ -207,7 +206,7 @@ class MshReader {
     if (mesh_.points.size() != total) in_.words.refuse(concat(mesh_.points.size(), " nodes"), concat(total));
   }
 
-  /// Remembers the first physical group of each volume.
+  /// Stores the first physical group of each volume.
   void read_entities() {
     std::array<std::uint64_t, 4> counts;
     for (std::uint64_t& count : counts) count = in_.count("numbers of points, curves, surfaces and volumes");
@@ -242,7 +241,7 @@ class MshReader {
     return found->second;
   }
 
-  /// Adds an element whose nodes come next; id_of_node reads one.
+  /// Adds an element whose nodes come next; id_of_node reads one node.
   template <class IdOfNode>
   void add_element(const GmshElement& type, std::uint64_t id, std::int32_t physical, std::int32_t entity,
                    const IdOfNode& id_of_node) {
@@ -263,7 +262,7 @@ class MshReader {
     const auto total = in_.words.number<std::uint64_t>("a number of elements");
     if (in_.is_binary) in_.words.line();
     while (cells_.kinds.size() < total) {
-      // As text each element stands alone; in binary one head stands before many.
+      // In text each element has its own header; in binary one header precedes many elements.
       std::int32_t id = in_.is_binary ? 0 : in_.integer("an element's number");
       const GmshElement& type = element_type(static_cast<std::uint64_t>(in_.integer("an element's type")));
       const std::int32_t count = in_.is_binary ? in_.integer("a number of elements") : 1;
@@ -302,8 +301,8 @@ class MshReader {
     if (cells_.kinds.size() != total) in_.words.refuse(concat(cells_.kinds.size(), " elements"), concat(total));
   }
 
-  /// Texts, real numbers and integers that say what a section of values holds; the values are read
-  /// when it is known which time step is wanted.
+  /// Reads the strings, real numbers and integers that describe a section of values. The values are
+  /// read later, when the time step is chosen.
   void read_data_header(const std::string& name) {
     Data data;
     data.at_points = name == "NodeData";
@@ -333,7 +332,7 @@ class MshReader {
     skip_section(name);
   }
 
-  /// From the numbers of nodes to their positions.
+  /// Replaces node numbers by node indices.
   void connect() {
     const IdPositions nodes(node_ids_);
     if (const auto twice = nodes.repeated())
@@ -416,7 +415,7 @@ class MshReader {
   std::string time_;
   bool is_4_ = false;
   CellMesh mesh_;
-  /// nodes by their numbers until `connect`
+  /// holds node numbers until `connect`
   ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
   Array<std::uint64_t> node_ids_, element_ids_;
   Array<std::int32_t> physical_, entity_;
@@ -425,7 +424,7 @@ class MshReader {
   std::map<std::int32_t, std::int32_t> groups_of_volumes_;
   std::map<int, std::string> names_;
   std::uint64_t volumes_in_several_groups_ = 0;
-  /// that a file may hold once, and what they say
+  /// sections that a file may contain once, with their content
   std::map<std::string, std::string_view> sections_;
   std::vector<Data> data_;
   std::set<std::string> left_out_;

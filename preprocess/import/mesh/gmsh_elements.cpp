@@ -126,10 +126,10 @@ constexpr Row rows[] = {
     {137, Shape::tetrahedron, 3, 16},
 };
 
-/// Where a node stands, in n-th parts of the edges from the first corner.
+/// Position of a node, in n-th parts of the edges from the first corner.
 using Place = std::array<int, 3>;
 
-/// A corner of the reference cell, as 0 and 1.
+/// A corner of the reference cell, with coordinates 0 and 1.
 using Corners = std::vector<Place>;
 using Edges = std::vector<std::array<std::size_t, 2>>;
 using Faces = std::vector<std::vector<std::size_t>>;
@@ -145,7 +145,7 @@ const Edges edges_of_hexahedron{{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3},
 const Faces faces_of_hexahedron{{0, 3, 2, 1}, {0, 1, 5, 4}, {0, 4, 7, 3}, {1, 2, 6, 5}, {2, 3, 7, 6}, {4, 5, 6, 7}};
 
 /// The nodes inside a face of order n, as steps along its first edge and along the edge from its
-/// first to its last corner: those of a smaller face, and so on inward.
+/// first to its last corner. They are the nodes of a smaller face, and so on inwards.
 void add_face_steps(std::vector<std::array<int, 2>>& steps, bool is_triangle, int n, int first) {
   if (n < 0) return;
   const int last = first + n;
@@ -165,8 +165,8 @@ void add_face_steps(std::vector<std::array<int, 2>>& steps, bool is_triangle, in
   add_face_steps(steps, is_triangle, n - (is_triangle ? 3 : 2), first + 1);
 }
 
-/// Gmsh's nodes of a complete tetrahedron or hexahedron of order n whose first corner stands at
-/// (first, first, first).
+/// Gmsh's nodes of a complete tetrahedron or hexahedron of order n whose first corner is at (first,
+/// first, first).
 void add_places(std::vector<Place>& places, bool is_tetrahedron, int n, int first) {
   if (n < 0) return;
   if (n == 0) {
@@ -191,7 +191,7 @@ void add_places(std::vector<Place>& places, bool is_tetrahedron, int n, int firs
   add_places(places, is_tetrahedron, n - (is_tetrahedron ? 4 : 2), first + 1);
 }
 
-/// VTK's number of the node at this place of a Lagrange cell.
+/// VTK's number of the node at this position of a Lagrange cell.
 std::size_t vtk_node(bool is_tetrahedron, int n, const Place& place) {
   if (!is_tetrahedron) {
     const int order[3] = {n, n, n};
@@ -235,7 +235,7 @@ constexpr std::uint8_t linear_kinds[] = {1, 3, 5, 9, 10, 12, 13, 14};
 
 GmshElement element_of(const Row& row) {
   GmshElement element{.node_count = row.node_count, .kind = linear_kinds[static_cast<int>(row.shape)], .order = {}};
-  // what is left out needs no node order
+  // elements that are left out need no node order
   if (row.order < 2 || row.shape < Shape::tetrahedron) return element;
   for (const QuadraticRow& quadratic : quadratic_rows)
     if (quadratic.number == row.number) {

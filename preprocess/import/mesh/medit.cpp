@@ -1,6 +1,6 @@
-// Medit's meshes: .mesh (text), .meshb (binary), and .sol or .solb beside them with values at the
+// Medit's meshes: .mesh (text), .meshb (binary), and a .sol or .solb beside them with values at the
 // vertices. Source: Frey, "MEDIT: An interactive mesh visualization software", INRIA RT-0253; for
-// the binary form and the numbers of its sections, libMeshb (libmeshb7.h and the manual beside it).
+// the binary form and its section numbers, libMeshb (libmeshb7.h and its manual).
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// What stands behind a word in the text form, and behind its number in the binary form.
+/// A section: its keyword in the text form, and its number in the binary form.
 struct Section {
   std::string_view word;
   std::int32_t number;
@@ -26,7 +26,7 @@ constexpr Section known_sections[] = {
     {"PrismsP2", 86},    {"PyramidsP2", 87},  {"TetrahedraP3", 96}, {"TetrahedraP4", 97}, {"HexahedraQ3", 98},
     {"HexahedraQ4", 99}, {"PyramidsP3", 100}, {"PyramidsP4", 101},  {"PrismsP3", 102},    {"PrismsP4", 103}};
 
-/// A section of cells, faces or lines: how many nodes each has, and VTK's kind.
+/// A section of cells, faces or lines: nodes per cell, and VTK's kind.
 struct CellSection {
   std::uint64_t node_count;
   std::uint8_t kind;
@@ -51,8 +51,8 @@ class MeditFile {
     if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", ErrorCode::unsupported);
   }
 
-  /// Moves to the next known section, over what the last one left unread, and returns its word;
-  /// empty at "End".
+  /// Moves to the next known section, skipping unread content of the last one, and returns its
+  /// keyword; empty at "End".
   std::string_view next_section() { return is_binary_ ? next_binary_section() : next_text_section(); }
 
   std::uint64_t count(std::string_view expected) {
@@ -63,7 +63,7 @@ class MeditFile {
   std::int64_t integer(std::string_view expected) {
     return version_ == 4 || !is_binary_ ? wide(expected) : raw<std::int32_t>(expected);
   }
-  /// As the header's numbers are, whatever the version.
+  /// A number stored like those of the header, whatever the version.
   std::int32_t small(std::string_view expected) {
     return is_binary_ ? raw<std::int32_t>(expected) : words_.number<std::int32_t>(expected);
   }
@@ -105,7 +105,7 @@ class MeditFile {
     }
   }
 
-  /// Each section begins with its number and the place of the next one.
+  /// Each section begins with its number and the position of the next one.
   std::string_view next_binary_section() {
     for (;;) {
       if (next_ != 0) {
@@ -174,7 +174,7 @@ class MeditReader {
   void read_cells(const CellSection& section) {
     const std::uint64_t total = file_.count("a number of cells");
     for (std::uint64_t i = 0; i < total; ++i) {
-      // counted from 1; a 0 becomes too large and is refused
+      // counts from 1; a 0 wraps to a huge number and is refused
       for (std::uint64_t k = 0; k < section.node_count; ++k)
         cells_.nodes.push_back(static_cast<std::uint64_t>(file_.integer("a vertex") - 1));
       cells_.offsets.push_back(cells_.nodes.size());

@@ -25,10 +25,11 @@ std::uint64_t hash_of(const Point& point) {
   return hash;
 }
 
-/// For each point the first one at the same place. A point that is not finite has none but itself.
+/// For each point, the first one at the same position. A point that is not finite matches only
+/// itself.
 Array<std::uint64_t> first_at_place(const Array<Point>& points) {
   Array<std::uint64_t> first(points.size());
-  Array<std::uint64_t> slots(std::bit_ceil(2 * points.size() + 1), none);  // half empty at least
+  Array<std::uint64_t> slots(std::bit_ceil(2 * points.size() + 1), none);  // at least half empty
   const std::uint64_t mask = slots.size() - 1;
   for (std::uint64_t i = 0; i < points.size(); ++i) {
     std::uint64_t slot = hash_of(points[i]) & mask;
@@ -44,7 +45,7 @@ bool has_same_values(const NeutralField& field, std::uint64_t a, std::uint64_t b
   return std::memcmp(&field.values[a * count], &field.values[b * count], count * sizeof(double)) == 0;
 }
 
-/// How much a field differs between points that became one.
+/// How much a field differs between merged points.
 struct Difference {
   std::uint64_t count = 0;
   double largest = 0;
@@ -87,7 +88,8 @@ class Merging {
       for (std::uint64_t i = piece_offsets_[piece]; i < piece_offsets_[piece + 1]; ++i) act(i, piece);
   }
 
-  /// Places where one piece has several points: who belongs to whom is then for the values to say.
+  /// Finds positions where one piece has several points: there, the values decide which points
+  /// belong together.
   void find_crowded_places() {
     is_crowded_.assign(mesh_.points.size(), 0);
     for_each_point([&](std::uint64_t i, std::uint64_t piece) {
@@ -97,7 +99,7 @@ class Merging {
     });
   }
 
-  /// After this `stands_for_` says for each point which one replaces it: itself or an earlier one.
+  /// Sets `stands_for_`: for each point the one that replaces it, itself or an earlier one.
   void decide() {
     stands_for_.resize(mesh_.points.size());
     for_each_point([&](std::uint64_t i, std::uint64_t piece) {
@@ -110,8 +112,8 @@ class Merging {
     });
   }
 
-  /// The first of those at the place that has equal values and no point of this piece yet; else the
-  /// point itself, which then joins them.
+  /// The first point at this position that has equal values and no point of this piece yet;
+  /// otherwise the point itself, which is then added to them.
   std::uint64_t partner_at_crowded_place(std::uint64_t i, std::uint64_t piece) {
     std::uint64_t last = first_[i];
     if (last == i) return i;
@@ -128,7 +130,7 @@ class Merging {
     return i;
   }
 
-  /// `stands_for_` becomes the new number of each point.
+  /// Changes `stands_for_` to the new number of each point.
   void renumber_cells() {
     std::uint64_t next = 0;
     for (std::uint64_t i = 0; i < stands_for_.size(); ++i)
@@ -152,7 +154,7 @@ class Merging {
     }
   }
 
-  /// New numbers rise from one first point to the next, so each moves down in place.
+  /// New numbers increase from one first point to the next, so each point moves down in place.
   void shorten() {
     std::uint64_t count = 0;
     for (std::uint64_t i = 0; i < stands_for_.size(); ++i) {
@@ -187,11 +189,10 @@ class Merging {
   CellMesh& mesh_;
   std::span<const std::uint64_t> piece_offsets_;
   Array<std::uint64_t> first_;
-  Array<std::uint64_t>
-      /// first the latest piece seen at a place, then the latest one of each point kept
-      latest_piece_;
-  Array<std::uint64_t> next_here_;  ///< points kept at one crowded place, from its first one on
-  Array<std::uint8_t> is_crowded_;  ///< of the first point at a place
+  /// first the latest piece seen at a position, then the latest piece of each kept point
+  Array<std::uint64_t> latest_piece_;
+  Array<std::uint64_t> next_here_;  ///< chain of points kept at a crowded position
+  Array<std::uint8_t> is_crowded_;  ///< set for the first point at a position
   Array<std::uint64_t> stands_for_;
   std::vector<Difference> differences_;
   std::uint64_t merged_count_ = 0, left_apart_count_ = 0;

@@ -10,13 +10,12 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// What stands for a cell kind in a file: VTK's number (vtkCellType.h), and how many nodes a cell
-/// of it has.
+/// A cell kind as stored in a file: VTK's number (vtkCellType.h), and the number of nodes per cell.
 struct ForeignKindOfCell {
   std::uint8_t number;
   std::string_view plural;
   bool fills_space;
-  int node_count = 0;  ///< 0: as many as the cell says, checked where it is taken apart
+  int node_count = 0;  ///< 0: variable, checked where the cell is split
 };
 
 constexpr ForeignKindOfCell kinds_of_cells[] = {
@@ -66,7 +65,7 @@ constexpr ForeignKindOfCell kinds_of_cells[] = {
     {201, "quadratic tetrahedra of 14 nodes", true, 14},
 };
 
-/// The rows above by their number; -1 = not known.
+/// Index of the row above for each number; -1: unknown.
 constexpr std::array<std::int8_t, 256> rows_by_number = [] {
   std::array<std::int8_t, 256> rows{};
   rows.fill(-1);
@@ -103,8 +102,8 @@ void check_ghosts(const Array<std::uint8_t>& ghosts, std::uint64_t owners, const
 
 using Nodes = std::span<const std::uint64_t>;
 
-/// Calls act(node) for each node of a cell of any kind. Refuses a stream of a polyhedron that does
-/// not hold faces.
+/// Calls act(node) for each node of a cell of any kind. Refuses a polyhedron's stream that does not
+/// hold faces.
 template <class Act>
 void for_each_node(const ForeignKindOfCell& kind, Nodes nodes, std::uint64_t cell, const std::filesystem::path& path,
                    Act&& act) {
@@ -130,7 +129,7 @@ void for_each_node(const ForeignKindOfCell& kind, Nodes nodes, std::uint64_t cel
   if (at != nodes.size()) refuse(concat(nodes.size() - at, " numbers behind its last face"), "none");
 }
 
-/// Refuses nodes that do not fit the kind; says whether one of them is hidden.
+/// True when one of the nodes is hidden. Refuses nodes that do not fit the kind.
 bool has_hidden_point(const ForeignCells& cells, std::uint64_t cell, std::uint64_t point_count,
                       const std::filesystem::path& path) {
   const ForeignKindOfCell& kind = *kind_numbered(cells.kinds[cell]);
@@ -148,7 +147,7 @@ bool has_hidden_point(const ForeignCells& cells, std::uint64_t cell, std::uint64
   return is_hidden;
 }
 
-/// Counts why a cell is left out, if it is.
+/// True when a cell is left out; counts the reason.
 bool is_left_out(const ForeignCells& cells, std::uint64_t cell, std::uint64_t point_count, LeftOut& left_out,
                  const std::filesystem::path& path) {
   const ForeignKindOfCell& kind = *kind_numbered(cells.kinds[cell]);
@@ -224,7 +223,7 @@ LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::pa
   std::uint64_t node_count = 0;  // kept nodes move down in place
   for (std::uint64_t cell = 0; cell < cells.kinds.size(); ++cell) {
     if (is_left_out(cells, cell, mesh.points.size(), left_out, path)) {
-      if (ids.empty() && cell == mesh.kinds.size()) {  // the first one
+      if (ids.empty() && cell == mesh.kinds.size()) {  // first cell left out
         ids.resize(cell);
         std::iota(ids.begin(), ids.end(), std::uint64_t{0});
       }

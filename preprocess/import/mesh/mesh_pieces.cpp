@@ -15,8 +15,8 @@ void append_to(Array<T>& whole, const Array<T>& piece) {
   whole.insert(whole.end(), piece.begin(), piece.end());
 }
 
-/// Keeps the fields that both have, by name and number of components; the names of the others are
-/// remembered.
+/// Keeps the fields that both have, with the same name and number of components. Stores the names
+/// of the others.
 void append_fields(std::vector<NeutralField>& whole, std::vector<NeutralField> piece, const char* owners,
                    std::set<std::string>& incomplete) {
   std::erase_if(whole, [&](NeutralField& field) {
@@ -35,7 +35,7 @@ void append_fields(std::vector<NeutralField>& whole, std::vector<NeutralField> p
   for (const NeutralField& field : piece) incomplete.insert(concat("field '", field.name, "' ", owners));
 }
 
-/// Adds to the nodes of checked cells; counts in the streams of polyhedra stay.
+/// Adds `distance` to the nodes of checked cells; counts in polyhedron streams stay unchanged.
 void shift_nodes(CellMesh& mesh, std::uint64_t distance) {
   for (std::uint64_t cell = 0; cell < mesh.kinds.size(); ++cell) {
     const auto nodes = std::span(mesh.cell_nodes)
@@ -51,7 +51,7 @@ void shift_nodes(CellMesh& mesh, std::uint64_t distance) {
   }
 }
 
-/// Every cell's own position, where a mesh does not say any.
+/// Source indices of all cells; their own indices if the mesh has no cell_ids.
 Array<std::uint64_t> cell_ids_of(const CellMesh& mesh) {
   if (!mesh.cell_ids.empty() || mesh.kinds.empty()) return mesh.cell_ids;
   Array<std::uint64_t> ids(mesh.kinds.size());

@@ -9,8 +9,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Bytes of one number, for the types numbered from 1: byte, char, short, int, float, double, and
-/// in CDF-5 the unsigned and 64-bit ones.
+/// Bytes per number, for the types numbered from 1: byte, char, short, int, float, double, and in
+/// CDF-5 the unsigned and 64-bit ones.
 constexpr std::uint64_t type_bytes[] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
 
 class Header {
@@ -53,13 +53,13 @@ class Header {
     return value;
   }
 
-  /// Padded to four bytes.
+  /// Skips `bytes`, padded to four.
   void skip_padded(std::uint64_t bytes) {
     if (bytes > file_.bytes().size()) refuse(concat(bytes, " bytes"), "no more than the file has");
     skip((bytes + 3) / 4 * 4);
   }
 
-  /// The length of a list that begins here, of elements of at least 8 bytes.
+  /// Length of the list that starts here; its elements have at least 8 bytes.
   std::uint64_t list(std::uint64_t tag) {
     const std::uint64_t found = number(4), count = number(count_bytes());
     if (found != tag && !(found == 0 && count == 0)) refuse(concat("a list marked ", found), concat(tag));
@@ -110,13 +110,13 @@ class Header {
       const std::optional<std::uint64_t> bytes = checked_product({extent.bytes, type()});
       if (!bytes) refuse("a variable of more than 2^64 bytes", "fewer");
       extent.bytes = *bytes;
-      skip(count_bytes());  // its size once more, in a form that overflows
+      skip(count_bytes());  // its size again, in a form that overflows
       extent.begin = number(offset_bytes());
       extents_.push_back(extent);
     }
   }
 
-  /// Records of all variables lie side by side, padded to four bytes unless there is only one.
+  /// Records of all variables are interleaved, padded to four bytes unless there is only one.
   void check_extent(std::uint64_t records) {
     std::uint64_t record_bytes = 0;
     const auto kinds = std::count_if(extents_.begin(), extents_.end(), [](const Extent& e) { return e.is_record; });
@@ -130,7 +130,7 @@ class Header {
       const std::optional<std::uint64_t> before =
           extent.is_record ? checked_product({records - 1, record_bytes}) : std::optional<std::uint64_t>(0);
       if (extent.begin > file_bytes || !before || *before > file_bytes) refuse_end(extent.begin);
-      // three numbers that a file can have
+      // three numbers, each no larger than a file can be
       const std::uint64_t end = extent.begin + *before + extent.bytes;
       if (end > file_bytes) refuse_end(end);
     }

@@ -10,8 +10,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-// Deflate, the strongest compression that netCDF-4 files commonly use, makes at most this many
-// bytes of one.
+// Largest expansion of Deflate, in bytes out per byte in. It is the strongest compression that
+// netCDF-4 files commonly use.
 constexpr std::uint64_t largest_expansion = 1032;
 
 std::string text_of(std::span<const std::uint64_t> shape) {
@@ -26,7 +26,7 @@ NetcdfFile::NetcdfFile(const std::filesystem::path& path) : path_(path) {
   const ForeignFile file(path);
   check_classic_netcdf(file);
   file_bytes_ = file.bytes().size();
-  // An absolute name cannot be taken for an address on the net.
+  // An absolute name cannot be mistaken for a network address.
   check(::nc_open(std::filesystem::absolute(path).c_str(), NC_NOWRITE, &id_), "header");
 }
 

@@ -1,5 +1,5 @@
-// Netgen's neutral mesh files (.vol), which are lists behind key words.
-// Source: Netgen, libsrc/meshing/meshclass.cpp (Mesh::Save) and meshtype.cpp for the order of
+// Netgen's neutral mesh files (.vol): lists, each after a keyword.
+// Source: Netgen, libsrc/meshing/meshclass.cpp (Mesh::Save), and meshtype.cpp for the order of
 // corners.
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Where VTK's node i stands in a record; Netgen's cells are the mirror images of VTK's.
+/// Index of VTK's node i in a record; Netgen's cells are mirror images of VTK's.
 struct VolumeElement {
   std::uint64_t node_count;
   CellKind kind;
@@ -23,7 +23,7 @@ constexpr VolumeElement volume_elements[] = {
     {5, CellKind::pyramid, {0, 3, 2, 1, 4}},
     {6, CellKind::wedge, {0, 2, 1, 3, 5, 4}},
     {8, CellKind::hexahedron, {0, 3, 2, 1, 4, 7, 6, 5}},
-    // Middles of 0-1, 0-2, 0-3, 1-2, 1-3, 2-3 follow the corners.
+    // After the corners: midpoints of 0-1, 0-2, 0-3, 1-2, 1-3, 2-3.
     {10, CellKind::quadratic_tetrahedron, {0, 2, 1, 3, 5, 7, 4, 6, 9, 8}},
 };
 
@@ -46,8 +46,8 @@ class NetgenReader {
   }
 
  private:
-  /// Reads what stands behind the next key word; false behind the last. Lists of other things are
-  /// lines of numbers, which are no key words.
+  /// Reads the list after the next keyword; false after the last one. Unknown lists are lines of
+  /// numbers and contain no keywords.
   bool read_section() {
     lines_.need("endmesh");
     const std::string_view word = lines_.words().front();
@@ -100,7 +100,7 @@ class NetgenReader {
       if (type == std::end(volume_elements))
         lines_.refuse(concat("a volume element with ", node_count, " nodes"), "4, 5, 6, 8 or 10 nodes",
                       ErrorCode::unsupported);
-      // counted from 1; a 0 becomes too large and is refused
+      // counts from 1; a 0 wraps to a huge number and is refused
       for (std::uint64_t k = 0; k < node_count; ++k)
         cells_.nodes.push_back(lines_.number<std::uint64_t>(2 + type->order[k], "a point") - 1);
       cells_.offsets.push_back(cells_.nodes.size());

@@ -19,8 +19,8 @@ bool has_one_layer(const Plot3dLayout& layout) {
                      [](const Index3& size) { return size[0] < 2 || size[1] < 2 || size[2] < 2; });
 }
 
-/// The one layout that fits; where several do, the one whose blocks all have cells. Refuses none
-/// and several.
+/// The only layout that fits; if several fit, the only one whose blocks all have cells. Refuses
+/// none and several.
 Plot3dLayout only_layout(const ForeignFile& file) {
   std::vector<Plot3dLayout> layouts = plot3d_layouts(file);
   if (layouts.size() > 1 && !std::all_of(layouts.begin(), layouts.end(), has_one_layer))
@@ -39,7 +39,7 @@ Plot3dLayout only_layout(const ForeignFile& file) {
   return layouts.front();
 }
 
-/// The numbers of a file behind its header, array by array.
+/// Reads the numbers after a file's header, array by array.
 class Plot3dReader {
  public:
   Plot3dReader(const ForeignFile& file, const Plot3dLayout& layout)
@@ -64,7 +64,7 @@ class Plot3dReader {
   Array<double> binary(std::uint64_t count) {
     Array<double> values(count);
     if (layout_.is_text) {
-      for (double& value : values) value = numbers_.next().value_or(0);  // they were counted
+      for (double& value : values) value = numbers_.next().value_or(0);  // already counted
       return values;
     }
     const std::span<const std::byte> source = bytes_.subspan(at_, count * sizeof(T));
@@ -98,7 +98,7 @@ NeutralField field_of(const char* name, int component_count, Array<double> value
   return field;
 }
 
-/// Points of a block and, with IBLANK, the field of that name.
+/// Points of a block and, with IBLANK, the field with that name.
 CellMesh read_grid_block(Plot3dReader& reader, const Plot3dLayout& layout, const Index3& size) {
   CellMesh mesh;
   mesh.points.resize(points_in(size));
@@ -117,7 +117,7 @@ CellMesh read_grid_block(Plot3dReader& reader, const Plot3dLayout& layout, const
   return mesh;
 }
 
-/// IBLANK 0 hides a point; other numbers say what it is (a wall, a fringe) and hide nothing.
+/// IBLANK 0 hides a point. Other numbers describe it (a wall, a fringe) and hide nothing.
 Array<std::uint8_t> blanked_points(const CellMesh& mesh) {
   Array<std::uint8_t> ghosts;
   if (mesh.point_fields.empty()) return ghosts;
@@ -151,14 +151,14 @@ struct OpenFile {
   Plot3dLayout layout;
 };
 
-/// `name` with its last `from` replaced; nothing when it has none.
+/// `name` with the last `from` replaced; nothing if it does not contain `from`.
 std::optional<std::string> replaced(std::string name, std::string_view from, std::string_view to) {
   const std::size_t at = name.rfind(from);
   if (at == std::string::npos) return std::nullopt;
   return name.replace(at, from.size(), to);
 }
 
-/// Names under which the other file of a pair is looked for beside the one given.
+/// Candidate names of the other file of a pair, in the same folder.
 std::vector<fs::path> partners_of(const fs::path& path, bool is_solution) {
   const std::string name = path.filename().string(), extension = path.extension().string();
   std::vector<std::string> names;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view separators = " \t\r\n,";
 
-/// Adds the points of a block; false where a size is below 1 or the sum is larger than `most`.
+/// Adds the points of a block; false if a size is below 1 or the sum exceeds `most`.
 bool add_points(std::uint64_t& sum, const Index3& size, std::uint64_t most) {
   if (size[0] < 1 || size[1] < 1 || size[2] < 1) return false;
   const auto product = checked_product(
@@ -27,7 +27,7 @@ std::uint64_t points_in(const Index3& size) {
   return static_cast<std::uint64_t>(size[0] * size[1] * size[2]);
 }
 
-/// Walks through a binary file in one way of reading it.
+/// Walks through a binary file, assuming one layout.
 class BinaryWalk {
  public:
   BinaryWalk(std::span<const std::byte> bytes, const Plot3dLayout& layout) : bytes_(bytes), layout_(layout) {}
@@ -43,7 +43,7 @@ class BinaryWalk {
     std::uint64_t points = 0;
     for (std::uint64_t i = 3 * block_count; i > 0; i -= 3) {
       const Index3 size(integer_before(4 * i), integer_before(4 * i - 4), integer_before(4 * i - 8));
-      // most files that are no PLOT3D end here
+      // most files that are not PLOT3D end here
       if (!add_points(points, size, bytes_.size())) return std::nullopt;
       layout_.blocks.push_back(size);
     }
@@ -53,10 +53,10 @@ class BinaryWalk {
     return layout_;
   }
 
-  /// After a fit: nothing follows.
+  /// After a fit: true if nothing follows.
   bool is_exact() const { return at_ == bytes_.size(); }
 
-  /// After a fit: only zeros follow, up to the end of a sector, as some writers leave them.
+  /// After a fit: true if only zeros follow, up to the end of a sector, as some writers leave them.
   bool is_padded() const {
     constexpr std::uint64_t sector = 512;
     const std::span<const std::byte> rest = bytes_.subspan(at_);
@@ -71,7 +71,7 @@ class BinaryWalk {
     return record(points * (3 * float_bytes + (layout_.has_iblank ? 4 : 0)));
   }
 
-  /// Passes over a record of this length.
+  /// Skips a record of this length.
   bool record(std::uint64_t length) {
     if (!marker(length)) return false;
     if (length > bytes_.size() - at_) return false;
@@ -87,7 +87,7 @@ class BinaryWalk {
     return integer_at(at_ - 4) == length;
   }
 
-  /// The 32-bit integer that begins so many bytes before the end of the last record's numbers.
+  /// The 32-bit integer that starts `distance` bytes before the end of the last record's numbers.
   std::uint32_t integer_before(std::uint64_t distance) const { return integer_at(payload_end_ - distance); }
 
   std::uint32_t integer_at(std::uint64_t at) const {
@@ -101,7 +101,7 @@ class BinaryWalk {
   std::uint64_t at_ = 0, payload_end_ = 0;
 };
 
-/// Every way of reading a binary file that is asked of it.
+/// All layouts that are tried for a binary file.
 std::vector<Plot3dLayout> binary_candidates() {
   std::vector<Plot3dLayout> candidates;
   for (const bool is_big_endian : {false, true})
@@ -147,7 +147,7 @@ std::optional<std::int64_t> next_size(Plot3dNumbers& numbers) {
   return static_cast<std::int64_t>(*number);
 }
 
-/// The sizes of blocks at the beginning of a text; empty when there are none.
+/// The block sizes at the beginning of a text; empty if there are none.
 std::vector<Index3> sizes_in_text(std::string_view text, bool has_block_count) {
   Plot3dNumbers numbers(text);
   const std::int64_t count = has_block_count ? next_size(numbers).value_or(0) : 1;
@@ -161,7 +161,7 @@ std::vector<Index3> sizes_in_text(std::string_view text, bool has_block_count) {
   return blocks;
 }
 
-/// How many numbers a text has; nothing where it holds something else, or too many.
+/// Number of numbers in a text; nothing if it contains something else, or too many.
 std::optional<std::uint64_t> number_count(std::string_view text) {
   Plot3dNumbers numbers(text);
   std::uint64_t sum = 0;
@@ -179,7 +179,7 @@ std::vector<Plot3dLayout> text_layouts(std::string_view text) {
     Plot3dLayout layout{.is_text = true, .has_block_count = has_block_count, .float_bytes = 8, .blocks = {}};
     layout.blocks = sizes_in_text(text, has_block_count);
     std::uint64_t points = 0;
-    // A point takes three numbers; repeated ones are short, but hardly all three arrays are.
+    // A point takes three numbers. Repeat counts can shorten an array, but hardly all three.
     const bool is_plausible = std::all_of(layout.blocks.begin(), layout.blocks.end(),
                                           [&](const Index3& size) { return add_points(points, size, text.size()); });
     if (layout.blocks.empty() || !is_plausible) continue;
@@ -230,7 +230,7 @@ std::optional<std::uint64_t> Plot3dNumbers::skip() {
   return std::exchange(left_, 0);
 }
 
-/// False where no number stands; at the end nothing is left.
+/// False where the next word is not a number; at the end, no text is left.
 bool Plot3dNumbers::take_word() {
   text_.remove_prefix(std::min(text_.find_first_not_of(separators), text_.size()));
   if (text_.empty()) return true;

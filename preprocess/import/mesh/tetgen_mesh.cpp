@@ -17,17 +17,17 @@ NeutralField attribute_field(std::size_t index, Array<double> values) {
   return field;
 }
 
-/// Where VTK's node i of a 10-node tetrahedron stands in a record.
+/// Index of VTK's node i of a 10-node tetrahedron in a record.
 using NodeOrder = std::array<std::size_t, 10>;
 
-/// The order of Chaste, and that of TetGen 1.5's -o2: middles of 2-3, 0-3, 0-1, 1-2, 1-3, 0-2. The
-/// files do not say.
+/// The orders of Chaste and of TetGen 1.5's -o2: midpoints of 2-3, 0-3, 0-1, 1-2, 1-3, 0-2. Files
+/// do not say which they use.
 constexpr NodeOrder node_orders[] = {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, {0, 1, 2, 3, 6, 7, 9, 5, 8, 4}};
-// of VTK's nodes 4 to 9
+// edges of VTK's nodes 4 to 9
 constexpr std::size_t edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
 
-/// How far the middle nodes lie from the middles of the edges that an order gives them: the mean of
-/// the squared distance over the squared length of the edge. Edges without length are passed over.
+/// Distance of the mid-edge nodes from the midpoints of the edges that an order assigns to them:
+/// the mean of squared distance over squared edge length. Edges of zero length are skipped.
 double distance_from_middles(const CellMesh& mesh, std::span<const std::uint64_t> nodes, const NodeOrder& order) {
   double sum = 0, count = 0;
   for (std::size_t first = 0; first < nodes.size(); first += order.size())
@@ -47,11 +47,12 @@ double distance_from_middles(const CellMesh& mesh, std::span<const std::uint64_t
   return count > 0 ? sum / count : 0;
 }
 
-/// Middle nodes this far from their middles, in edge lengths (root mean square), are in another
-/// order than we know.
+/// If mid-edge nodes are farther than this from their midpoints, in edge lengths (root mean
+/// square), the order is unknown.
 constexpr double farthest = 0.25;
 
-/// Puts the nodes of 10-node tetrahedra into VTK's order, of which geometry tells what it was.
+/// Puts the nodes of 10-node tetrahedra into VTK's order; infers the file's order from the
+/// geometry.
 void order_nodes(CellMesh& mesh, Array<std::uint64_t>& nodes, const std::filesystem::path& path) {
   const double distances[] = {distance_from_middles(mesh, nodes, node_orders[0]),
                               distance_from_middles(mesh, nodes, node_orders[1])};
@@ -69,7 +70,7 @@ void order_nodes(CellMesh& mesh, Array<std::uint64_t>& nodes, const std::filesys
   }
 }
 
-/// The records of an .ele file, whose first line is the current one.
+/// The records of an .ele file, whose first line is the current line.
 struct Tetrahedra {
   std::uint64_t count = 0, node_count = 4, attribute_count = 0;
   Array<std::uint64_t> nodes;
@@ -137,8 +138,8 @@ void read_tetrahedra(CellMesh& mesh, const TetgenPoints& points, const std::file
   take_cells(mesh, std::move(cells), path);
 }
 
-/// A .node file holds points alone: refuses one without the .ele file that makes tetrahedra of
-/// them.
+/// Refuses a .node file without the matching .ele file: it holds points only, the .ele file its
+/// tetrahedra.
 void require_tetrahedra(const std::filesystem::path& node, const std::filesystem::path& ele) {
   std::error_code ignored;
   if (std::filesystem::exists(ele, ignored)) return;

@@ -18,7 +18,7 @@ std::string text_of(std::span<const double> times, std::size_t step) {
 std::size_t nearest(std::span<const double> times, double time) {
   std::size_t best = 0;
   for (std::size_t step = 1; step < times.size(); ++step)
-    // a NaN gives way
+    // any step is better than one with NaN
     if (!(std::abs(times[step] - time) >= std::abs(times[best] - time))) best = step;
   return best;
 }

@@ -5,8 +5,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// A corner, "7", "7/1", "7//3" or "7/1/3": the first number counts points from 1, or back from the
-/// last if negative.
+/// A corner, "7", "7/1", "7//3" or "7/1/3". The first number counts points from 1, or backwards
+/// from the last if negative.
 std::uint64_t corner_of(const LineReader& lines, std::size_t i, std::size_t point_count) {
   const std::string_view word = lines.words()[i];
   const std::optional<std::int64_t> number = parse_number<std::int64_t>(word.substr(0, word.find('/')));

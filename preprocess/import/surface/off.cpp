@@ -8,8 +8,8 @@ NeutralSurface read_off(const std::filesystem::path& path) {
   const ForeignFile file(path);
   LineReader lines(file);
   lines.need("OFF");
-  // C and N announce colours and normals behind the coordinates, ST texture positions; they are
-  // passed over.
+  // C and N mean colours and normals after the coordinates, ST texture coordinates; all are
+  // skipped.
   const std::string_view word = lines.words().front();
   if (word != "OFF" && word != "COFF" && word != "NOFF" && word != "CNOFF" && word != "STOFF")
     lines.refuse(word, "OFF");

@@ -16,7 +16,7 @@ using formats::ElementType;
 struct Property {
   std::string name;
   ElementType type = ElementType::U8;
-  std::optional<ElementType> count_type;  ///< of a list
+  std::optional<ElementType> count_type;  ///< only of a list
 };
 
 struct Element {
@@ -27,7 +27,7 @@ struct Element {
 
 enum class Encoding { text, little_endian, big_endian };
 
-/// The header's words, then the numbers behind it in any of the three encodings.
+/// Words of the header, then the numbers after it in any of the three encodings.
 class Ply {
  public:
   explicit Ply(const ForeignFile& file) : reader_(file) {
@@ -37,7 +37,7 @@ class Ply {
 
   const std::vector<Element>& elements() const { return elements_; }
 
-  /// The next number, of this type.
+  /// The next number, stored with this type.
   double number(ElementType type, std::string_view what) {
     if (encoding_ == Encoding::text) return reader_.number<double>(what);
     const std::size_t size = formats::element_bytes(type);
@@ -80,7 +80,7 @@ class Ply {
     }
     if (!has_format_)
       reader_.refuse("a header without format", "format ascii, binary_little_endian or binary_big_endian");
-    // the line of end_header itself
+    // the end of the end_header line
     if (encoding_ != Encoding::text || reader_.bytes_left() > 0) reader_.line();
   }
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t title_bytes = 80, triangle_bytes = 50;
 
-/// A binary file is recognised by its length, which follows from its count; its title may begin
-/// with "solid" too.
+/// Recognises a binary file by its length, which must match its count. The title cannot tell,
+/// because it may begin with "solid" too.
 std::optional<std::uint64_t> binary_triangle_count(std::span<const std::byte> bytes) {
   if (bytes.size() < title_bytes + 4) return std::nullopt;
   std::array<std::byte, 4> raw;
@@ -36,7 +36,7 @@ void add_triangle(NeutralSurface& surface, PointMerger& merger, const std::array
 void read_binary(const ForeignFile& file, std::uint64_t count, NeutralSurface& surface) {
   PointMerger merger(surface);
   for (std::uint64_t i = 0; i < count; ++i) {
-    std::array<std::byte, 36> raw;  // three corners, behind 12 bytes of normal
+    std::array<std::byte, 36> raw;  // three corners, after 12 bytes of normal
     std::memcpy(raw.data(), file.bytes().data() + bytes_of_triangles(i) + 12, raw.size());
     make_native(raw, 4, false);
     std::array<float, 9> numbers;

@@ -7,7 +7,7 @@ namespace rhoray::preprocess {
 std::size_t PointMerger::Hash::operator()(const std::array<std::uint64_t, 3>& bits) const {
   std::uint64_t hash = 0;
   for (const std::uint64_t word : bits) {
-    // 2^64 / golden ratio: spreads neighbouring numbers
+    // 2^64 / golden ratio: spreads close values
     hash = (hash ^ word) * 0x9e3779b97f4a7c15U;
     hash ^= hash >> 32;
   }

@@ -4,8 +4,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Words of a record that may run over several lines: TetGen lets long polygons continue on the
-/// next line.
+/// Words of a record that may span several lines: TetGen lets long polygons continue on the next
+/// line.
 class RecordWords {
  public:
   RecordWords(LineReader& lines, std::size_t next) : lines_(lines), next_(next) {}
@@ -23,7 +23,8 @@ class RecordWords {
   std::size_t next_;
 };
 
-/// One polygon: how many corners, then the corners. The current line begins with the count.
+/// Reads one polygon: the number of corners, then the corners. The current line begins with the
+/// number.
 void read_polygon(LineReader& lines, const TetgenPoints& points, std::uint64_t fewest_corners,
                   NeutralSurface& surface) {
   const std::uint64_t corners = tetgen_count(lines, "a number of corners");
@@ -40,8 +41,8 @@ std::array<double, 3> point_after_number(const LineReader& lines) {
           lines.number<double>(3, "three coordinates")};
 }
 
-/// Part 2 of a .poly file: each facet is one or more polygons in a plane, and points in openings
-/// among them.
+/// Part 2 of a .poly file: each facet is one or more polygons in a plane, and points in the
+/// openings between them.
 void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurface& surface) {
   const std::uint64_t count = tetgen_count(lines, "a number of facets");
   bool simple = true;
@@ -53,7 +54,7 @@ void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurf
     simple = simple && polygons == 1 && openings == 0;
     for (std::uint64_t i = 0; i < polygons; ++i) {
       lines.need("a polygon");
-      // lines and points may lie in a larger facet
+      // segments and points may lie in a larger facet
       read_polygon(lines, points, polygons == 1 ? 3 : 1, surface);
       surface.facet_faces.push_back(face);
     }
@@ -94,7 +95,7 @@ void read_holes_and_regions(LineReader& lines, NeutralSurface& surface) {
   }
 }
 
-/// The points that no face names lie inside, and would be in the way of filling the surface.
+/// Leaves out points that no face uses: they lie inside, and would disturb filling the surface.
 NeutralSurface surface_of(const Array<std::array<std::uint64_t, 3>>& faces, const TetgenPoints& points) {
   constexpr std::uint64_t unused = ~std::uint64_t{0};
   Array<std::uint64_t> positions(points.points.size(), unused);

@@ -11,7 +11,7 @@ namespace {
 using formats::ElementType;
 namespace fs = std::filesystem;
 
-/// The lines `KEY: words` of a "brick of values" header (VisIt); # begins a comment.
+/// The lines `KEY: words` of a "brick of values" header (VisIt); # starts a comment.
 class BovHeader {
  public:
   explicit BovHeader(const ForeignFile& file) : path_(file.path()) {
@@ -84,8 +84,7 @@ bool is_big_endian(const BovHeader& header) {
   return order == "BIG";
 }
 
-/// The brick's box is divided by the points on it, or by its cells, whose middles are then the
-/// samples.
+/// The brick's box is divided by its points, or by its cells, whose centres are then the samples.
 PointGrid grid_of(const BovHeader& header, const Index3& samples) {
   const std::array<double, 3> origin = header.three<double>("BRICK_ORIGIN", {0, 0, 0});
   const std::array<double, 3> unit{static_cast<double>(samples.x), static_cast<double>(samples.y),

@@ -21,15 +21,15 @@ namespace {
 using formats::ElementType;
 namespace fs = std::filesystem;
 
-/// One image of a series, its samples as they are stored.
+/// One image of a series, with its samples as stored.
 struct DicomImage {
-  std::string name;    ///< of its file, for messages
+  std::string name;    ///< file name, for messages
   std::string series;  ///< SeriesInstanceUID
   std::string description, modality, unit;
   Index3 sample_count;  ///< columns, rows, frames
-  /// unit vectors, from sample to sample along a row and down a column (LPS, mm)
+  /// unit vectors in the direction from sample to sample along a row and down a column (LPS, mm)
   Vec3 row, column;
-  Vec3 spacing;  ///< along them; z: from frame to frame
+  Vec3 spacing;  ///< along row and column; z: from frame to frame
   Vec3 origin;
   gdcm::PixelFormat format;
   double slope = 1, intercept = 0;
@@ -47,9 +47,9 @@ std::string unit_of(const std::string& modality, const std::string& code) {
   return modality == "CT" ? "HU" : "";
 }
 
-/// GDCM fills what a cut file lacks with zeros. True when the samples, not packed, lie whole in the
-/// bytes: the element Pixel Data with this many of them, or one more to make them even, in any of
-/// the codings of a data set.
+/// GDCM replaces missing bytes of a truncated file by zeros. Returns true if uncompressed samples
+/// are complete in the file: a Pixel Data element of this size, or one byte more as padding to an
+/// even size, in any encoding of a data set.
 bool holds_samples(std::string_view bytes, std::uint64_t expected) {
   const auto holds_after = [&](std::string_view head, bool big_endian) {
     for (std::size_t at = bytes.find(head); at != std::string_view::npos; at = bytes.find(head, at + 1)) {
@@ -68,7 +68,7 @@ bool holds_samples(std::string_view bytes, std::uint64_t expected) {
          holds_after("\x7f\xe0\x00\x10OB\0\0"sv, true);
 }
 
-/// Nothing when the file is DICOM but holds no image.
+/// Nothing if the file is DICOM but holds no image.
 std::optional<DicomImage> read_image(const std::string& name, std::string_view bytes, const fs::path& path) {
   std::istringstream stream{std::string(bytes)};
   gdcm::ImageReader reader;
@@ -117,7 +117,7 @@ std::optional<DicomImage> read_image(const std::string& name, std::string_view b
 
 struct Found {
   std::vector<DicomImage> images;
-  std::uint64_t other_count = 0;  ///< files that are no DICOM images
+  std::uint64_t other_count = 0;  ///< files that are not DICOM images
 };
 
 void take_image(Found& found, const std::string& name, std::string_view bytes, const fs::path& path) {
@@ -147,8 +147,8 @@ Found read_images(const fs::path& path) {
   return found;
 }
 
-/// The images of one series: the one that `wanted` names by its description or number, else the
-/// only one, else the one with the most images.
+/// The images of one series: the series that `wanted` names by description or number, else the only
+/// one, else the one with the most images.
 std::vector<DicomImage> one_series(Found found, const std::string& wanted, const fs::path& path,
                                    std::vector<std::string>& notes, std::vector<std::string>& others) {
   std::map<std::string, std::vector<DicomImage>> series;
@@ -177,7 +177,7 @@ Vec3 normal_of(const DicomImage& image) {
   return image.row.cross(image.column);
 }
 
-/// All images must lie in parallel planes and have the same size.
+/// Checks that all images lie in parallel planes and have the same size.
 void check_alike(const std::vector<DicomImage>& images, const fs::path& path) {
   const DicomImage& first = images.front();
   const auto close = [](const Vec3& a, const Vec3& b, double tolerance) { return (a - b).length() <= tolerance; };
@@ -192,8 +192,8 @@ void check_alike(const std::vector<DicomImage>& images, const fs::path& path) {
   }
 }
 
-/// Where the images stand: the third axis of the grid, with a table when the steps between them
-/// differ.
+/// Sets the third axis of the grid from the positions of the images, with a table if the steps
+/// between them differ.
 void place_images(NeutralVolume& volume, std::vector<DicomImage>& images, const fs::path& path) {
   const Vec3 normal = normal_of(images.front());
   std::stable_sort(images.begin(), images.end(), [&](const DicomImage& a, const DicomImage& b) {
@@ -230,7 +230,7 @@ void place_images(NeutralVolume& volume, std::vector<DicomImage>& images, const 
   volume.notes.push_back(concat("steps between images differ, ", smallest, " to ", largest, " mm: kept as they are"));
 }
 
-/// A stored sample of at most 32 bits as the number it means before scaling.
+/// The value of a stored sample of at most 32 bits, before scaling.
 std::int64_t stored_number(const char* bytes, const gdcm::PixelFormat& format) {
   std::uint32_t bits = 0;
   std::memcpy(&bits, bytes, format.GetBitsAllocated() / 8U);
@@ -250,7 +250,7 @@ void check_format(const gdcm::PixelFormat& format, const std::string& name, cons
                  "8, 16 or 32 bits for integers", ErrorCode::unsupported);
 }
 
-/// The narrowest type that holds every scaled sample: integers where scaling keeps them whole, else
+/// The narrowest type that holds every scaled sample: integers if scaling keeps them whole, else
 /// 32-bit floats.
 ElementType type_for(const std::vector<DicomImage>& images, const fs::path& path) {
   double low = 0, high = 0;

@@ -8,7 +8,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Axis lines of the header: a count, and the step from sample to sample.
+/// One axis line of the header: a count, and the step from sample to sample.
 struct CubeAxis {
   std::int64_t count = 0;
   Vec3 step;
@@ -21,9 +21,9 @@ Vec3 three_numbers(WordReader& reader, std::string_view what) {
 
 }  // namespace
 
-// The format: two lines of text; atom count and origin; three axes; atoms; where the atom count is
+// The format: two lines of text; atom count and origin; three axes; atoms; if the atom count is
 // negative, a line with the number of orbitals and their numbers; then values, the third axis
-// fastest. Lengths are in bohr; where the count of an axis is negative, in angstrom.
+// fastest. Lengths are in bohr, or in angstrom if the count of an axis is negative.
 NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::string&) {
   const ForeignFile file(path);
   WordReader reader(file);

@@ -18,7 +18,7 @@ namespace {
 using formats::ElementType;
 namespace fs = std::filesystem;
 
-/// What all slices have in common.
+/// Properties that all slices share.
 struct Picture {
   int width = 0, height = 0;
   std::vector<std::string> channels;
@@ -38,7 +38,7 @@ Picture picture_of(const OIIO::ImageSpec& spec) {
 std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
   require_regular_file(path);
   OIIO::ImageSpec request;
-  request["oiio:UnassociatedAlpha"] = 1;  // colours as they are stored
+  request["oiio:UnassociatedAlpha"] = 1;  // colours as stored
   auto input = OIIO::ImageInput::open(path.string(), &request);
   if (!input) refuse_input(path, "header", OIIO::geterror(), "a picture");
   return input;
@@ -54,7 +54,7 @@ int page_count(const fs::path& file) {
   const auto input = open(file);
   int pages = 1;
   while (input->seek_subimage(pages, 0)) ++pages;
-  OIIO::geterror();  // that there is no further page is none
+  OIIO::geterror();  // clear the error that there is no further page
   return pages;
 }
 
@@ -74,7 +74,7 @@ std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
   return slices;
 }
 
-/// Bytes of one slice, all channels, in the type of the file.
+/// Bytes of one slice, all channels, in the file's type.
 std::size_t bytes_of(const Picture& picture) {
   return static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * picture.channels.size() *
          picture.type.size();
@@ -116,10 +116,10 @@ ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
   }
 }
 
-/// Which channel becomes the sample.
+/// The channel that becomes the sample.
 struct Choice {
   static constexpr int luminance = -1;  ///< of linear R, G, B (ITU-R BT.709)
-  static constexpr int grey = -2;       ///< R, where R, G and B are equal
+  static constexpr int grey = -2;       ///< R, if R, G and B are equal
   int channel = 0;
 };
 
@@ -164,7 +164,7 @@ void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
   }
 }
 
-/// Refuses what is not red, green and blue of 8 bits, with or without an alpha by itself.
+/// Refuses anything but 8-bit red, green and blue, with or without separate alpha.
 void check_colors(const OIIO::ImageSpec& spec, const fs::path& path) {
   const std::vector<std::string>& names = spec.channelnames;
   const bool has_alpha = names.size() == 4;

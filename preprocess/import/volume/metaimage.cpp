@@ -13,7 +13,7 @@ namespace {
 using formats::ElementType;
 namespace fs = std::filesystem;
 
-/// The text before the samples: `Key = words` on each line, ended by ElementDataFile.
+/// The text before the samples: `Key = words` on each line, up to ElementDataFile.
 class Header {
  public:
   explicit Header(const ForeignFile& file) : path_(file.path()) {
@@ -38,7 +38,7 @@ class Header {
     const std::string text = word(key, "False");
     return text == "True" || text == "true" || text == "1" || text == "T";
   }
-  /// The first key that is there, as numbers; empty when none is.
+  /// Numbers of the first of these keys that is present; empty if none is.
   template <class T>
   std::vector<T> numbers(std::initializer_list<const char*> keys, std::size_t count) const {
     for (const char* key : keys) {
@@ -83,19 +83,12 @@ class Header {
 };
 
 ElementType sample_type(const Header& header) {
-  static const std::map<std::string, ElementType> types{{"MET_CHAR", ElementType::I8},
-                                                        {"MET_UCHAR", ElementType::U8},
-                                                        {"MET_SHORT", ElementType::I16},
-                                                        {"MET_USHORT", ElementType::U16},
-                                                        {"MET_INT", ElementType::I32},
-                                                        {"MET_UINT", ElementType::U32},
-                                                        // 4 bytes each in the format's definition
-                                                        {"MET_LONG", ElementType::I32},
-                                                        {"MET_ULONG", ElementType::U32},
-                                                        {"MET_LONG_LONG", ElementType::I64},
-                                                        {"MET_ULONG_LONG", ElementType::U64},
-                                                        {"MET_FLOAT", ElementType::F32},
-                                                        {"MET_DOUBLE", ElementType::F64}};
+  // MET_LONG and MET_ULONG have 4 bytes each in the format's definition.
+  static const std::map<std::string, ElementType> types{
+      {"MET_CHAR", ElementType::I8},        {"MET_UCHAR", ElementType::U8},  {"MET_SHORT", ElementType::I16},
+      {"MET_USHORT", ElementType::U16},     {"MET_INT", ElementType::I32},   {"MET_UINT", ElementType::U32},
+      {"MET_LONG", ElementType::I32},       {"MET_ULONG", ElementType::U32}, {"MET_LONG_LONG", ElementType::I64},
+      {"MET_ULONG_LONG", ElementType::U64}, {"MET_FLOAT", ElementType::F32}, {"MET_DOUBLE", ElementType::F64}};
   const std::string name = header.word("ElementType", "nothing");
   const auto found = types.find(name);
   if (found == types.end())
@@ -111,7 +104,7 @@ Affine world_from_grid(const Header& header) {
   if (spacing.empty()) spacing = {1, 1, 1};
   if (origin.empty()) origin = {0, 0, 0};
   Affine map = axis_parallel({spacing[0], spacing[1], spacing[2]}, {origin[0], origin[1], origin[2]});
-  if (!rows.empty()) {  // each row is the direction in the world of one axis of the grid
+  if (!rows.empty()) {  // each row is the world direction of one axis of the grid
     map.x_axis = spacing[0] * Vec3(rows[0], rows[1], rows[2]);
     map.y_axis = spacing[1] * Vec3(rows[3], rows[4], rows[5]);
     map.z_axis = spacing[2] * Vec3(rows[6], rows[7], rows[8]);
@@ -119,7 +112,8 @@ Affine world_from_grid(const Header& header) {
   return map;
 }
 
-/// The files named `slice%03d.raw FIRST LAST [STEP]`. The pattern may hold one %d, with a width.
+/// The files named by `slice%03d.raw FIRST LAST [STEP]`. The pattern may contain one %d, with a
+/// width.
 std::vector<std::string> numbered_files(const Header& header, const std::vector<std::string>& words) {
   const std::string& pattern = words.front();
   const std::size_t percent = pattern.find('%');
@@ -140,7 +134,7 @@ std::vector<std::string> numbered_files(const Header& header, const std::vector<
   return files;
 }
 
-/// The files that hold the samples, one after the other; empty when they follow the header.
+/// The files that hold the samples, one after the other; empty if the samples follow the header.
 std::vector<std::string> data_files(const Header& header, const ForeignFile& file) {
   const std::vector<std::string>& words = header.words("ElementDataFile");
   if (words.empty()) refuse_input(header.path(), "key ElementDataFile", "nothing", "a file's name or LOCAL");
@@ -158,7 +152,7 @@ std::vector<std::string> data_files(const Header& header, const ForeignFile& fil
   return {name};
 }
 
-/// The part of `source` that holds samples which are not packed.
+/// The part of `source` that holds uncompressed samples.
 std::span<const std::byte> plain_samples(const Header& header, const fs::path& path, std::span<const std::byte> source,
                                          std::uint64_t wanted, std::vector<std::string>& notes) {
   const std::vector<std::int64_t> given = header.numbers<std::int64_t>({"HeaderSize"}, 1);
@@ -173,7 +167,7 @@ std::span<const std::byte> plain_samples(const Header& header, const fs::path& p
   return source.subspan(skipped, wanted);
 }
 
-/// Copies or unpacks the part of `source` that holds `samples`.
+/// Copies or decompresses the part of `source` that holds `samples`.
 void fill(const Header& header, const fs::path& path, std::span<const std::byte> source, std::span<std::byte> samples,
           std::vector<std::string>& notes) {
   if (header.is_true("CompressedData")) {
@@ -188,7 +182,7 @@ void fill(const Header& header, const fs::path& path, std::span<const std::byte>
   std::copy(plain.begin(), plain.end(), samples.begin());
 }
 
-/// A file that the header names, beside it.
+/// A file in the same folder that the header names.
 ForeignFile part_file(const Header& header, const std::string& name) {
   try {
     return ForeignFile(header.path().parent_path() / name);
@@ -197,7 +191,7 @@ ForeignFile part_file(const Header& header, const std::string& name) {
   }
 }
 
-/// Fills the samples from the files one after the other, each an equal part.
+/// Fills the samples from the files one after the other; each file holds an equal part.
 void fill_from_files(const Header& header, const ForeignFile& file, const std::vector<std::string>& files,
                      std::span<std::byte> samples, std::vector<std::string>& notes) {
   if (files.empty()) fill(header, header.path(), file.bytes().subspan(header.data_position()), samples, notes);
@@ -208,7 +202,7 @@ void fill_from_files(const Header& header, const ForeignFile& file, const std::v
   }
 }
 
-/// Refuses before anything is allocated what the files on disk cannot hold.
+/// Refuses sizes that the files on disk cannot hold, before anything is allocated.
 void check_files(const Header& header, const ForeignFile& file, const std::vector<std::string>& files,
                  std::uint64_t wanted) {
   std::uint64_t held = file.bytes().size() - header.data_position();
@@ -224,7 +218,7 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
                  "sizes that the data can fill");
 }
 
-/// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
+/// @param colors  true: read only samples with 3 or 4 components of 8 bits
 NeutralVolume read_samples(const fs::path& path, bool colors) {
   const ForeignFile file(path);
   const Header header(file);
@@ -259,8 +253,8 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
                  "the same number of slices in each file");
   check_files(header, file, files, bytes);
   const bool big_endian = header.is_true("ElementByteOrderMSB") || header.is_true("BinaryDataByteOrderMSB");
-  // The caller takes samples from a file only where the header names it; a pattern with a number
-  // does not.
+  // The caller uses samples in a file only if the header names the file. A pattern with a number
+  // does not name it.
   const bool is_named = files.empty() || header.words("ElementDataFile").front().find('%') == std::string::npos;
   const bool stays =
       files.size() <= 1 && is_named && !header.is_true("CompressedData") && is_native(volume.type, big_endian);

@@ -13,7 +13,7 @@ using formats::ElementType;
 
 constexpr std::size_t header_bytes = 348;
 
-/// The 348 bytes that begin a NIfTI-1 file, in either byte order.
+/// The first 348 bytes of a NIfTI-1 file, in either byte order.
 class Header {
  public:
   Header(const std::filesystem::path& path, std::span<const std::byte, header_bytes> bytes)
@@ -44,7 +44,7 @@ class Header {
   bool swapped_ = false;
 };
 
-// Byte offsets of the fields that we read (nifti1.h).
+// Byte offsets of the fields in use (nifti1.h).
 constexpr std::size_t dim = 40, datatype = 70, pixdim = 76, vox_offset = 108, scl_slope = 112, scl_inter = 116,
                       xyzt_units = 123, qform_code = 252, sform_code = 254, quatern = 256, qoffset = 268, srow = 280;
 
@@ -110,7 +110,7 @@ Vec3 grid_spacing(const Header& header) {
 Affine from_qform(const Header& header) {
   double b = header.real(quatern), c = header.real(quatern + 4), d = header.real(quatern + 8);
   double a = 1 - (b * b + c * c + d * d);
-  if (a < 1e-7) {  // as nifti1.h does: rounding in the file's floats
+  if (a < 1e-7) {  // as in nifti1.h: rounding in the file's floats
     const double length = std::sqrt(b * b + c * c + d * d);
     b /= length, c /= length, d /= length, a = 0;
   } else {
@@ -155,8 +155,8 @@ Array<std::byte> scaled(std::span<const std::byte> samples, double slope, double
   return result;
 }
 
-/// Applies scl_slope and scl_inter, where the file gives them: to 32-bit floats, or 64-bit ones
-/// where those would round.
+/// Applies scl_slope and scl_inter if the file has them. The result is 32-bit floats, or 64-bit
+/// floats if 32 bits would round.
 void apply_scale(NeutralVolume& volume, const Header& header) {
   const double slope = header.real(scl_slope), intercept = header.real(scl_inter);
   if (!std::isfinite(slope) || !std::isfinite(intercept) || slope == 0 || (slope == 1 && intercept == 0)) return;
@@ -212,7 +212,7 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
   } else {
     Array<std::byte> samples(bytes);
     stream.read(samples, "samples");
-    stream.drain(1);  // the packed stream's checksum stands behind its last byte
+    stream.drain(1);  // the compressed stream's checksum comes after its last byte
     make_native(samples, formats::element_bytes(volume.type), header.big_endian());
     set_samples(volume, std::move(samples));
   }

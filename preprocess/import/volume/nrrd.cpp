@@ -20,7 +20,7 @@ namespace {
 
 using formats::ElementType;
 
-/// Ends the description and leaves the samples, which are ours.
+/// Frees the description but not the samples, which belong to us.
 struct NrrdNix {
   void operator()(Nrrd* nrrd) const { nrrdNix(nrrd); }
 };
@@ -30,7 +30,7 @@ struct IoNix {
   void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
 };
 
-/// Teem's own words, most general first, in one line.
+/// Teem's own error text, most general part first, in one line.
 std::string teem_reason() {
   std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
   std::string reason = text ? text.get() : "no reason given";
@@ -48,15 +48,15 @@ struct Loaded {
   throw Error(ErrorCode::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
 }
 
-/// Where the header ends that stands before its samples: behind the first empty line.
+/// End of the header that precedes its samples: after the first empty line.
 std::size_t end_of_header(std::string_view text) {
   const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
   if (plain == text.npos && with_returns == text.npos) return text.size();
   return plain < with_returns ? plain + 2 : with_returns + 3;
 }
 
-/// The file of this number under a name such as "slice%03d.raw"; nothing when it has no place for
-/// one number.
+/// The name of file `number` in a series such as "slice%03d.raw"; nothing if the pattern does not
+/// contain exactly one number.
 std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
   const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
   if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
@@ -67,7 +67,7 @@ std::optional<std::string> numbered_name(const std::string& pattern, std::int64_
   return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
 }
 
-/// The files that a header names as those of its samples: one, a list, or numbered ones.
+/// The sample files that a header names: one file, a list, or a numbered series.
 std::vector<std::string> named_files(std::string_view header) {
   std::istringstream lines{std::string(header)};
   std::vector<std::string> names;
@@ -100,7 +100,7 @@ std::vector<std::string> named_files(std::string_view header) {
   return names;
 }
 
-/// Teem opens all that a header names, and would wait for a pipe.
+/// Refuses special files: Teem opens every file that a header names, and would wait for a pipe.
 void require_regular_data_files(const std::filesystem::path& path) {
   constexpr std::size_t longest_header = std::size_t{16} << 20;
   const ForeignFile file(path);
@@ -118,8 +118,8 @@ Loaded load_header(const std::filesystem::path& path) {
   return loaded;
 }
 
-/// The samples in an array of our own: Teem fills the memory that a Nrrd has when it is as large as
-/// the file's header asks for.
+/// Loads the samples into an array of our own: Teem fills memory that a Nrrd already has if its
+/// size matches the file's header.
 Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
   Array<std::byte> samples(bytes);
   const OwnedNrrd nrrd(nrrdNew());
@@ -132,8 +132,7 @@ Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& hea
   return samples;
 }
 
-/// The samples in the one file that holds them, where they stand as they are wanted; false
-/// otherwise.
+/// Leaves the samples in the file if one file holds them in the wanted form; false otherwise.
 bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, const NrrdIoState& io,
                   std::uint64_t bytes) {
   const bool is_raw = std::string_view(io.encoding->name) == "raw" && io.dataFNFormat == nullptr && io.lineSkip == 0;
@@ -142,15 +141,15 @@ bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, cons
   const ForeignFile file(attached ? path : path.parent_path() / io.dataFN[0]);
   const std::size_t begin = attached ? end_of_header(file.text()) : 0;
   const std::uint64_t held = file.bytes().size() - begin;
-  if (held < bytes || io.byteSkip < -1) return false;  // for Teem to refuse
+  if (held < bytes || io.byteSkip < -1) return false;  // Teem will refuse it
   const std::uint64_t skipped = io.byteSkip == -1 ? held - bytes : static_cast<std::uint64_t>(io.byteSkip);
   if (skipped > held - bytes) return false;
   leave_samples_in(volume, file, file.bytes().subspan(begin + skipped, bytes));
   return true;
 }
 
-/// Refuses sizes that the files with the samples cannot hold, before Teem allocates for them.
-/// Numbered files are left to Teem, and encodings whose tightest packing is not known.
+/// Refuses sizes that the sample files cannot hold, before Teem allocates memory for them. Leaves
+/// numbered files, and encodings with an unknown compression limit, to Teem.
 /// @param wanted  bytes of `sample_count` samples
 void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted,
                      std::uint64_t sample_count) {
@@ -158,14 +157,14 @@ void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, s
   const unsigned file_count = io.dataFNArr->len;
   std::uint64_t held = file_count == 0 ? ForeignFile(path).bytes().size() : 0;
   for (unsigned i = 0; i < file_count; ++i) {
-    std::error_code missing;  // Teem will say so
+    std::error_code missing;  // Teem will report it
     held += std::filesystem::file_size(path.parent_path() / io.dataFN[i], missing);
     if (missing) return;
   }
   const std::string_view encoding = io.encoding->name;
   if (encoding == "gzip") check_packed_size(path, wanted, held);
-  const std::uint64_t least = encoding == "raw" ? wanted
-                              // digits with spaces between
+  // ASCII: at least a digit per sample, with spaces in between
+  const std::uint64_t least = encoding == "raw"     ? wanted
                               : encoding == "ASCII" ? 2 * sample_count - 1
                               : encoding == "hex"   ? 2 * wanted
                                                     : 0;
@@ -212,7 +211,7 @@ bool is_in_space(const Nrrd& nrrd, unsigned axis) {
   return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace;
 }
 
-/// Whether the fastest axis may hold red, green and blue, and alpha.
+/// True if the fastest axis may hold red, green, blue, and perhaps alpha.
 bool begins_with_colors(const Nrrd& nrrd) {
   const NrrdAxisInfo& axis = nrrd.axis[0];
   switch (axis.kind) {
@@ -231,8 +230,8 @@ bool begins_with_colors(const Nrrd& nrrd) {
   }
 }
 
-/// The three axes of the volume, fastest first. Others may only have one sample.
-/// @param has_colors  the first axis has the components of colours
+/// The three axes of the volume, fastest first. Any other axis must have one sample.
+/// @param has_colors  the first axis holds the components of colours
 std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd, bool has_colors) {
   std::vector<unsigned> axes;
   for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
@@ -250,7 +249,7 @@ std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrr
   return {axes[0], axes[1], axes[2]};
 }
 
-/// Distance of samples along an axis that has no direction in space.
+/// Distance between samples along an axis without a direction in space.
 double spacing_of(const NrrdAxisInfo& axis) {
   if (std::isfinite(axis.spacing)) return axis.spacing;
   if (!std::isfinite(axis.min) || !std::isfinite(axis.max)) return 1;
@@ -258,8 +257,8 @@ double spacing_of(const NrrdAxisInfo& axis) {
   return (axis.max - axis.min) / (axis.center == nrrdCenterNode ? samples - 1 : samples);
 }
 
-/// Where the first sample lies on such an axis: `axis mins` names the cell's edge when samples
-/// stand for cells.
+/// Position of the first sample on such an axis: `axis mins` is the cell's edge if samples
+/// represent cells.
 double first_position(const NrrdAxisInfo& axis) {
   if (!std::isfinite(axis.min)) return 0;
   const bool cells = axis.center == nrrdCenterCell ||
@@ -292,7 +291,7 @@ Affine world_from_grid(const std::filesystem::path& path, const Nrrd& nrrd, cons
   return {columns[0], columns[1], columns[2], origin};
 }
 
-/// The unit of length, where all three axes agree on one.
+/// The unit of length, if all three axes agree on one.
 std::string length_unit(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
   std::array<std::string, 3> units;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -303,7 +302,7 @@ std::string length_unit(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
   return units[0] == units[1] && units[1] == units[2] ? units[0] : "";
 }
 
-/// Teem keeps the quotes that some files have around it.
+/// The unit of the samples, without the quotes that some files have and Teem keeps.
 std::string sample_unit(const Nrrd& nrrd) {
   std::string unit = nrrd.sampleUnits == nullptr ? "" : nrrd.sampleUnits;
   if (unit.size() >= 2 && unit.front() == '"' && unit.back() == '"') unit = unit.substr(1, unit.size() - 2);
@@ -319,11 +318,11 @@ void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
     refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", ErrorCode::unsupported);
 }
 
-/// @param colors  samples of 3 or 4 components of 8 bits are read, and no others
+/// @param colors  true: read only samples with 3 or 4 components of 8 bits
 NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
-  // Teem would also take PNG, PNM and text here
+  // Teem would also accept PNG, PNM and text here
   if (!ForeignFile(path).text().starts_with("NRRD000")) refuse_input(path, "byte 0", "another beginning", "NRRD000");
-  // The header alone, so that nothing is allocated for sizes that are refused.
+  // Read the header alone, so that nothing is allocated for sizes that are refused.
   const auto [header, io] = load_header(path);
   if (colors) check_colors(path, *header);
   const std::array<unsigned, 3> axes = volume_axes(path, *header, colors);

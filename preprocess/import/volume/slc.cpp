@@ -29,7 +29,7 @@ class SlcHeader {
     reader_.bytes(3 * width * height, "an icon");
   }
 
-  /// The slice's bytes as they lie in the file.
+  /// The slice's bytes as stored in the file.
   std::span<const std::byte> next_slice(std::uint64_t plain_bytes) {
     if (compression_ == 0) return reader_.bytes(plain_bytes, "a slice");
     const auto bytes = reader_.number<std::uint64_t>("the bytes of a packed slice");
@@ -47,7 +47,7 @@ class SlcHeader {
   }
 
  private:
-  /// Binary bytes begin right after an X.
+  /// Skips to the next X; binary bytes begin right after it.
   void mark() {
     for (;;) {
       const char letter = std::to_integer<char>(reader_.bytes(1, "X, before binary data").front());
@@ -62,9 +62,9 @@ class SlcHeader {
   int unit_ = 0, compression_ = 0;
 };
 
-/// Runs of bytes: a count in seven bits, and in the eighth whether that many follow as they are or
-/// one is repeated; a count of 0 ends them. VolVis' own files leave out the last sample of a slice:
-/// it is then the same as the one before. Returns whether it was left out.
+/// Unpacks runs of bytes. A run starts with a count in seven bits; the eighth bit says whether that
+/// many bytes follow, or one byte is repeated. A count of 0 ends the runs. VolVis' own files omit
+/// the last sample of a slice: it then equals the one before. Returns true if it was omitted.
 bool unpack_runs(const std::filesystem::path& path, std::int64_t slice, std::span<const std::byte> packed,
                  std::span<std::byte> plain) {
   std::size_t from = 0, to = 0;

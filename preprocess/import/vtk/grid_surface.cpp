@@ -48,8 +48,8 @@ int vtk_type_of(ElementType type) {
   return VTK_DOUBLE;
 }
 
-/// The samples at whole positions: their own frame, so that only the corners of triangles are moved
-/// into the world.
+/// An image of the samples at integer positions in their own frame, so that only the corners of
+/// triangles are moved into the world.
 template <class T>
 vtkSmartPointer<vtkImageData> image_of(const GridSamples<T>& samples) {
   const Index3& count = samples.sample_count();
@@ -66,14 +66,14 @@ vtkSmartPointer<vtkImageData> image_of(const GridSamples<T>& samples) {
   return image;
 }
 
-/// True when all corners of the cell that holds this point have data. A triangle of marching cubes
+/// True when all corners of the cell that contains this point have data. A marching cubes triangle
 /// lies in one cell.
 template <class T>
 bool has_data_around(const GridSamples<T>& samples, const Vec3& p) {
   if constexpr (!std::is_floating_point_v<T>) return true;
   Index3 cell;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(p[axis])) return false;  // an edge between a value and none was cut
+    if (!std::isfinite(p[axis])) return false;  // the cut edge joins a value and no data
     const auto last = static_cast<double>(samples.sample_count()[axis] - 2);
     cell[axis] = static_cast<std::int64_t>(std::clamp(std::floor(p[axis]), 0.0, last));
   }
@@ -87,7 +87,7 @@ bool has_data_around(const GridSamples<T>& samples, const Vec3& p) {
 template <class T>
 std::uint64_t write_triangles(const GridSamples<T>& samples, const Affine& world_from_grid, vtkPolyData& surface,
                               const std::filesystem::path& output) {
-  // VTK's triangles show their front to lower values in a right-handed frame.
+  // In a right-handed frame, the front of VTK's triangles faces lower values.
   const bool mirrored = world_from_grid.determinant() < 0;
   StlFile file(output);
   const vtkIdType* corners = nullptr;

@@ -16,7 +16,7 @@ namespace {
 
 using formats::ElementType;
 
-/// VTK writes bytes of names that would split a word as %20.
+/// Decodes a name: VTK writes characters that would split a word as %20.
 std::string decoded(std::string_view name) {
   std::string result;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -45,7 +45,7 @@ class Parser {
  private:
   void header() {
     version(reader_.line());
-    reader_.line();  // a title of any kind
+    reader_.line();  // any title
     const std::string mode = in_capitals(reader_.word("ASCII or BINARY"));
     if (mode != "ASCII" && mode != "BINARY") reader_.refuse(in_quotes(mode), "ASCII or BINARY");
     numbers_.are_binary = mode == "BINARY";
@@ -59,7 +59,7 @@ class Parser {
                      ErrorCode::unsupported);
   }
 
-  /// `# vtk DataFile Version 4.2`.
+  /// Reads `# vtk DataFile Version 4.2`.
   void version(std::string_view line) {
     constexpr std::string_view beginning = "# vtk DataFile Version";
     if (!line.starts_with(beginning)) refuse_input(file_.path(), "line 1", "another beginning", beginning);
@@ -135,7 +135,7 @@ class Parser {
     if (type != ElementType::F64) result_.coordinate_precision = 0x1p-23;
   }
 
-  /// Files before version 4: a byte for each point, 0 where it is hidden.
+  /// Files before version 4: one byte per point, 0 if the point is hidden.
   void blanking() {
     const std::uint64_t number = count("a number of points");
     const ElementType type = numbers_.type();
@@ -166,7 +166,7 @@ class Parser {
     to.nodes = numbers_.whole_numbers(numbers_.index_type(), corner_count, "corners of cells");
   }
 
-  /// Before: for each cell the number of corners, then the corners.
+  /// Earlier versions: for each cell the number of corners, then the corners.
   void counted_corners(ForeignCells& to, std::uint64_t cell_count, std::uint64_t number_count) {
     const Array<std::uint64_t> numbers = numbers_.whole_numbers(ElementType::I32, number_count, "corners of cells");
     to.offsets = {0};
@@ -203,7 +203,7 @@ class Parser {
                                                              {"EDGE_FLAGS", 1}, {"GHOST_TYPES", 1}};
     if (keyword == "SCALARS") return scalars();
     if (keyword == "COLOR_SCALARS") return color_scalars();
-    if (keyword == "LOOKUP_TABLE") {  // colours: passed over
+    if (keyword == "LOOKUP_TABLE") {  // colours are skipped
       reader_.word("a name");
       numbers_.values(numbers_.are_binary ? ElementType::U8 : ElementType::F32, count("a number of colours"), 4,
                       "colours");
@@ -230,7 +230,7 @@ class Parser {
     add(name, type, components);
   }
 
-  /// Bytes; VTK writes unsigned chars so, and in text as fractions of 255.
+  /// Bytes. VTK stores unsigned chars this way, in text as fractions of 255.
   void color_scalars() {
     const std::string name = decoded(reader_.word("a name"));
     const int components = component_count("a number of components");
@@ -263,7 +263,7 @@ class Parser {
       const int components = component_count("a number of components");
       const std::uint64_t tuples = count("a number of tuples");
       const ElementType type = numbers_.type();
-      if (!owners_) {  // belongs to the file as a whole
+      if (!owners_) {  // belongs to the whole file
         numbers_.values(type, tuples, components, name);
         metadata_has_owner_ = false;
         continue;
@@ -274,7 +274,7 @@ class Parser {
     }
   }
 
-  /// Notes of VTK about the array before, ended by an empty line; its unit is among them.
+  /// VTK's metadata of the preceding array, up to an empty line; contains its unit.
   void skip_metadata() {
     reader_.line();
     bool is_unit = false;
@@ -304,9 +304,9 @@ class Parser {
   const ForeignFile& file_;
   LegacyVtkNumbers numbers_;
   WordReader& reader_;
-  std::optional<std::uint64_t> owners_;  ///< after POINT_DATA or CELL_DATA: how many
+  std::optional<std::uint64_t> owners_;  ///< count after POINT_DATA or CELL_DATA
   bool in_cells_ = false;
-  bool metadata_has_owner_ = false;  ///< the last array read was kept
+  bool metadata_has_owner_ = false;  ///< the last array that was read was kept
   LegacyVtk result_;
 };
 

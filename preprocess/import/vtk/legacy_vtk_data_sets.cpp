@@ -1,4 +1,4 @@
-// What the data sets of a legacy VTK file become: a mesh, a surface, a volume.
+// Converts the data sets of a legacy VTK file to a mesh, a surface, or a volume.
 
 #include <array>
 #include <cmath>
@@ -44,8 +44,8 @@ void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
   }
 }
 
-/// Files before version 5.1 have the nodes on the last two upright edges of Lagrange hexahedra the
-/// other way round.
+/// In files before version 5.1, Lagrange hexahedra have the nodes of the last two upright edges
+/// exchanged.
 void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
   for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
     if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
@@ -99,7 +99,7 @@ NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
     add_facet(surface, corners, path, place);
   });
   each(parts.strips, "triangle strip", [&](std::span<const std::uint64_t> corners, const std::string& place) {
-    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {  // every other triangle is turned
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {  // every other triangle is flipped
       const std::size_t second = i + 1 + i % 2, third = i + 2 - i % 2;
       add_facet(surface, std::array{corners[i], corners[second], corners[third]}, path, place);
     }

@@ -46,8 +46,8 @@ Array<std::byte> LegacyVtkNumbers::values(ElementType type, std::uint64_t tuples
                                           std::string_view what) {
   const std::size_t size = formats::element_bytes(type);
   const std::optional<std::uint64_t> number = checked_product({tuples, static_cast<std::uint64_t>(components)});
-  // Text needs two bytes for each number but the last, binary its size: so nothing is allocated for
-  // absurd counts.
+  // Text needs two bytes per number except for the last, binary needs its size. So nothing is
+  // allocated for absurd counts.
   const std::uint64_t least = are_binary ? size : 2;
   if (!number || *number > words.bytes_left() / least + 1)
     words.refuse(concat(words.bytes_left(), " bytes left in the file"),

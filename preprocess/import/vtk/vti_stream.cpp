@@ -11,8 +11,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// N numbers with spaces between them, or `otherwise` where there is no text; nothing for anything
-/// else.
+/// N numbers separated by spaces; `otherwise` if the text is empty; nothing for anything else.
 template <class T, std::size_t N>
 std::optional<std::array<T, N>> numbers_in(std::string_view text, const std::array<T, N>& otherwise) {
   constexpr std::string_view spaces = " \t\r\n";
@@ -30,7 +29,7 @@ std::optional<std::array<T, N>> numbers_in(std::string_view text, const std::arr
   return text.find_first_not_of(spaces, at) == text.npos ? std::optional(numbers) : std::nullopt;
 }
 
-/// The lattice of an ImageData element with one piece that is all of it.
+/// The lattice of an ImageData element with one piece that covers it.
 std::optional<PointGrid> grid_of(const XmlElement& image, const XmlElement& piece) {
   using Extent = std::array<std::int32_t, 6>;
   const std::optional<Extent> whole = numbers_in(image.attribute("WholeExtent"), Extent{0, -1, 0, -1, 0, -1});
@@ -52,12 +51,12 @@ std::optional<PointGrid> grid_of(const XmlElement& image, const XmlElement& piec
     return (*spacing)[axis] * Vec3((*direction)[axis], (*direction)[3 + axis], (*direction)[6 + axis]);
   };
   grid.world_from_grid = {column(0), column(1), column(2), Vec3((*origin)[0], (*origin)[1], (*origin)[2])};
-  // images cut from larger ones do not begin at 0
+  // parts of larger images do not begin at 0
   grid.world_from_grid.origin = grid.world_from_grid.point(first);
   return grid;
 }
 
-/// How many points, or cells: one less on each axis that has more than one point.
+/// Number of points, or of cells: one fewer on each axis with more than one point.
 std::uint64_t owner_count(const Index3& points, bool in_cells) {
   std::uint64_t count = 1;
   for (int axis = 0; axis < 3; ++axis)
@@ -65,8 +64,8 @@ std::uint64_t owner_count(const Index3& points, bool in_cells) {
   return count;
 }
 
-/// Adds the arrays of PointData or CellData, to be read when they are chosen; false when one is for
-/// VTK.
+/// Adds the arrays of PointData or CellData, to be read when they are chosen. False if one of them
+/// needs VTK's reader.
 bool add_arrays(std::vector<GridArray>& arrays, const VtkXmlStream& file, const XmlElement* data,
                 const Index3& point_count, bool in_cells) {
   if (data == nullptr) return true;
@@ -98,7 +97,7 @@ std::optional<NeutralVolume> stream_vti(const std::filesystem::path& path, const
   const XmlElement& piece = file->data_set().children.front();
   const std::optional<PointGrid> grid = grid_of(file->data_set(), piece);
   if (!grid || piece.name != "Piece") return std::nullopt;
-  // Refused before anything is multiplied by it.
+  // Refuse before multiplying with it.
   checked_volume_bytes(path, grid->point_count, formats::ElementType::F64);
   std::vector<GridArray> arrays;
   if (!add_arrays(arrays, *file, piece.child("PointData"), grid->point_count, false) ||

@@ -6,7 +6,7 @@ namespace rhoray::preprocess {
 
 std::optional<formats::ElementType> element_type_of_vtk(const vtkDataArray& array) {
   using formats::ElementType;
-  auto& asked = const_cast<vtkDataArray&>(array);  // VTK's questions are not const
+  auto& asked = const_cast<vtkDataArray&>(array);  // VTK's getters are not const
   const int bytes = asked.GetDataTypeSize();
   switch (asked.GetDataType()) {
     case VTK_FLOAT:

@@ -30,7 +30,7 @@ class VtkErrors::Window : public vtkOutputWindow {
   void keep_in(std::string* first) { first_ = first; }
 
  private:
-  /// "ERROR: In FILE, line N\nCLASS (ADDRESS): what happened" -> "what happened", in one line.
+  /// Converts "ERROR: In FILE, line N\nCLASS (ADDRESS): message" to "message", in one line.
   void keep(std::string text) {
     if (first_ == nullptr || !first_->empty()) return;
     if (const std::size_t begin = text.find("): "); begin != std::string::npos) text.erase(0, begin + 3);
@@ -44,7 +44,7 @@ class VtkErrors::Window : public vtkOutputWindow {
 vtkStandardNewMacro(VtkErrors::Window);
 
 VtkErrors::VtkErrors() : before_(vtkOutputWindow::GetInstance()) {
-  // it would print each error a second time
+  // otherwise VTK prints each error a second time
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   const auto window = vtkSmartPointer<Window>::New();
   window->keep_in(&first_);
@@ -77,15 +77,15 @@ std::optional<std::string_view> attribute(std::string_view text, std::string_vie
 }
 
 void check_count(const ForeignFile& file, std::string_view name, std::uint64_t count) {
-  // No compressor of VTK's packs a point, cell or sample into less than 1/4096 byte; ten times that
-  // to be safe.
+  // No compressor of VTK stores a point, cell or sample in less than 1/4096 byte; ten times that to
+  // be safe.
   constexpr std::uint64_t most_per_byte = 40960;
   if (count / most_per_byte > file.bytes().size())
     refuse_input(file.path(), concat("attribute ", name), concat(count, " in ", file.bytes().size(), " bytes"),
                  "a number that the file can hold");
 }
 
-/// Calls act(element) for the text of each opening tag `<name ...` of the file, outside of appended
+/// Calls act(element) for the text of each opening tag `<name ...` in the file, outside appended
 /// data.
 template <class Act>
 void for_each_tag(std::string_view text, std::string_view name, Act&& act) {
@@ -111,7 +111,8 @@ std::uint64_t check_count_in(const ForeignFile& file, std::string_view element, 
 struct Extent {
   std::array<std::int64_t, 3> first, last;
 
-  /// Steps between points along an axis; of a single layer one, so that flat grids have a size too.
+  /// Number of steps between points along an axis; 1 for a single layer, so that flat grids have a
+  /// size too.
   std::uint64_t steps(std::size_t axis) const {
     return static_cast<std::uint64_t>(std::max<std::int64_t>(last[axis] - first[axis], 1));
   }
@@ -154,7 +155,7 @@ std::optional<Extent> extent_in(const ForeignFile& file, std::string_view elemen
   return extent;
 }
 
-/// VTK leaves what no piece covers as it finds the memory: pieces must fill the whole, without
+/// VTK leaves points that no piece covers uninitialised. So pieces must fill the whole, without
 /// overlap.
 void check_cover(const ForeignFile& file, const Extent& whole, const std::vector<Extent>& pieces) {
   const auto refuse = [&] {
@@ -192,7 +193,7 @@ VtkXmlCounts check_vtk_xml(const std::filesystem::path& path, std::string_view k
     counts.cells += check_count_in(file, piece, "NumberOfCells");
     if (const std::optional<Extent> extent = extent_in(file, piece, "Extent")) pieces.push_back(*extent);
   });
-  // VTK makes room for an array before it reads one number of it.
+  // VTK allocates an array before it reads any number of it.
   for_each_tag(file.text(), "<DataArray", [&](std::string_view array) {
     const std::uint64_t components = check_count_in(file, array, "NumberOfComponents");
     const std::uint64_t tuples = std::max<std::uint64_t>({counts.points, counts.cells, 1});

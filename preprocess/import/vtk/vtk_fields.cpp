@@ -39,7 +39,7 @@ void take_arrays(std::vector<NeutralField>& fields, std::vector<std::string>& no
   for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
     const std::string name = data.GetArrayName(i) == nullptr ? "" : data.GetArrayName(i);
     if (name == ghost_array) continue;
-    vtkDataArray* array = data.GetArray(i);  // null for texts
+    vtkDataArray* array = data.GetArray(i);  // null for text arrays
     const std::optional<ElementType> type = array == nullptr ? std::nullopt : element_type_of_vtk(*array);
     if (!type || array->GetNumberOfComponents() < 1) {
       notes.push_back(concat("array '", name, "' left out: it does not hold numbers"));

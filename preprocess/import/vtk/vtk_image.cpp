@@ -30,14 +30,14 @@ Affine world_from_points(vtkImageData& image) {
            Vec3(direction->GetElement(0, axis), direction->GetElement(1, axis), direction->GetElement(2, axis));
   };
   Affine map{column(0), column(1), column(2), Vec3(image.GetOrigin()[0], image.GetOrigin()[1], image.GetOrigin()[2])};
-  // pieces of larger images do not begin at 0
+  // parts of larger images do not begin at 0
   map.origin = map.point(Vec3(extent[0], extent[2], extent[4]));
   return map;
 }
 
 void collect(std::vector<GridArray>& arrays, vtkFieldData& data, bool in_cells) {
   for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
-    vtkDataArray* array = data.GetArray(i);  // null for texts
+    vtkDataArray* array = data.GetArray(i);  // null for text arrays
     if (array == nullptr) continue;
     const std::optional<formats::ElementType> type = element_type_of_vtk(*array);
     if (!type || array->GetNumberOfComponents() < 1) continue;

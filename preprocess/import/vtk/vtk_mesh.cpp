@@ -36,7 +36,7 @@ ForeignCells cells_of(VtuReader& reader, const std::filesystem::path& path) {
   const auto whole_numbers = [&](vtkDataArray* numbers) {
     const std::optional<ElementType> type = element_type_of_vtk(*numbers);
     RHORAY_CHECK(type.has_value());
-    // a negative one becomes too large and is refused later
+    // a negative number becomes too large and is refused later
     return numbers_of<std::uint64_t>(*numbers, *type);
   };
   cells.offsets = whole_numbers(array->GetOffsetsArray());
@@ -50,8 +50,8 @@ ForeignCells cells_of(VtuReader& reader, const std::filesystem::path& path) {
   return cells;
 }
 
-/// VTK reads a truncated file without an error in some places: what its header promised must have
-/// arrived.
+/// Checks that everything in the header was read: in some cases VTK reads a truncated file without
+/// an error.
 void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& grid, const std::filesystem::path& path) {
   const auto compare = [&](const char* what, vtkIdType promised, vtkIdType arrived) {
     if (promised != arrived)
@@ -67,15 +67,15 @@ void check_arrival(vtkXMLUnstructuredGridReader& reader, vtkUnstructuredGrid& gr
 
 void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
   const VtkXmlCounts promised = check_vtk_xml(path, "UnstructuredGrid");
-  // VTK writes it so, but refuses to read it
+  // VTK writes such files, but refuses to read them
   if (promised.points == 0 && promised.cells == 0) return;
   const VtkErrors errors;
   vtkNew<VtuReader> reader;
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   errors.check(path);
-  // Read one by one: all at once VTK 9.1 would turn the nodes of old Lagrange hexahedra again for
-  // each piece.
+  // Read pieces one by one: when VTK 9.1 reads all at once, it reorders the nodes of old Lagrange
+  // hexahedra again for each piece.
   const int count = static_cast<int>(reader->GetNumberOfPieces());
   for (int piece = 0; piece < count; ++piece) {
     reader->UpdatePiece(piece, count, 0);

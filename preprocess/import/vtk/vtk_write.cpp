@@ -69,7 +69,7 @@ void add_cells(vtkUnstructuredGrid& grid, const NeutralMesh& mesh, const std::fi
   grid.SetCells(tetrahedron, cells);
 }
 
-/// VTK's writer, into a stream that does not lose the reason of a failure.
+/// VTK's writer, with a stream that keeps the reason of a failure.
 class StreamWriter : public vtkXMLUnstructuredGridWriter {
  public:
   static StreamWriter* New();

@@ -24,7 +24,7 @@ namespace {
 using formats::ElementType;
 
 constexpr std::string_view spaces = " \t\r\n";
-// larger ones are left to VTK
+// larger blocks are left to VTK
 constexpr std::uint64_t largest_block_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t plain_piece_bytes = std::uint64_t{1} << 18;
 
@@ -37,13 +37,13 @@ constexpr std::array<std::int8_t, 256> base64_digits = [] {
   return digits;
 }();
 
-/// Base64 read piece by piece. Every four letters stand for themselves, so that texts that were
-/// ended by '=' may follow each other.
+/// Reads base64 piece by piece. Each group of four letters is decoded independently, so texts that
+/// end with '=' may follow each other.
 class Base64Reader {
  public:
   explicit Base64Reader(std::string_view text) : text_(text) {}
 
-  /// False when the text ends first, or is no base64.
+  /// False if the text ends too early, or is not base64.
   bool read(std::span<std::byte> bytes) {
     std::size_t filled = 0;
     for (;;) {
@@ -78,7 +78,7 @@ class Base64Reader {
   std::string_view text_;
   std::size_t at_ = 0;
   std::uint32_t four_ = 0;
-  int kept_ = 0;  ///< bytes of four_ that are still to come
+  int kept_ = 0;  ///< bytes of four_ not yet returned
 };
 
 std::optional<ElementType> type_named(std::string_view name) {
@@ -106,8 +106,8 @@ std::string unit_of(const XmlElement& array) {
   return {};
 }
 
-/// Threads that unpack: as many as there are cores, fewer under a memory cap, of which each takes
-/// its share.
+/// Number of decompression threads: as many as cores, but fewer under a memory cap, because each
+/// thread takes a share of it.
 unsigned unpacking_threads() {
   constexpr rlim_t share = rlim_t{64} << 20;
   rlimit limit{};
@@ -118,7 +118,7 @@ unsigned unpacking_threads() {
   return static_cast<unsigned>(std::clamp<rlim_t>(limit.rlim_cur / share, 1, cores));
 }
 
-/// Casts as C++ does between numbers, and floats by way of integers: nothing here is undefined.
+/// Casts numbers as C++ does, but floats via integers, so that nothing is undefined.
 template <class Number, class T>
 Number cast(T value) {
   if constexpr (std::is_floating_point_v<T> && std::is_integral_v<Number>)
@@ -130,7 +130,7 @@ Number cast(T value) {
 
 }  // namespace
 
-/// Bytes from where an array begins: as they are, or in base64.
+/// Bytes from the start of an array: plain, or in base64.
 struct VtkXmlStream::Source {
   std::span<const std::byte> plain;
   std::optional<Base64Reader> base64{};
@@ -235,7 +235,7 @@ void VtkXmlStream::count_progress(std::uint64_t bytes) const {
 }
 
 /// Calls act(first byte, bytes) for pieces that together are the first wanted_bytes of the array,
-/// each of whole numbers, in the file's byte order, from several threads.
+/// from several threads. Pieces keep the file's byte order; no number is split between two pieces.
 template <class Act>
 void VtkXmlStream::for_each_piece(const VtkXmlArray& array, std::uint64_t wanted_bytes, const Act& act) const {
   if (is_packed_)
@@ -275,7 +275,7 @@ void VtkXmlStream::for_each_plain_piece(const VtkXmlArray& array, Source source,
   }
 }
 
-/// The blocks of an array that is packed: how large each is, and where.
+/// The blocks of a compressed array: size and position of each.
 class VtkXmlStream::Blocks {
  public:
   Blocks(const VtkXmlStream& stream, const VtkXmlArray& array, Source& source, std::uint64_t wanted_bytes)
@@ -284,7 +284,7 @@ class VtkXmlStream::Blocks {
     block_bytes_ = stream.header_number(array, source);
     const std::uint64_t last = stream.header_number(array, source);
     last_bytes_ = last == 0 ? block_bytes_ : last;
-    // a block has its size in the header, and a byte at least
+    // a block has its size in the header, and at least one byte
     const std::uint64_t most = stream.file_->bytes().size();
     const std::optional<std::uint64_t> whole = checked_product({count, block_bytes_});
     if (count > most || !whole || last_bytes_ > block_bytes_ ||
@@ -326,7 +326,7 @@ class VtkXmlStream::Blocks {
   const VtkXmlStream& stream_;
   const VtkXmlArray& array_;
   std::uint64_t block_bytes_ = 0, last_bytes_ = 0;
-  Array<std::uint64_t> ends_;  ///< of each block, in packed bytes
+  Array<std::uint64_t> ends_;  ///< end of each block, in compressed bytes
 };
 
 template <class Act>
@@ -360,7 +360,7 @@ void VtkXmlStream::for_each_packed_piece(const VtkXmlArray& array, Source source
 
 namespace {
 
-/// Calls take(number) for `count` numbers of a text; returns how many there were.
+/// Calls take(number) for `count` numbers of a text; returns how many were found.
 template <class T, class Take>
 std::uint64_t read_text(std::string_view text, std::uint64_t count, const Take& take) {
   std::uint64_t found = 0;

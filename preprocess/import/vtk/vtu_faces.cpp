@@ -19,7 +19,7 @@ namespace {
 
 using FaceStream = Array<std::uint64_t>;
 
-/// Appends the stream of one cell's faces; refuses by calling the second.
+/// Appends the face stream of one cell; refuses a damaged one.
 using AppendStream = std::function<void(std::size_t cell, FaceStream& to)>;
 
 [[noreturn]] void refuse_faces(std::size_t cell, const std::filesystem::path& path) {
@@ -44,16 +44,16 @@ void replace_polyhedra(ForeignCells& cells, const AppendStream& append) {
   cells.nodes = std::move(nodes);
 }
 
-/// The streams that VTK up to 9.3 keeps, one behind the other, and where each begins.
+/// The streams that VTK up to 9.3 stores one after the other, and the start of each.
 void append_old(std::size_t cell, std::span<const vtkIdType> faces, std::span<const vtkIdType> locations,
                 FaceStream& to, const std::filesystem::path& path) {
-  // A count; one that cannot be is refused, so that sums of them stay small.
+  // Reads a count. An impossible one is refused, so that sums of counts stay small.
   const auto number_at = [&](std::size_t at) {
     if (at >= faces.size() || static_cast<std::uint64_t>(faces[at]) > faces.size()) refuse_faces(cell, path);
     return static_cast<std::uint64_t>(faces[at]);
   };
   if (cell >= locations.size()) refuse_faces(cell, path);
-  // a negative one is too large as well
+  // a negative number is too large as well
   const auto begin = static_cast<std::uint64_t>(locations[cell]);
   std::size_t at = begin;
   const std::uint64_t face_count = number_at(at++);
@@ -63,7 +63,7 @@ void append_old(std::size_t cell, std::span<const vtkIdType> faces, std::span<co
   to.insert(to.end(), stream.begin(), stream.end());
 }
 
-/// Range i of those that end where `ends` says.
+/// Range i of those whose ends are listed in `ends`.
 std::span<const std::uint64_t> range(const FaceStream& ends, std::uint64_t i, const FaceStream& numbers,
                                      std::size_t cell, const std::filesystem::path& path) {
   if (i >= ends.size()) refuse_faces(cell, path);
@@ -105,9 +105,9 @@ bool VtuReader::read_faces() {
          read("face_connectivity", last_of(faces_.face_offsets), faces_.corners);
 }
 
-/// Reads an array of whole numbers; a negative one becomes too large and is refused later.
+/// Reads an array of integers; a negative one becomes too large and is refused later.
 bool VtuReader::read(const char* name, std::uint64_t count, FaceStream& numbers) {
-  // No compressor of VTK's packs a number into less than 1/4096 byte: nothing is allocated for
+  // No compressor of VTK stores a number in less than 1/4096 byte. So nothing is allocated for
   // absurd counts.
   constexpr std::uint64_t most_per_byte = 40960;
   const auto refuse = [&](const char* reason) {

@@ -13,7 +13,7 @@ namespace {
 
 using formats::ElementType;
 
-/// What a file has, before anything of it is read.
+/// Contents of a file, before any array is read.
 struct Plan {
   std::uint64_t point_count = 0, cell_count = 0;
   VtkXmlArray points, connectivity, offsets, kinds;
@@ -24,7 +24,7 @@ bool is_integer(const VtkXmlArray& array) {
   return array.type != ElementType::F32 && array.type != ElementType::F64;
 }
 
-/// All arrays of PointData or CellData; nothing when one of them is for VTK.
+/// All arrays of PointData or CellData; nothing if one of them needs VTK's reader.
 std::optional<std::vector<VtkXmlArray>> arrays_in(const VtkXmlStream& file, const XmlElement* data) {
   std::vector<VtkXmlArray> arrays;
   if (data == nullptr) return arrays;
@@ -79,7 +79,7 @@ std::optional<Plan> plan_for(const VtkXmlStream& file) {
 
 bool is_for_vtk(std::uint8_t kind) {
   constexpr auto polyhedron = static_cast<std::uint8_t>(CellKind::polyhedron);
-  constexpr std::uint8_t first_lagrange = 68;  // whose nodes older files order otherwise
+  constexpr std::uint8_t first_lagrange = 68;  // older files order their nodes differently
   return kind == polyhedron || kind >= first_lagrange;
 }
 
@@ -117,7 +117,7 @@ std::optional<CellMesh> stream_vtu(const std::filesystem::path& path) {
   file->read(plan->kinds, std::span(cells.kinds));
   if (std::any_of(cells.kinds.begin(), cells.kinds.end(), is_for_vtk)) return std::nullopt;
   file->check_count(plan->offsets, plan->cell_count);
-  cells.offsets.resize(plan->cell_count + 1);  // the file's are the ends of cells
+  cells.offsets.resize(plan->cell_count + 1);  // the file stores the ends of cells
   file->read(plan->offsets, std::span(cells.offsets).subspan(1));
   file->check_count(plan->connectivity, cells.offsets.back());
   cells.nodes.resize(cells.offsets.back());

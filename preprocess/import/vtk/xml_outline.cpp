@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view spaces = " \t\r\n";
 
-/// `&lt;` and the other four become the letters that they stand for; nothing for others.
+/// Replaces `&lt;` and the other four predefined entities; nothing if there is any other.
 std::optional<std::string> without_entities(std::string_view text) {
   constexpr std::pair<std::string_view, char> entities[] = {
       {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}, {"&quot;", '"'}, {"&apos;", '\''}};
@@ -50,7 +50,7 @@ class Parser {
     return true;
   }
 
-  /// Goes to the next '<' that begins or ends an element.
+  /// Moves to the next '<' that begins or ends an element.
   bool next_tag() {
     for (;;) {
       at_ = text_.find('<', at_);
@@ -67,7 +67,7 @@ class Parser {
 
   void skip_spaces() { at_ = std::min(text_.find_first_not_of(spaces, at_), text_.size()); }
 
-  /// The text from here to `end`, and goes there.
+  /// Returns the text from here to `end`, and moves there.
   std::string_view up_to(std::size_t end) {
     const std::string_view text = text_.substr(at_, end - at_);
     at_ = end;
@@ -92,7 +92,7 @@ class Parser {
     return value && element.attributes.emplace(name, *std::move(value)).second;
   }
 
-  /// From its '<' to behind its end.
+  /// Parses an element, from its '<' to its end.
   bool element(XmlElement& element, int depth) {
     ++at_;
     element.name = word();
@@ -132,7 +132,7 @@ class Parser {
 
   std::string_view text_, last_;
   std::size_t at_ = 0;
-  bool is_cut_ = false;  ///< the element `last` was met
+  bool is_cut_ = false;  ///< the element `last` was reached
 };
 
 }  // namespace
