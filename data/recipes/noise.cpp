@@ -8,7 +8,7 @@ namespace rhoray::recipes {
 
 namespace {
 
-/// Bits that look random, of a point with whole coordinates.
+/// Pseudo-random bits of a point with integer coordinates.
 std::uint32_t bits_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343U ^ static_cast<std::uint32_t>(y) * 0xd8163841U ^
                     static_cast<std::uint32_t>(z) * 0xcb1ab31fU;
@@ -16,7 +16,7 @@ std::uint32_t bits_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   return h;
 }
 
-/// Product of an offset with one of the twelve directions to the edges of a cube.
+/// Dot product of an offset with one of the twelve directions to the edges of a cube.
 double slope(std::uint32_t bits, double x, double y, double z) {
   const std::uint32_t edge = bits % 12;
   const double u = edge < 8 ? x : y, v = edge < 4 ? y : z;
@@ -48,7 +48,8 @@ double layered_noise(const Vec3& p, int layers) {
   for (int layer = 0; layer < layers; ++layer) {
     sum += strength * noise(at);
     strength /= 2;
-    at = 2.03 * at + Vec3(17.1, 5.7, 11.3);  // so that whole numbers do not fall together
+    // so that the integer points of octaves do not coincide
+    at = 2.03 * at + Vec3(17.1, 5.7, 11.3);
   }
   return sum;
 }

@@ -48,8 +48,8 @@ Element element(const preprocess::NeutralMesh& mesh, std::size_t cell) {
   return e;
 }
 
-/// The integral of the smeared dipole's density over the element, by the four-point rule that is
-/// exact for quadratics.
+/// Integral of the smoothed dipole's density over the element, by the four-point rule that is exact
+/// for quadratics.
 double dipole_share(const Element& e, const Dipole& dipole) {
   constexpr double near = 0.5854101966249685, far = 0.1381966011250105;
   const Point centre(dipole.at_mm.data());
@@ -67,7 +67,7 @@ double dipole_share(const Element& e, const Dipole& dipole) {
 struct System {
   Matrix stiffness;      // S/m * mm
   Vector load;           // mA
-  Vector point_volumes;  // a quarter of each cell to each corner: the weights of the mean
+  Vector point_volumes;  // a quarter of each cell to each corner: weights of the mean
 };
 
 System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> conductivity, const Dipole& dipole) {
@@ -92,8 +92,8 @@ System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> con
   }
   system.stiffness.setFromTriplets(entries.begin(), entries.end());
   if (!(moment.norm() > 0)) return system;
-  // Coarse cells sum the density up roughly; with the sum taken out, its strength is right on every
-  // mesh.
+  // Coarse cells integrate the density roughly. Dividing by the integral makes the strength right
+  // on every mesh.
   if (!(dipole_inside > 0.2 && dipole_inside < 5))
     throw Error(ErrorCode::invalid,
                 concat("mesh: holds ", dipole_inside, " of the dipole at (", dipole.at_mm[0], ", ", dipole.at_mm[1],
@@ -103,7 +103,7 @@ System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> con
   return system;
 }
 
-/// Replaces the equations of fixed points by "unknown = value", keeping the matrix symmetric.
+/// Replaces the equations of fixed points by "unknown = value" and keeps the matrix symmetric.
 void hold(System& system, const HeldFixed& fixed) {
   std::vector<char> is_fixed(static_cast<std::size_t>(system.load.size()), 0);
   Vector values = Vector::Zero(system.load.size());
@@ -123,7 +123,7 @@ void hold(System& system, const HeldFixed& fixed) {
 }
 
 Vector solve(const System& system, PotentialReport& report) {
-  // unknowns; beyond, the factor of a 3-D mesh outgrows the iteration
+  // unknowns; for more, factorizing a 3-D matrix costs more than iterating
   constexpr Eigen::Index most_direct = 20'000;
   if (system.load.size() <= most_direct) {
     const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(system.stiffness);
@@ -168,8 +168,8 @@ PotentialReport solve_potential(const preprocess::NeutralMesh& mesh, std::span<c
                                 const Dipole& dipole, const HeldFixed& fixed) {
   check_input(mesh, conductivity, dipole, fixed);
   System system = assemble(mesh, conductivity, dipole);
-  // Without a fixed point the potential is known up to a constant: hold one point, then take the
-  // mean out.
+  // Without a fixed point, the potential is known up to a constant: fix one point, then subtract
+  // the mean.
   hold(system, fixed.empty() ? HeldFixed{{mesh.cells[0][0], 0.0}} : fixed);
   PotentialReport report;
   Vector volts = solve(system, report);

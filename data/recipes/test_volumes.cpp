@@ -14,8 +14,8 @@ namespace rhoray::recipes {
 
 namespace {
 
-/// What depends on one axis only, for every sample of it: the volume is a cube, so one table serves
-/// the three.
+/// Terms that depend on one axis only, for every sample of it. The volume is a cube, so one table
+/// serves all three axes.
 struct AxisTable {
   explicit AxisTable(std::int64_t size) {
     for (std::int64_t i = 0; i < size; ++i) {
@@ -27,25 +27,25 @@ struct AxisTable {
     }
   }
 
-  // three and a half waves from the middle to the border
+  // three and a half waves from the centre to the border
   static constexpr double gyroid_frequency = 22;
 
   std::vector<float> place, sine, cosine, swell;
 };
 
-/// In [-8, 8], of the sample's number alone.
+/// In [-8, 8]; depends only on the sample's index.
 float noise(std::uint64_t sample) {
   const std::uint64_t bits = (sample + 1) * 0x9e3779b97f4a7c15u;
   return static_cast<float>(((bits ^ bits >> 29) >> 8) % 17) - 8;
 }
 
-/// From 0 to 1 with a slope of 1 in the middle, for t from -0.75 to 0.75.
+/// From 0 to 1 with slope 1 in the middle, for t from -0.75 to 0.75.
 float step(float t) {
   const float s = std::clamp(t / 1.5F + 0.5F, 0.0F, 1.0F);
   return s * s * (3 - 2 * s);
 }
 
-/// 1200 in the body, nothing outside, with 1600 more where the gyroid is high.
+/// 1200 in the body, nothing outside, plus 1600 where the gyroid is high.
 void smooth_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span<std::uint16_t> row) {
   const auto at = [](const std::vector<float>& table, std::int64_t i) { return table[static_cast<std::size_t>(i)]; };
   const float y = at(axis.place, j), z = at(axis.place, k);
@@ -54,7 +54,7 @@ void smooth_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span
   for (std::size_t i = 0; i < row.size(); ++i) {
     const float x = axis.place[i];
     const float depth = 0.78F + swell * axis.swell[i] - std::sqrt(x * x + 1.1F * (y * y) + 0.85F * (z * z));
-    const float body = step(30 * depth);  // 40 of 512 samples for the whole rise
+    const float body = step(30 * depth);  // the whole rise takes 40 of 512 samples
     const float inside = step(8 * (depth - 0.15F));
     const float gyroid =
         axis.sine[i] * at(axis.cosine, j) + at(axis.sine, j) * at(axis.cosine, k) + at(axis.sine, k) * axis.cosine[i];
@@ -63,8 +63,8 @@ void smooth_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span
   }
 }
 
-/// A wave of period 1, as smooth as two parabolas are: its values are the same on every machine,
-/// unlike a sine's. The argument is at least -64.
+/// A wave of period 1, made of two parabolas. Unlike a sine, it has the same values on every
+/// machine. The argument is at least -64.
 float wave(float t) {
   const float positive = t + 64;
   const float share = positive - static_cast<float>(static_cast<std::int32_t>(positive));
@@ -73,7 +73,7 @@ float wave(float t) {
   return share < 0.5F ? arch : -arch;
 }
 
-/// Five octaves; each is bent by the one before, which rolls the sheets up.
+/// Five octaves. Each is bent by the one before, which rolls the sheets up.
 void turbulent_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span<std::uint16_t> row) {
   const float y = axis.place[static_cast<std::size_t>(j)], z = axis.place[static_cast<std::size_t>(k)];
   for (std::size_t i = 0; i < row.size(); ++i) {
@@ -83,8 +83,8 @@ void turbulent_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::s
       bend = wave(u) * wave(v + 0.25F) + wave(v) * wave(w + 0.25F) + wave(w) * wave(u + 0.25F);
       sum += weight * bend;
       weight *= 0.5F;
-      // Turned by the rotation (0.6, 0.8) about two axes, so that no octave lies along the grid,
-      // and doubled.
+      // Rotated by (0.6, 0.8) about two axes, so that no octave is aligned with the grid, and
+      // doubled.
       const float x1 = 0.6F * px - 0.8F * py, y1 = 0.8F * px + 0.6F * py;
       const float y2 = 0.6F * y1 - 0.8F * pz, z2 = 0.8F * y1 + 0.6F * pz;
       px = 2 * x1 + 0.31F, py = 2 * y2 + 0.17F, pz = 2 * z2 + 0.43F;

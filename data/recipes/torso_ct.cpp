@@ -17,12 +17,12 @@ constexpr double air_hu = -1000, fat_hu = -95, muscle_hu = 55, chest_hu = 25, lu
                  compact_bone_hu = 1150, marrow_hu = 320;
 constexpr double fat_mm = 9, compact_bone_mm = 2.2, chest_wall_mm = 6;
 
-/// Share of the body in what a scanner sees at p: blurred over two voxels across the surface, which
-/// is taken for a plane.
+/// Share of the body in the value that a scanner measures at p: blurred over two voxels across the
+/// surface, which is treated as a plane.
 template <class Body>
 double share_inside(const Body& body, double value, const Vec3& p, const Vec3& spacing) {
-  // Bodies grow about as fast as distance, seldom four times as fast: farther off, the voxel is not
-  // cut.
+  // The functions of bodies grow about as fast as distance, seldom four times as fast. Farther
+  // away, the surface does not cut the voxel.
   const double reach = 4 * std::max({spacing.x, spacing.y, spacing.z});
   if (value > reach) return 0;
   if (value < -reach) return 1;
@@ -41,7 +41,7 @@ double lungs(const Vec3& p) {
   return p.x > 0 ? torso::left_lung(p) : torso::right_lung(p);
 }
 
-/// Hounsfield units where the skin, as a function, has this value.
+/// Hounsfield units at a point where the skin function has the value `skin`.
 double tissue_value(const Vec3& p, const Vec3& spacing, double skin) {
   double hu = air_hu;
   const auto paint = [&](double tissue_hu, double value, auto&& body) {
@@ -52,7 +52,7 @@ double tissue_value(const Vec3& p, const Vec3& spacing, double skin) {
   const auto chest = [](const Vec3& q) { return torso::rib_cage(q) + chest_wall_mm; };
   const auto marrow = [](const Vec3& q) { return torso::bone(q) + compact_bone_mm; };
   paint(fat_hu, skin, torso::skin);
-  if (skin > 0) return hu;  // what lies under the fat does not reach out of the skin
+  if (skin > 0) return hu;  // tissues under the fat do not extend outside the skin
   paint(muscle_hu, skin + fat_mm, under_fat);
   paint(chest_hu, chest(p), chest);
   paint(heart_hu, torso::heart(p), torso::heart);
@@ -89,7 +89,7 @@ double ct_value(const Vec3& p, const Vec3& spacing) {
 double ct_noise(std::uint64_t sample) {
   constexpr std::uint64_t seed = 0x7068616e746f6d31u;
   const std::uint64_t bits = scramble(sample ^ seed);
-  // of four even shares of 0..1, minus their mean: nearly normal, with variance 4/12
+  // sum of four uniform variables in 0..1, minus their mean: nearly normal, with variance 4/12
   double sum = -2;
   for (int part = 0; part < 4; ++part) sum += (static_cast<double>((bits >> (16 * part)) & 0xffff) + 0.5) / 65536;
   return 12 * sum / std::sqrt(4.0 / 12);

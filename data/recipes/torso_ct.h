@@ -7,7 +7,7 @@
 
 namespace rhoray::recipes {
 
-/// Where the samples of a CT of the torso's frame lie: in the middles of equal cells that fill it.
+/// Positions of the samples of a CT of the torso's frame: the centres of equal cells that fill it.
 struct CtLattice {
   Index3 sample_count;
   Vec3 spacing;
@@ -15,12 +15,13 @@ struct CtLattice {
 };
 CtLattice ct_lattice(const Index3& sample_count);
 
-/// Hounsfield units that a scanner with voxels of this size sees at a point: each tissue's surface
-/// is blurred over two voxels, and half-way between its two sides exactly on it. Without noise.
+/// Hounsfield units that a scanner with voxels of this size measures at a point, without noise.
+/// Each tissue's surface is blurred over two voxels; exactly on the surface the value is half-way
+/// between its two sides.
 double ct_value(const Vec3& p, const Vec3& spacing);
 
-/// Noise of a scanner, 12 HU standard deviation, at most 42 HU: depends on the sample's position in
-/// the volume alone.
+/// Scanner noise with 12 HU standard deviation, at most 42 HU. Depends only on the sample's index
+/// in the volume.
 double ct_noise(std::uint64_t sample);
 
 /// Writes a synthetic CT of the torso, Hounsfield units as int16, in millimetres. Memory does not

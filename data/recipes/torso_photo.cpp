@@ -23,7 +23,7 @@ double encoded(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-/// Light of a colour in 8-bit sRGB.
+/// Linear RGB of a colour in 8-bit sRGB.
 Vec3 light(int red, int green, int blue) {
   return {decoded(red / 255.0), decoded(green / 255.0), decoded(blue / 255.0)};
 }
@@ -32,13 +32,13 @@ Vec3 mixed(const Vec3& a, const Vec3& b, double share) {
   return a + std::clamp(share, 0.0, 1.0) * (b - a);
 }
 
-/// 0 below a, 1 above b, smooth between; falling where b is below a.
+/// 0 below a, 1 above b, smooth between; decreasing if b is below a.
 double step_between(double a, double b, double x) {
   const double t = std::clamp((x - a) / (b - a), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 
-/// A network of branching lines: 1 on them. Where two noises are small at once.
+/// A network of branching lines: 1 on the lines, where one noise is close to 0 and another not low.
 double vessels(const Vec3& p, double width_mm, double thickness) {
   const Vec3 q = p / width_mm;
   const double bend = 0.35 * noise(2.1 * q);
@@ -63,20 +63,20 @@ Vec3 fat_light(const Vec3& p) {
   return mixed(septum, color, step_between(0.03, 0.16, lobule.from_wall));
 }
 
-/// How a muscle runs at a point: places along and across its fibres, mm, how much of a pale sinew
-/// covers it, and how deep the groove to its neighbour is.
+/// Muscle fibres at a point: coordinates along and across the fibres, mm, how much of the point a
+/// pale sinew covers, and the depth of the groove to the next muscle.
 struct Fibres {
   double along = 0, across = 0;
   double sinew = 0, groove = 0;
 };
 
-/// Fibres that run together towards a point, seen in the plane of x and z.
+/// Fibres that converge to a point, in the plane of x and z.
 Fibres fan(double x, double z, double to_x, double to_z) {
   const double dx = x - to_x, dz = z - to_z;
   return {.along = std::hypot(dx, dz), .across = 130 * std::atan2(dz, -dx)};
 }
 
-/// 1 at no distance, 0 beyond half the width.
+/// 1 at distance 0, 0 beyond half the width.
 double near(double distance_mm, double half_width_mm) {
   return step_between(half_width_mm, 0.2 * half_width_mm, std::abs(distance_mm));
 }
@@ -86,7 +86,7 @@ double zigzag(double t) {
   return 2 * std::abs(t - std::floor(t + 0.5));
 }
 
-/// Straight abdominal muscles, side by side, cut by sinews.
+/// Straight abdominal muscles, side by side, divided by sinews.
 Fibres belly(double x, double z, double wobble) {
   Fibres fibres{.along = z, .across = x};
   for (const double sinew : {346.0, 296.0, 244.0})
@@ -111,7 +111,7 @@ Fibres front(double x, double z, double wobble) {
     fibres.groove = near(chest_border, 7);
     return fibres;
   }
-  // The oblique muscle ends in saw teeth under the ribs.
+  // The oblique muscle ends in a sawtooth line under the ribs.
   const double teeth = z - 350 - 16 * zigzag(z / 90 + x / 34) - 0.5 * (x - 90) + 3 * wobble;
   Fibres fibres = teeth > 0 ? fan(x, z, 20, 560) : Fibres{.along = 0.8 * z + 0.6 * x, .across = 0.8 * x - 0.6 * z};
   fibres.sinew = std::max(0.6 * near(side, 7), 0.75 * step_between(26, 4, side) * step_between(215, 150, z));
@@ -120,7 +120,7 @@ Fibres front(double x, double z, double wobble) {
 }
 
 Fibres back(double x, double z, double wobble) {
-  const double hood = z - 392 - 1.1 * x + 5 * wobble;  // what lies between the shoulders
+  const double hood = z - 392 - 1.1 * x + 5 * wobble;  // the part between the shoulders
   if (hood > 0) {
     Fibres fibres = fan(x, z, 190, 540);
     fibres.sinew = 0.8 * near(x, 9);
@@ -143,7 +143,7 @@ Vec3 muscle_light(const Vec3& p) {
   const double turn = 0.56 * std::numbers::pi + 0.05 * noise(p / 30);
   Fibres fibres = from_front < turn ? front(x, p.z, wobble) : back(x, p.z, wobble);
   fibres.groove = std::max(fibres.groove, near(120 * (from_front - turn), 6));
-  // Both sides of the body alike, but not the same.
+  // Both sides of the body are similar but not equal.
   const double across = fibres.across + 2 * noise(p / 12) + 5 * noise(p / 45), side = p.x < 0 ? 70 : 0;
   const double thread = noise({across / 2.6, fibres.along / 45, side});
   const double bundle = noise({across / 8, fibres.along / 110, side + 30});
@@ -221,7 +221,7 @@ void write_torso_photo(const std::filesystem::path& path, const Index3& texel_co
     if (n < 2 || n > 16384)
       throw Error(ErrorCode::usage, concat("size ", nx, "x", ny, "x", nz, "; expected 2 to 16384 texels on each axis"));
   const CtLattice lattice = ct_lattice(texel_count);
-  // As far as the surfaces in a CT of voxels of 2 mm or so may be off, and the texels around them.
+  // Covers the error of surfaces in a CT with voxels of about 2 mm, and the texels around them.
   const double reach = 2.2 + std::max({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
   const NrrdHeader header{.type = "uint8",
                           .component_count = 3,

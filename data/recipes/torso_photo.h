@@ -8,12 +8,11 @@
 
 namespace rhoray::recipes {
 
-/// The light of the torso's tissues at a point, linear RGB, as photographs of frozen sections show
-/// it: skin, lobules of fat, muscles with fibres and sheets, vessels, heart, lungs, bone and
-/// marrow; blue gel around.
-/// @param reach  how far each tissue spreads beyond its surface, mm: who looks at a surface is to
-///               see what lies under
-/// it
+/// The colour of the torso's tissues at a point, linear RGB, as in photographs of frozen sections:
+/// skin, lobules of fat, muscles with fibres and sheets, vessels, heart, lungs, bone and marrow,
+/// surrounded by blue gel.
+/// @param reach  how far each tissue extends beyond its surface, mm, so that a view of a surface
+///               shows what lies under it
 Vec3 tissue_light(const Vec3& p, double reach);
 
 /// The same as 8-bit sRGB.

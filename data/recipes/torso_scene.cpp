@@ -13,7 +13,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The larger of two, rounded where they differ by less than `width`.
+/// The larger of two, rounded off where they differ by less than `width`.
 double smooth_max(double a, double b, double width) {
   const double near = std::max(width - std::abs(a - b), 0.0);
   return std::max(a, b) + near * near / (4 * width);
@@ -43,14 +43,14 @@ Section section_at(std::span<const Section> table, double z) {
   return {z, blend(&Section::half_x), blend(&Section::half_y), blend(&Section::middle_y)};
 }
 
-/// How far p lies beyond the section's outline, measured along the line from its middle.
+/// Distance of p beyond the section's outline, measured along the line from its centre.
 double beyond(const Section& s, const Vec3& p, double exponent) {
   const double x = p.x, y = p.y - s.middle_y;
   const double u = std::abs(x) / s.half_x, v = std::abs(y) / s.half_y;
   const double scaled =
       exponent == 2 ? std::sqrt(u * u + v * v) : std::pow(std::pow(u, exponent) + std::pow(v, exponent), 1 / exponent);
   const double radius = std::sqrt(x * x + y * y);
-  // in the middle every direction is as good
+  // at the centre all directions are equal
   if (scaled < 1e-9) return -std::min(s.half_x, s.half_y);
   return radius - radius / scaled;
 }
@@ -68,12 +68,12 @@ Section cage_section(double z) {
   return section_at(cage_table, z);
 }
 
-/// Angle around the cage: 0 at the spine, pi at the sternum, the same on both sides.
+/// Angle around the cage: 0 at the spine, pi at the sternum, symmetric.
 double cage_angle(const Section& s, const Vec3& p) {
   return std::atan2(std::abs(p.x) / s.half_x, (p.y - s.middle_y) / s.half_y);
 }
 
-// Spine: half_x is the radius of the vertebral bodies, middle_y their middle, half_y unused (1).
+// Spine: half_x is the radius of the vertebral bodies, middle_y their centre, half_y unused (1).
 constexpr Section spine_table[] = {{-20, 25, 1, 66}, {0, 25, 1, 66},   {100, 24, 1, 60}, {200, 21, 1, 63},
                                    {300, 18, 1, 68}, {400, 16, 1, 68}, {470, 14, 1, 62}, {530, 12, 1, 44},
                                    {600, 11, 1, 28}, {660, 11, 1, 26}};
@@ -86,7 +86,7 @@ double spine(const Vec3& p) {
   const double body = smooth_max(from_axis - radius, std::abs(along) - 10, 4);
   const double canal_y = s.middle_y + radius + 6;
   const double arch = smooth_max(std::abs(std::hypot(p.x, p.y - canal_y) - 10) - 3, std::abs(along) - 8, 3);
-  const double process_y = canal_y + 20;  // of the spinous process
+  const double process_y = canal_y + 20;  // centre of the spinous process
   const double spinous = smooth_max(smooth_max(std::abs(p.x) - 3.5, std::abs(p.y - process_y) - 11, 3),
                                     std::abs(along + 0.3 * (p.y - canal_y)) - 6, 3);
   const double transverse =
@@ -97,9 +97,9 @@ double spine(const Vec3& p) {
 }
 
 struct Rib {
-  double back_z;     // where it leaves the spine
+  double back_z;     // height at the spine
   double drop;       // how much lower it would reach the sternum
-  double end_angle;  // where bone and cartilage end
+  double end_angle;  // angle where bone ends and cartilage begins
 };
 
 constexpr std::array<Rib, 12> ribs_table{{{515, 32, 0.95 * pi},
@@ -119,7 +119,7 @@ double ribs(const Vec3& p, const Section& cage, double beyond_cage) {
   const double angle = cage_angle(cage, p), fall = (1 - std::cos(angle)) / 2;
   double nearest = 1e9;
   for (const Rib& rib : ribs_table) {
-    const double above = 0.9 * (p.z - rib.back_z + rib.drop * fall);  // 0.9: ribs lie at a slant
+    const double above = 0.9 * (p.z - rib.back_z + rib.drop * fall);  // 0.9: ribs are inclined
     if (std::abs(above) > 30) continue;
     const double section = std::sqrt(beyond_cage * beyond_cage / (4.2 * 4.2) + above * above / (6.5 * 6.5));
     const double tube = 4.8 * (section - 1);
@@ -130,7 +130,7 @@ double ribs(const Vec3& p, const Section& cage, double beyond_cage) {
 
 double sternum(const Vec3& p, double beyond_cage) {
   if (p.y > 0) return 1e9;
-  // the manubrium, on top, is wider
+  // the manubrium, at the top, is wider
   const double half_width = 15 + 11 / (1 + std::exp((448 - p.z) / 6));
   const double plate = smooth_max(std::abs(beyond_cage) - 5, std::abs(p.x) - half_width, 4);
   return smooth_max(plate, std::abs(p.z - 390) - 92, 6);
@@ -154,7 +154,7 @@ double hip_bones(const Vec3& p) {
 }
 
 double lung(const Vec3& p, double side) {
-  const Vec3 q(side * p.x, p.y, p.z);  // as if it were the left one
+  const Vec3 q(side * p.x, p.y, p.z);  // mirrored to the left side
   const double chest = rib_cage(p) + 11;
   if (chest > 40) return chest;
   const double mediastinum = 32 - 0.92 * q.x - 0.38 * q.y;

@@ -27,7 +27,7 @@ std::vector<Body> bodies() {
           {"right_lung", {torso::right_lung, torso::right_lung_centre, 190}, 38}};
 }
 
-/// How many tetrahedra TetGen 1.5.0 made of the torso with quality 1.4, by the edge length in the
+/// Number of tetrahedra that TetGen 1.5.0 made of the torso with quality 1.4, by edge length in the
 /// heart.
 struct Calibration {
   double cell_count, finest_mm;
@@ -35,8 +35,8 @@ struct Calibration {
 constexpr Calibration calibration[] = {{4309, 40},     {5083, 23.392},  {8688, 14.736},  {27767, 8.618},
                                        {95062, 5.429}, {279761, 3.420}, {849305, 2.201}, {4229810, 1.2004}};
 
-/// Edge length in the heart that makes about so many tetrahedra: a straight line between measured
-/// ones in logarithms.
+/// Edge length in the heart that gives about this many tetrahedra: linear interpolation of measured
+/// values in logarithms.
 double finest_size(std::uint64_t cell_count) {
   const auto count = static_cast<double>(cell_count);
   std::size_t i = 1;
@@ -65,7 +65,7 @@ preprocess::NeutralSurface::Region region(const Vec3& seed, Tissue tissue) {
 }  // namespace
 
 double wanted_size(const Vec3& p, double finest) {
-  constexpr double coarsest = 9, far_mm = 170;  // 9 times as coarse from 170 mm off the heart
+  constexpr double coarsest = 9, far_mm = 170;  // 9 times as coarse at 170 mm from the heart
   const double far = std::clamp(torso::heart(p) / far_mm, 0.0, 1.0);
   return finest * (1 + (coarsest - 1) * far);
 }

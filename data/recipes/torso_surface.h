@@ -10,7 +10,7 @@
 
 namespace rhoray::recipes {
 
-/// Regions of the torso: the cell field "region" after tetrahedralizing.
+/// Regions of the torso, stored in the cell field "region" after tetrahedralizing.
 enum class Tissue { torso = 1, heart = 2, lungs = 3 };
 
 struct TorsoSurface {
@@ -19,18 +19,18 @@ struct TorsoSurface {
     Triangulation triangulation;
   };
   std::vector<Part> parts;
-  preprocess::NeutralSurface surface;  ///< all parts with seeds and wanted sizes
+  preprocess::NeutralSurface surface;  ///< all parts, with seeds and requested sizes
 };
 
-/// Edge length wanted at a point: `finest` in the heart, growing with the distance from it.
+/// Requested edge length at a point: `finest` in the heart, growing with the distance from it.
 double wanted_size(const Vec3& p, double finest);
 
-/// Skin, heart and lungs as closed triangle surfaces that do not touch. TetGen with quality 1.4
-/// makes `cell_count` tetrahedra of them, within a quarter, from 5,000 to 4,000,000. Refuses counts
-/// below 4,500 and above 20 million.
+/// Makes skin, heart and lungs as closed triangle surfaces that do not touch. TetGen with quality
+/// 1.4 makes `cell_count` tetrahedra from them, within a quarter, for 5,000 to 4,000,000. Refuses
+/// counts below 4,500 and above 20 million.
 TorsoSurface make_torso_surface(std::uint64_t cell_count);
 
-/// Writes NAME.smesh with NAME.mtr beside it and, where wanted, NAME_skin.ply and the other parts.
+/// Writes NAME.smesh and NAME.mtr and, if requested, NAME_skin.ply and the other parts.
 void write_torso_surface(const TorsoSurface& torso, const std::filesystem::path& path, bool each_as_ply,
                          bool replace_existing);
 

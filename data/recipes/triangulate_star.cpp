@@ -21,7 +21,7 @@ class Triangulator {
   Triangulator(const StarSurface& surface, const std::function<double(const Vec3&)>& edge_length)
       : surface_(surface), edge_length_(edge_length) {
     start_with_icosahedron();
-    // halving lengths so often reaches any size; more means that the surface is torn
+    // halving lengths this often reaches any size; more rounds mean that the surface has gaps
     constexpr int most_rounds = 60;
     int rounds = 0;
     while (split_long_edges()) RHORAY_CHECK(++rounds < most_rounds && triangles_.size() < 100'000'000);
@@ -53,7 +53,7 @@ class Triangulator {
     return length2(a, b) > wanted * wanted;
   }
 
-  /// Position (0, 1, 2) of the corner where the longest edge begins; equal lengths are told apart
+  /// Index (0, 1, 2) of the corner where the longest edge begins. Edges of equal length are ordered
   /// by the edge itself, so that both neighbours agree.
   std::size_t longest_edge(const Triangle& t) const {
     std::size_t longest = 0;
@@ -66,10 +66,10 @@ class Triangulator {
     return longest;
   }
 
-  /// Splits every edge that is too long and, so that no triangle gets thin, the longest edge of
-  /// each triangle that is split at all (Rivara). Returns whether there was any.
+  /// Splits every edge that is too long. To avoid thin triangles, it also splits the longest edge
+  /// of each triangle that is split (Rivara). Returns true if any edge was split.
   bool split_long_edges() {
-    // of the edges to split; point numbers come later
+    // midpoint of each edge to split; the point numbers follow later
     std::unordered_map<std::uint64_t, std::uint32_t> middles;
     for (const Triangle& t : triangles_)
       for (std::size_t i = 0; i < 3; ++i)
@@ -94,7 +94,7 @@ class Triangulator {
   void split(const Triangle& t, std::unordered_map<std::uint64_t, std::uint32_t>& middles) {
     const std::size_t i = longest_edge(t);
     const std::uint32_t a = t[i], b = t[(i + 1) % 3], c = t[(i + 2) % 3];
-    // 0: not split (0 is no middle)
+    // 0: not split (0 is never a midpoint)
     const auto middle = [&](std::uint32_t p, std::uint32_t q) -> std::uint32_t {
       const auto found = middles.find(edge_key(p, q));
       if (found == middles.end()) return 0;
@@ -119,7 +119,7 @@ class Triangulator {
       triangles_.push_back({ab, b, c});
   }
 
-  /// Seen from the centre, counter-clockwise with some area, and not turned away from it.
+  /// Seen from the centre, the triangle is counter-clockwise with some area, and not turned away.
   bool faces_outward(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const Vec3 pa = points_[a] - surface_.centre, pb = points_[b] - surface_.centre, pc = points_[c] - surface_.centre;
     const Vec3 normal = (pb - pa).cross(pc - pa);
@@ -131,8 +131,8 @@ class Triangulator {
     return std::atan2(u.cross(v).length(), u.dot(v));
   }
 
-  /// Exchanges an edge for the other diagonal where the two angles opposite to it add up to more
-  /// than 180 degrees.
+  /// Replaces an edge by the other diagonal where the two opposite angles add up to more than 180
+  /// degrees.
   void flip_edges() {
     // triangle + 1 on either side
     std::unordered_map<std::uint64_t, std::pair<std::size_t, std::size_t>> sides;
@@ -160,7 +160,7 @@ class Triangulator {
       }
   }
 
-  /// Moves each point towards the middle of its neighbours, along the surface, unless that would
+  /// Moves each point towards the centre of its neighbours, along the surface, unless that would
   /// fold a triangle.
   void smooth() {
     std::vector<std::vector<std::size_t>> around(points_.size());

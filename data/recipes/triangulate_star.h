@@ -9,14 +9,14 @@
 
 namespace rhoray::recipes {
 
-/// A closed surface around a point that sees all of it.
+/// A closed surface around a point from which all of it is visible.
 struct StarSurface {
   std::function<double(const Vec3&)> outside_by;  ///< negative inside, positive outside
   Vec3 centre;
-  double reach = 0;  ///< every point of the surface is closer to the centre
+  double reach = 0;  ///< radius around the centre that contains the surface
 };
 
-/// The point of the surface in this direction, to about 1e-9 of the reach.
+/// The surface point in this direction, accurate to about 1e-9 of the reach.
 Vec3 surface_point(const StarSurface& surface, const Vec3& direction);
 
 struct Triangulation {
@@ -24,9 +24,9 @@ struct Triangulation {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// Triangles with corners on the surface whose edges are about as long as `edge_length` asks for at
-/// their middles: none was longer before the last smoothing. Seen from the centre they cover the
-/// sphere once, so they never cross.
+/// Triangulates the surface. Edges are about as long as `edge_length` requests at their midpoints;
+/// before the last smoothing none was longer. Seen from the centre, the triangles cover the sphere
+/// once, so they never cross.
 Triangulation triangulate(const StarSurface& surface, const std::function<double(const Vec3&)>& edge_length);
 
 }  // namespace rhoray::recipes

@@ -9,10 +9,10 @@
 
 namespace rhoray::recipes {
 
-/// What stands in the header of a detached NRRD file: samples in x-fastest order, little-endian.
+/// Header of a detached NRRD file with samples in x-fastest order, little-endian.
 struct NrrdHeader {
   std::string type;         ///< NRRD's name: "int16", "uint8", "float"
-  int component_count = 1;  ///< of each sample; 3: colours
+  int component_count = 1;  ///< per sample; 3: colours
   Index3 sample_count;
   Vec3 first_sample;  ///< position of the centre of the first sample
   Vec3 spacing;
@@ -20,8 +20,8 @@ struct NrrdHeader {
   std::string content;         ///< one line of text
 };
 
-/// Writes NAME.raw through `write_samples`, and NAME.nhdr beside it; both appear, or none. The path
-/// must end in .nhdr.
+/// Writes NAME.raw through `write_samples`, and NAME.nhdr in the same folder; either both appear or
+/// neither. The path must end in .nhdr.
 void write_nrrd(const std::filesystem::path& path, bool replace_existing, const NrrdHeader& header,
                 const std::function<void(PendingFile& raw)>& write_samples);
 

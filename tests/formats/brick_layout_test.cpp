@@ -8,7 +8,7 @@
 namespace rhoray::formats {
 namespace {
 
-/// The address by the definition: sample in brick, brick in superbrick, superbrick in array, each x
+/// The address by definition: sample in brick, brick in superbrick, superbrick in array, each x
 /// fastest.
 std::uint64_t address_by_definition(const BrickLayout& layout, const Index3& p) {
   const std::int64_t n = layout.brick_edge;
@@ -68,7 +68,7 @@ TEST(BrickLayout, superbricks_add_at_most_a_share_of_1_5_percent_and_are_as_larg
 }
 
 TEST(BrickLayout, real_sizes_are_packed_with_little_padding) {
-  // z: 434 bricks, 6 more
+  // z: 434 bricks, padded by 6
   EXPECT_EQ(BrickLayout::bricked({512, 512, 1734}).superbrick_edge, Index3(8, 8, 8));
   EXPECT_EQ(BrickLayout::bricked({512, 512, 1734}).padded_count(), Index3(512, 512, 1760));
   // z: 28 bricks

@@ -1,4 +1,4 @@
-// What RHORAY_DCHECK does in builds with checks of hot loops, which the sanitizer presets are.
+// Tests RHORAY_DCHECK in builds with checks of hot loops, such as the sanitizer presets.
 #ifndef RHORAY_DCHECKS
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #error "builds with sanitizers define RHORAY_DCHECKS (CMakeLists.txt)"
@@ -7,7 +7,7 @@
 #error "builds with sanitizers define RHORAY_DCHECKS (CMakeLists.txt)"
 #endif
 #endif
-#define RHORAY_DCHECKS  // here always, so that the test also runs in builds without them
+#define RHORAY_DCHECKS  // always defined here, so that the test also runs in builds without it
 #endif
 #include "formats/base/checks.h"
 

@@ -71,7 +71,7 @@ TEST(ColorGrid, is_read_as_it_was_written) {
 TEST(ColorGrid, reaches_half_a_step_beyond_its_texels) {
   const ColorGridDescription d = described();
   EXPECT_EQ(d.box_grid(), Box3(Vec3(-0.5, -0.5, -0.5), Vec3(4.5, 2.5, 0.5)));
-  // x of the world falls with j, y rises with i.
+  // World x decreases with j, world y increases with i.
   EXPECT_EQ(d.bounds(), Box3(Vec3(1 - 0.25 * 2.5, -2 - 0.25, 2.5), Vec3(1 + 0.25 * 0.5, -2 + 0.5 * 4.5, 4.5)));
 }
 
@@ -81,7 +81,7 @@ TEST(ColorGrid, refuses_a_file_that_ends_too_soon) {
     expect_error(ErrorCode::invalid, "c.rho", [&] { opened(bytes.substr(0, size)); });
 }
 
-/// With valid checksums around changed content.
+/// Changes content and recomputes valid checksums.
 void expect_refusal(const std::string& from, const std::string& to, const std::string& words) {
   tests::Envelope parts = tests::open_envelope(made(described()));
   const std::size_t at = parts.json.find(from);

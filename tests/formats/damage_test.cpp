@@ -84,8 +84,8 @@ double sum_of_samples(const BrickGrid& grid, std::size_t field) {
   return sum;
 }
 
-/// Reads everything that a renderer would, through the indices that the file holds. Runs under
-/// address sanitizer too.
+/// Reads everything that a renderer would read, through the indices in the file. Also runs under
+/// address sanitizer.
 double read_all(const PackedFile& file) {
   double sum = 0;
   const auto add_levels = [&sum](const auto& levels) {
@@ -134,7 +134,7 @@ struct Outcome {
   bool refused_by_view = false;
 };
 
-/// @param changed  position of the only changed byte
+/// @param changed  offset of the only changed byte
 Outcome judge(const MemoryFile& memory, std::uint64_t changed) {
   Outcome outcome;
   std::optional<PackedFile> file;
@@ -215,7 +215,7 @@ TEST_P(DamagedFile, random_byte_substitutions_are_refused_or_harmless) {
   }
 }
 
-// Several bytes at once, anywhere: whatever opens must still be read without leaving the file.
+// Several bytes at once, anywhere: if the file opens, reading must stay inside it.
 TEST_P(DamagedFile, random_bursts_never_lead_out_of_the_file) {
   const std::string bytes = bytes_of(GetParam());
   const MemoryFile memory(bytes);
@@ -245,7 +245,7 @@ void make_large_file(const MemoryFile& memory) {
   std::vector<std::uint64_t> part(1 << 20);
   std::uint64_t value = 1;
   for (std::uint64_t at = 0; at < bytes; at += part.size() * 8) {
-    // odd numbers never come to 0
+    // the product of odd numbers never becomes 0
     for (std::uint64_t& number : part) number = value *= 6364136223846793005U;
     writer.write("all", at, std::as_bytes(std::span(part)));
   }
@@ -262,7 +262,7 @@ TEST(LargeFile, loses_none_of_10000_flipped_bits) {
   std::mt19937_64 random(1);
   std::size_t flips = 0;
   while (flips < 10'000) {
-    std::map<std::uint64_t, char> damage;  // by position; one in a block
+    std::map<std::uint64_t, char> damage;  // by offset; at most one per block
     std::set<std::uint64_t> blocks;
     while (damage.size() < 2'000) {
       const std::uint64_t at = array.first_byte + random() % array.byte_count;

@@ -14,7 +14,7 @@ std::atomic<int> calls_left{0};  // 0: none fails
 std::atomic<int> error_of_call{0};
 std::atomic<const char*> failed_call{nullptr};
 
-/// True for the call that is to fail; then errno is set.
+/// True for the call that must fail; sets errno.
 bool must_fail(const char* name) {
   if (calls_left.load() <= 0 || calls_left.fetch_sub(1) != 1) return false;
   failed_call = name;
@@ -42,7 +42,7 @@ int fsync(int file) {
   return must_fail("fsync") ? -1 : static_cast<int>(::syscall(SYS_fsync, file));
 }
 
-/// As Linux does, it closes even where it reports an error.
+/// Closes the file even when it reports an error, like Linux.
 int close(int file) {
   const bool fails = must_fail("close");
   const int error = errno;

@@ -33,7 +33,7 @@ TEST(Percentile, is_linear_inside_a_bin) {
   for (const double share : {0.0, 0.05, 0.5, 0.95, 1.0}) EXPECT_NEAR(percentile(uniform, share), 100 * share, 1e-12);
 
   const FieldSummary steps = field_of({0, 4}, {2, 0, 0, 6});
-  EXPECT_DOUBLE_EQ(percentile(steps, 0.25), 1);  // the first bin's end
+  EXPECT_DOUBLE_EQ(percentile(steps, 0.25), 1);  // end of the first bin
   EXPECT_DOUBLE_EQ(percentile(steps, 0.125), 0.5);
   EXPECT_DOUBLE_EQ(percentile(steps, 0.625), 3.5);
 }
@@ -55,7 +55,7 @@ TEST(Otsu, threshold_lies_in_the_middle_of_the_gap_between_two_peaks) {
   EXPECT_DOUBLE_EQ(*otsu_threshold(field_of({0, 2}, {1, 1000})), 1);
 }
 
-/// The variance between the classes by its definition, from the counts alone.
+/// The between-class variance by definition, from the counts alone.
 double variance_between(const std::vector<std::uint64_t>& histogram, std::size_t edge) {
   double count[2] = {0, 0}, mean[2] = {0, 0};
   for (std::size_t b = 0; b < histogram.size(); ++b) count[b >= edge] += static_cast<double>(histogram[b]);

@@ -10,7 +10,7 @@ namespace rhoray::tests {
 
 namespace {
 
-/// Operations that the compiler may neither do itself nor move.
+/// Operations that the compiler can neither evaluate nor move.
 double product(double a, double b) {
   volatile double x = a, y = b;
   volatile double out = x * y;

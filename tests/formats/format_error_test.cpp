@@ -20,8 +20,8 @@ TEST(FormatError, names_file_place_found_and_expected) {
   EXPECT_EQ(message("byte 8", "7"), "a.rho, byte 8: found 7; expected another");
 }
 
-/// Found by fuzzing: the name of an entry in a zip archive broke a message in two lines, and could
-/// have sent any command to a terminal.
+/// Found by fuzzing: the name of an entry in a zip archive split a message into two lines, and
+/// could have sent any command to a terminal.
 TEST(FormatError, shows_control_characters_from_files_as_numbers) {
   EXPECT_EQ(message("folder\na.dcm",
                     "\x1b[2J\x7f"

@@ -7,8 +7,8 @@
 #include "tests/support/made_grid.h"
 #include "tests/support/resealed.h"
 
-// What version 1.1 adds to grids: positions along axes, bricks that are not stored, several fields,
-// certificates.
+// Features of grids since version 1.1: positions along axes, bricks that are not stored, several
+// fields, certificates.
 namespace rhoray::formats {
 namespace {
 
@@ -27,7 +27,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 float ramp(std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<float>(i + 10 * j + 100 * k);
 }
-/// No data in the first four layers of i, nor in one sample more.
+/// No data in the first four layers of i, nor in one other sample.
 float half(std::int64_t i, std::int64_t j, std::int64_t k) {
   return i < 4 || (i == 6 && j == 2 && k == 1) ? nan : ramp(i, j, k);
 }
@@ -52,7 +52,7 @@ void set(std::string& bytes, std::size_t element, T value) {
   std::memcpy(bytes.data() + element * sizeof(T), &value, sizeof(T));
 }
 
-/// The refusal's words and nothing else of a grid with one element changed.
+/// Expects this message for a grid with one changed element.
 template <class T>
 void expect_refused(MadeGrid grid, const std::string& array, std::size_t element, T value, const std::string& words) {
   set(grid.arrays.at(array), element, value);
@@ -177,7 +177,7 @@ TEST(SparseGrid, with_a_layout_that_none_has_is_refused_by_name) {
 }
 
 TEST(SparseGrid, of_a_lattice_far_longer_than_its_data_is_sound) {
-  // The table of bricks and the levels are what takes room.
+  // Only the brick table and the levels take space.
   const MadeGrid made = made_grid(
       {.sample_count = {1 << 16, 2, 2}, .brick_edge = 8, .is_sparse = true, .macro = {.factor = 32, .level_count = 1}},
       {{"density", [](std::int64_t i, std::int64_t, std::int64_t) { return i < 65000 ? nan : 1.0F; }}});
@@ -187,8 +187,8 @@ TEST(SparseGrid, of_a_lattice_far_longer_than_its_data_is_sound) {
 
 TEST(SparseGrid, deep_findings_name_each_kind_of_lie) {
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid&) {}), IsEmpty());
-  // Slot 0 holds brick 11, samples (8, 4, 4) to (11, 7, 7): of its 4 x 4 x 4 places only (8, 4, 4)
-  // and (8, 5, 4) count.
+  // Slot 0 holds brick 11, samples (8, 4, 4) to (11, 7, 7). Of its 4 x 4 x 4 samples, only (8, 4,
+  // 4) and (8, 5, 4) are inside the grid.
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid& g) { set(g.arrays["samples"], 1, 7.0F); }),
               ElementsAre("padding of a sparse grid that is not NaN: sample (9, 4, 4)"));
   EXPECT_THAT(findings_after(sparse(), [](MadeGrid& g) { g.description.fields[0].no_data_count = 1; }),

@@ -10,7 +10,7 @@
 #include "tests/support/packed_samples.h"
 #include "tests/support/resealed.h"
 
-// Files whose checksums are right and whose words are not.
+// Files with correct checksums but wrong text.
 namespace rhoray::formats {
 namespace {
 
@@ -50,14 +50,14 @@ void open_mesh(const std::string& bytes) {
   TetMesh(PackedFile::from_descriptor(memory.descriptor(), "f.rho"));
 }
 
-/// One change of the text, and the words with which it must be refused.
+/// One change of the text, and the expected message.
 struct Attack {
   std::string from, to, words;
   ErrorCode error_code = ErrorCode::invalid;
 };
 
 TEST(ResealedFile, unchanged_content_gives_the_writers_bytes) {
-  // Also says that the helper's own code and the writer understand SPEC.md alike.
+  // Also shows that the helper's independent code and the writer agree on SPEC.md.
   EXPECT_EQ(tests::seal_again(tests::open_envelope(grid_bytes())), grid_bytes());
   EXPECT_EQ(tests::seal_again(tests::open_envelope(mesh_bytes())), mesh_bytes());
 }
@@ -179,7 +179,7 @@ TEST(ResealedFile, header_lengths_out_of_bounds_are_refused) {
   }
 }
 
-/// A file whose seal says something else at one place and carries the right checksum of itself.
+/// A file with a changed value in its seal and the correct checksum of the seal.
 std::string with_seal_change(std::string file, std::size_t at, std::uint64_t value) {
   const std::size_t seal = file.size() - 64;
   std::memcpy(file.data() + seal + at, &value, sizeof value);

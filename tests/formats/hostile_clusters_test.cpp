@@ -7,7 +7,7 @@
 #include "tests/support/longer_table.h"
 #include "tests/support/memory_file.h"
 
-// Files with right checksums whose tables are larger than what readers keep of a cluster. The
+// Files with correct checksums whose tables are larger than readers can hold for a cluster. The
 // renderer once wrote past the end of arrays of 256 on its stack.
 namespace rhoray::formats {
 namespace {
@@ -18,7 +18,7 @@ void open_mesh(const std::string& bytes) {
 }
 
 TEST(HostileClusters, tables_of_more_than_256_vertices_are_refused) {
-  // The last table has 7 vertices; 400 are 25 times 64 bytes, and no byte of padding changes.
+  // The last table has 7 vertices. 400 more are 25 times 64 bytes, so no byte of padding changes.
   tests::expect_error(ErrorCode::invalid,
                       "f.rho, array 'cluster.offsets', cluster 2: found a table of 407 vertices; expected at most 256",
                       [] { open_mesh(tests::with_longer_table(RHORAY_RELEASED_FILES, 400)); });

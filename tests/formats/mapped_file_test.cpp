@@ -29,7 +29,7 @@ extern "C" void replace_or_die(int, siginfo_t* fault, void*) {
   if (!replace_lost_bytes(fault->si_addr)) ::_exit(99);
 }
 
-/// As a program does: the handler is in place for the length of one test.
+/// Like a program: the handler is installed for one test.
 class LostBytes : public testing::Test {
  protected:
   LostBytes() {
@@ -65,8 +65,8 @@ TEST_F(LostBytes, are_zeros_from_the_page_on_and_the_file_counts_as_damaged) {
   EXPECT_NO_THROW(require_no_lost_bytes()) << "it was told of before";
 }
 
-// The system raises a signal for whole pages only; behind the end inside a page it reads zeros. A
-// file that was cut there was packed with these zeros and exit code 0.
+// The system raises a signal for whole pages only; after the end of file inside a page it reads
+// zeros. A file that was cut there was once packed with these zeros and exit code 0.
 TEST_F(LostBytes, inside_the_last_page_are_known_by_the_size_of_the_file) {
   const MemoryFile file(std::string(2 * page, '\1')), other(std::string(2 * page, '\1'));
   const MappedFile mapped(file.descriptor(), 2 * page, "short.raw"), told(other.descriptor(), 2 * page, "told.raw");
@@ -95,14 +95,14 @@ TEST_F(LostBytes, are_told_of_once_and_also_after_the_mapping_is_gone) {
   file.resize(0);
   EXPECT_EQ(sum(mapped->bytes()), 0U);
   mapped.reset();
-  // may get its address
+  // may get the same address
   const MappedFile next(MemoryFile(std::string(page, '\1')).descriptor(), page, "next");
   EXPECT_NO_THROW(next.require_intact());
   expect_error(ErrorCode::invalid, "gone.nrrd: lost bytes", [] { require_no_lost_bytes(); });
   EXPECT_NO_THROW(require_no_lost_bytes());
 }
 
-/// What was computed from lost bytes gets no name.
+/// Results computed from lost bytes are never published.
 TEST_F(LostBytes, keep_a_pending_file_from_being_published) {
   const tests::TemporaryFolder folder;
   const MemoryFile file(std::string(page, '\1'));
@@ -127,7 +127,7 @@ TEST_F(LostBytes, are_replaced_for_many_threads_at_once) {
         }
         for (std::uint64_t p = 0; p < pages; ++p)
           EXPECT_LE(sum(mapped.bytes().subspan((p * 13 + first * 7) % pages * page, page)), page);
-        // Others are mapped and unmapped while handlers walk the list.
+        // Other files are mapped and unmapped while handlers walk the list.
         for (int i = 0; i < 20; ++i) const MappedFile passing(file.descriptor(), page, "passing");
       });
     go = true;
@@ -138,7 +138,7 @@ TEST_F(LostBytes, are_replaced_for_many_threads_at_once) {
   }
 }
 
-/// Only files that are registered are replaced.
+/// Only bytes of registered files are replaced.
 TEST_F(LostBytes, elsewhere_are_nobodys) {
   EXPECT_FALSE(replace_lost_bytes(nullptr));
   EXPECT_FALSE(replace_lost_bytes(&page));

@@ -16,7 +16,7 @@
 namespace rhoray {
 namespace {
 
-/// Lets each of `count` threads pass when all have come; false for one that waited in vain.
+/// Lets each of `count` threads pass once all have arrived; false for a thread that waited in vain.
 class Meeting {
  public:
   explicit Meeting(unsigned count) : missing_(count) {}
@@ -33,7 +33,7 @@ class Meeting {
   unsigned missing_;
 };
 
-/// Counts how many are inside at once.
+/// Counts how many threads are inside at the same time.
 class Crowd {
  public:
   void enter() {

@@ -41,8 +41,8 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// Runs act() in a child process, which ends without destructors, and returns its exit status; 99
-/// for an exception.
+/// Runs act() in a child process that ends without destructors, and returns its exit status; 99 for
+/// an exception.
 int in_child(const std::function<int()>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -92,8 +92,8 @@ TEST(PendingFile, what_is_replaced_hands_on_its_permissions_owner_and_group) {
   }
 }
 
-// A user who may not keep the group must not open to the new group what only the old one could
-// read.
+// If the user cannot keep the group, the new group must not gain access to what only the old group
+// could read.
 TEST(PendingFile, another_group_gets_only_what_all_others_have) {
   if (::geteuid() != 0) GTEST_SKIP() << "no right to become another user";
   const TemporaryFolder folder;
@@ -131,8 +131,8 @@ TEST(PendingFile, a_link_stays_a_link_also_with_a_temporary_name) {
   EXPECT_THAT(names_in(folder / "store"), ElementsAre("real"));
 }
 
-// Every call of the system that writing makes fails once: an old file is there again, a new one is
-// not.
+// Every system call for writing fails once: afterwards an old file exists again, and a new file
+// does not exist.
 TEST(PendingFile, whichever_call_fails_the_old_file_is_there_and_nothing_else) {
   std::set<std::string> failed;
   for (const bool anonymous : {true, false})
@@ -260,7 +260,7 @@ TEST(PendingFile, a_folder_that_cannot_be_written_is_out_of_resources_and_a_miss
 
 // ---- temporary names of killed processes --------------------------------------------------------
 
-/// A process that is killed while it has a temporary name.
+/// Kills a process while it has a temporary name.
 void leave_stale_name(const fs::path& target) {
   ASSERT_EQ(in_child([&] {
               PendingFile file(target, {.anonymous = false});
@@ -306,7 +306,7 @@ TEST(PendingFile, the_temporary_name_of_a_living_process_is_left_alone) {
   }
   char letter = 0;
   ASSERT_EQ(::read(ready[0], &letter, 1), 1);
-  write(folder / "b", "of the parent", {});  // the parent's first look into the folder
+  write(folder / "b", "of the parent", {});  // the parent's first access to the folder
   EXPECT_THAT(names_in(folder.path()), ElementsAre(HasSubstr(".partial"), "b"));
   ASSERT_EQ(::write(go[1], "x", 1), 1);
   int status = 0;

@@ -12,8 +12,8 @@
 #include "tests/support/packed_samples.h"
 #include "tests/support/temporary_folder.h"
 
-// What lets a ray pass cells by, against the samples, points and cells themselves: each kind of
-// file, each level of it.
+// Compares the data that let a ray skip cells with the samples, points and cells themselves: each
+// kind of file, and each level.
 
 namespace rhoray::formats {
 namespace {
@@ -65,7 +65,7 @@ std::string bytes_of(const TetSample& sample) {
   return memory.content();
 }
 
-/// Opened again from memory.
+/// Opens the file again from memory.
 template <class Data>
 Data opened(const std::string& file) {
   const tests::MemoryFile memory(file);
@@ -212,8 +212,8 @@ TEST(RangeProof, refuses_a_field_that_has_values_beyond_its_range_or_gaps_that_i
 }
 
 TEST(RangeProof, refuses_an_infinite_sample_that_is_denied) {
-  // Infinity is not below infinity: a range of all numbers contains it, and cells at it have no
-  // data all the same.
+  // Infinity is not below infinity: a range of all numbers contains it, and yet its cells have no
+  // data.
   MadeGrid spoilt = grid([](std::int64_t i, std::int64_t j, std::int64_t k) {
     return i == 5 && j == 5 && k == 5 ? std::numeric_limits<float>::infinity() : wavy(i, j, k);
   });
@@ -234,7 +234,7 @@ TEST(RangeProof, is_of_one_field_and_does_not_ask_about_others) {
 
 // ---- leaf lists ---------------------------------------------------------------------------------
 
-/// The leaf cell around a point, in the sample's lattice.
+/// The leaf cell that contains a point, in the sample's lattice.
 std::size_t leaf_around(const TetSample& sample, const Vec3& p) {
   const LeafLattice& lattice = sample.description.lattice;
   const Vec3 at = (p - lattice.low) / lattice.leaf_size;
@@ -250,8 +250,8 @@ TetSample without_item(TetSample sample, std::size_t item) {
   return sample;
 }
 
-// A cell left out of one list is not seen there. Deep checks once looked only at the leaf cell of
-// each centroid.
+// A cell that is missing in one list is not found there. Deep checks once tested only the leaf cell
+// of each centroid.
 TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_leaf_cell) {
   const TetSample sample = tests::sample_tets(2, {{"flat", [](const Vec3&) { return 1.0; }}}, {3, 4, 5}, {1, 1.5, 2});
   std::size_t taken_out = 0, not_sampled = 0;
@@ -259,7 +259,7 @@ TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_lea
     for (std::size_t item = sample.offsets[leaf]; item < sample.offsets[leaf + 1]; ++item) {
       const std::uint32_t* const cell = sample.cells.data() + 4 * std::size_t{sample.items[item]};
       bool is_inside = false;
-      constexpr int n = 12;  // inner points of the cell, by whole barycentric weights
+      constexpr int n = 12;  // inner points of the cell, with integer barycentric weights
       for (int a = 1; a < n && !is_inside; ++a)
         for (int b = 1; a + b < n && !is_inside; ++b)
           for (int c = 1; a + b + c < n && !is_inside; ++c) {
@@ -287,15 +287,15 @@ TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_lea
 }
 
 TEST(RangeProof, lets_lists_leave_out_cells_that_stay_clear) {
-  // Lists by bounding boxes name more cells than touch. Without those that are clear by a hundredth
-  // of a leaf cell the lists are still proven, so that it is touching that counts and not the box.
+  // Lists made from bounding boxes name more cells than touch. Lists without cells that are at
+  // least a hundredth of a leaf cell away must still pass: the criterion is touching, not the box.
   const TetSample sample = tests::sample_tets(1, {{"flat", [](const Vec3&) { return 1.0; }}}, {4, 4, 4});
   std::size_t left_out = 0;
   for (std::size_t leaf = 0; leaf + 1 < sample.offsets.size(); ++leaf) {
     const Index3 at(static_cast<std::int64_t>(leaf % 4), static_cast<std::int64_t>(leaf / 4 % 4),
                     static_cast<std::int64_t>(leaf / 16));
     for (std::size_t item = sample.offsets[leaf]; item < sample.offsets[leaf + 1]; ++item) {
-      // Cell n of a brick is where coordinates fall in the order of its axes
+      // Cell n of a brick is where the coordinates decrease in the order of its axes
       // (tests/support/packed_samples.h).
       constexpr std::array<std::array<int, 3>, 6> paths{
           {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};

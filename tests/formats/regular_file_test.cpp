@@ -12,7 +12,7 @@ namespace {
 
 using tests::expect_error;
 
-/// Opening a pipe that nobody writes into would wait for ever.
+/// Opening a pipe without a writer would block for ever.
 TEST(RegularFile, refuses_what_is_no_file_at_once) {
   const tests::TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);

@@ -6,7 +6,7 @@
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 
-// Files that released versions wrote. They stay here for ever, and every later version opens them.
+// Files written by released versions. They stay here for ever, and every later version opens them.
 namespace rhoray::formats {
 namespace {
 

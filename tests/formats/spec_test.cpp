@@ -15,13 +15,13 @@
 #include "tests/support/resealed.h"
 #include "tests/support/temporary_folder.h"
 
-// SPEC.md and the code say the same: the bytes that it prints are what the writer makes today.
+// SPEC.md and the code agree: the printed bytes are those that the writer makes today.
 namespace rhoray::formats {
 namespace {
 
 using tests::MemoryFile;
 
-/// The text between a fence that opens with ```<language> and the next one.
+/// The text between a fence that opens with ```<language> and the next fence.
 std::string code_block(const std::string& markdown, const std::string& language) {
   const std::string fence = "\n```" + language + "\n";
   const std::size_t start = markdown.find(fence);
@@ -30,7 +30,7 @@ std::string code_block(const std::string& markdown, const std::string& language)
   return markdown.substr(first, markdown.find("```", first) - first);
 }
 
-/// As `hexdump -C`: sixteen bytes a line, equal lines shown once and then as a star.
+/// Like `hexdump -C`: sixteen bytes a line; repeated lines are replaced by a star.
 std::string dump(const std::string& bytes) {
   std::string text, previous;
   bool starred = false;
@@ -59,7 +59,7 @@ std::string dump(const std::string& bytes) {
   return text + part;
 }
 
-/// The bytes that such a text stands for.
+/// The bytes that such a text represents.
 std::string undump(const std::string& text) {
   std::istringstream lines(text);
   std::string bytes, line;
@@ -85,8 +85,7 @@ std::string spec() {
   return tests::read_file(RHORAY_SPEC_FILE);
 }
 
-/// The grid that SPEC.md describes in words: 2 x 2 x 2 samples i + 10 j + 100 k in the linear
-/// layout.
+/// The grid described in SPEC.md: 2 x 2 x 2 samples i + 10 j + 100 k in the linear layout.
 std::string example_written_now() {
   const auto grid = tests::sample_grid<std::uint8_t>(
       BrickLayout::linear({2, 2, 2}),
@@ -112,7 +111,7 @@ TEST(Spec, example_is_read_as_the_text_says) {
   EXPECT_THAT(deep_findings(grid), testing::IsEmpty());
 }
 
-/// The surface that SPEC.md describes in words: one triangle.
+/// The surface described in SPEC.md: one triangle.
 std::string surface_written_now() {
   const SurfaceMeshDescription description{.length_unit = "mm",
                                            .point_type = ElementType::F32,
@@ -148,7 +147,8 @@ TEST(Spec, checksums_of_the_example_follow_from_the_text_alone) {
   EXPECT_EQ(tests::seal_again(tests::open_envelope(bytes)), bytes);
 }
 
-/// What python with numpy prints for these lines, run in the folder; empty where there is none.
+/// Output of Python with numpy for these lines, run in the folder; empty if there is no Python with
+/// numpy.
 std::string output_of_python(const std::filesystem::path& folder, const std::string& lines) {
   std::string python;
   for (const std::string& candidate : {std::string("python3"), std::string("/usr/bin/python3")})
@@ -175,7 +175,7 @@ TEST(Spec, its_lines_of_numpy_read_an_array) {
 }
 
 TEST(Spec, its_lines_of_numpy_read_a_sparse_grid_and_its_axes) {
-  // Along x two bricks and a half; the middle one has no data.
+  // Two and a half bricks along x; the middle one has no data.
   const tests::MadeGrid grid = tests::made_grid(
       {.sample_count = {5, 2, 3}, .brick_edge = 2, .is_sparse = true, .axes = {{{0, 1, 4, 9, 16}, {}, {}}}},
       {{"density", [](std::int64_t i, std::int64_t j, std::int64_t k) {

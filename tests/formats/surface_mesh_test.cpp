@@ -110,7 +110,7 @@ TEST(SurfaceMesh, refuses_a_file_that_ends_too_soon) {
     expect_error(ErrorCode::invalid, "a.rho", [&] { opened(bytes.substr(0, size)); });
 }
 
-/// With valid checksums around changed content.
+/// Changes content and recomputes valid checksums.
 void expect_refusal(const std::string& from, const std::string& to, const std::string& words) {
   tests::Envelope parts = tests::open_envelope(Made().bytes());
   const std::size_t at = parts.json.find(from);

@@ -80,11 +80,11 @@ TEST(TetMesh, ids_of_the_source_are_kept_where_cells_were_dropped) {
   EXPECT_THAT(deep_findings(mesh), testing::IsEmpty());
 }
 
-/// The small mesh with its cells and points in another order than the source's.
+/// The small mesh with cells and points in a different order from the source.
 TetSample reordered_mesh() {
   TetSample sample = small_mesh();
   sample.description.in_source_order = false;
-  // six cut from one
+  // six cells were cut from one
   for (std::uint32_t c = 0; c < 48; ++c) sample.cell_ids.push_back((c * 5 + 1) % 48 / 6);
   for (std::uint32_t p = 0; p < 27; ++p) sample.point_ranks.push_back((p * 4 + 3) % 27);
   return sample;
@@ -191,7 +191,7 @@ TEST(TetMesh, refuses_clusters_that_a_hot_loop_could_not_survive) {
   });
 }
 
-// The same where the scan is cut into pieces for several threads.
+// The same with a scan that is divided between several threads.
 TEST(TetMesh, names_the_first_bad_element_of_large_arrays) {
   constexpr std::uint64_t cells = 600'000;
   for (const std::uint64_t bad : {std::uint64_t{0}, std::uint64_t{1'234'567}, 4 * cells - 1}) {

@@ -54,7 +54,8 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// Runs act() in a child process and returns its exit status; an exception that leaves it is 99.
+/// Runs act() in a child process and returns its exit status; 99 for an exception that leaves
+/// act().
 int in_child(const std::function<int()>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -234,8 +235,8 @@ TEST(PackedFileWriter, a_limit_on_file_size_leaves_the_old_file_and_nothing_else
   EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.rho"));
 }
 
-// Space that was reserved and is refused later all the same: the write that crosses the limit comes
-// back short first.
+// Space is reserved, but writing fails later all the same: the write that crosses the limit first
+// returns fewer bytes.
 TEST(PackedFileWriter, a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1);
@@ -275,8 +276,8 @@ TEST(PackedFileWriter, a_full_disk_is_met_before_the_work_and_leaves_nothing) {
   EXPECT_EQ(code, 0);
 }
 
-// The child writes the same content again and again in small pieces; it is killed at moments that
-// differ, counted from its first piece.
+// The child writes the same content repeatedly in small pieces. It is killed at different moments,
+// counted from its first piece.
 TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a_complete_second_name) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1, false, 200'000);
@@ -310,7 +311,7 @@ TEST(PackedFileWriter, a_kill_while_writing_leaves_a_complete_file_and_at_most_a
     EXPECT_LE(names.size(), 2U);
     for (const std::string& name : names) {
       EXPECT_EQ(value_in(folder / name), 1) << "only a complete file may have a second name for a moment";
-      // here; a new process does it itself (pending_file_test.cpp)
+      // removed here; a new process does this itself (pending_file_test.cpp)
       if (name != "a.rho") fs::remove(folder / name);
     }
   }

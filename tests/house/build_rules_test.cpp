@@ -12,7 +12,7 @@
 namespace rhoray::tests {
 namespace {
 
-/// The own source files in the compilation database whose command breaks a rule, with the rule.
+/// Our source files in the compilation database whose command breaks a rule, with the rule.
 std::vector<std::string> breaches_of_flags(const nlohmann::json& database, const std::string& source_dir) {
   std::vector<std::string> found;
   for (const nlohmann::json& entry : database) {
@@ -51,7 +51,7 @@ TEST(House, compiles_every_own_source_with_one_set_of_warnings_and_one_arithmeti
 }
 
 TEST(House, links_tetgen_and_cgals_number_types_into_the_worker_only) {
-  // GMP itself, under the LGPL, is also render/exact's
+  // GMP itself, under the LGPL, is also used by render/exact
   const std::regex viral("libtet|libmpfr|libCGAL");
   const auto libraries = [](const char* program) { return run_program({"ldd", program}).out; };
   EXPECT_TRUE(std::regex_search(libraries(RHORAY_TETGEN_WORKER), viral)) << "is this still how the worker is linked?";

@@ -1,4 +1,4 @@
-// .ci/count_tests, on results that are written here.
+// .ci/count_tests, on results that this test writes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

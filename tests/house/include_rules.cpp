@@ -16,7 +16,7 @@ namespace {
 
 using Paths = std::vector<std::string_view>;
 
-/// What a room, or a folder inside a room, may include beside itself.
+/// What a room, or a folder inside a room, may include besides itself.
 struct Layer {
   std::string_view place;
   Paths may_see;
@@ -28,9 +28,9 @@ const Layer rooms[] = {{"formats", {}},
                        {"tools", {"preprocess", "render", "formats"}},
                        {"tests", {"tools", "data", "preprocess", "render", "formats"}}};
 
-/// From the lowest layer to the highest. A place is a folder without its subfolders, or a single
-/// file; "formats" stands for its public headers. What stands directly in a room may include all of
-/// the room. A folder that is missing here is refused.
+/// From the lowest layer to the highest. `place` is a folder without its subfolders, or a single
+/// file; "formats" means its public headers. Files directly in a room's folder may include all of
+/// the room. A folder that is not listed is refused.
 const Layer layers[] = {
     {"render/traverse", {"formats/base"}},
     {"render/cell", {"formats/base", "render/traverse"}},
@@ -90,7 +90,7 @@ const Layer layers[] = {
     {"preprocess/workers/vdb",
      {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/numbers.h"}}};
 
-/// Which folders include a third-party library. `header` is a pattern for the text between the
+/// The folders that include a third-party library. `header` is a pattern for the text between the
 /// brackets.
 struct Library {
   std::string_view name;
@@ -127,10 +127,10 @@ const std::regex system_header(
     "(sys/\\w+|linux/"
     "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
-/// Headers that the build writes; they stand in no room.
+/// Headers that the build generates; they are in no room.
 const std::string_view generated_headers[] = {"rhoray_commit.h"};
 
-/// True when `path` is `place` or lies in it.
+/// True when `path` is `place` or lies inside it.
 bool is_in(std::string_view path, std::string_view place) {
   return path == place || (path.starts_with(place) && path[place.size()] == '/');
 }
@@ -157,7 +157,7 @@ const Layer* find(std::span<const Layer> list, std::string_view place) {
   return nullptr;
 }
 
-/// True when a layer may see a header: the file itself is named, or its folder.
+/// True when a layer may see a header: the list names the file or its folder.
 bool sees(const Layer& layer, std::string_view header) {
   const std::string_view folder = folder_of(header);
   if (folder == layer.place) return true;
@@ -245,7 +245,7 @@ std::string unit_of(const std::string& file) {
   return file.substr(0, file.rfind('.'));
 }
 
-/// Tarjan's algorithm: sets of units each of which reaches all others (SIAM J. Comput. 1(2), 1972).
+/// Tarjan's algorithm: finds the strongly connected sets of units (SIAM J. Comput. 1(2), 1972).
 class CircleSearch {
  public:
   explicit CircleSearch(const std::map<std::string, std::set<std::string>>& includes) : includes_(includes) {}

@@ -6,9 +6,9 @@
 
 namespace rhoray::tests {
 
-/// An #include that the layers do not allow, or that names no file of the tree.
+/// An #include that the layers do not allow, or that does not name a file of the tree.
 struct Breach {
-  std::string file;  ///< from the root
+  std::string file;  ///< path from the root
   int line = 0;
   std::string include;  ///< as written, with its brackets or quotes
   std::string rule;     ///< "rooms", "public headers", "layers", "third-party" or "names"
@@ -16,15 +16,15 @@ struct Breach {
 
 /// Reads the includes of every source file below `root` and checks five rules.
 ///
-/// Rooms: a room includes rooms below it, never above or beside it. Public headers: a room sees
-/// only the headers that stand directly in another room, and formats/base; tests see all. Layers:
-/// inside a room each folder includes only the folders that it may see. Third-party: only named
-/// folders include the headers of a library; an unknown header is refused. Names: an include in
-/// quotes is written from the root and names a file.
+/// Rooms (top-level folders): a room includes rooms below it, never above or beside it. Public
+/// headers: a room sees only headers directly in another room's folder, and formats/base; tests see
+/// all. Layers: inside a room, each folder includes only the folders that it may see. Third-party:
+/// only the named folders include the headers of a library; an unknown header is refused. Names: an
+/// include in quotes is written from the root and names an existing file.
 std::vector<Breach> breaches(const std::filesystem::path& root);
 
-/// Units that include each other in a circle. A unit is a header together with its source file.
-/// Each circle is one line: the units in order of name, separated by spaces.
+/// Finds units that include each other in a cycle. A unit is a header together with its source
+/// file. Each cycle is one line: the units in order of name, separated by spaces.
 std::vector<std::string> circles(const std::filesystem::path& root);
 
 }  // namespace rhoray::tests

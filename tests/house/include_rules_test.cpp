@@ -13,7 +13,7 @@ void PrintTo(const Breach& breach, std::ostream* out) {
 
 namespace {
 
-/// A small house in which every include is allowed.
+/// A small source tree in which every include is allowed.
 class PlantedHouse {
  public:
   PlantedHouse() {

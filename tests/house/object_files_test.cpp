@@ -1,4 +1,4 @@
-// What the sources that are compiled once per machine leave in their object files.
+// Checks the object files of sources that are compiled once per machine type.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,8 +21,7 @@ std::vector<std::filesystem::path> render_objects() {
   return found;
 }
 
-/// Functions of which the linker keeps one of several copies, by their names as the linker sees
-/// them.
+/// Functions for which the linker keeps one of several copies, by their linker names.
 std::set<std::string> weak_functions(const std::filesystem::path& object) {
   const RunResult listed = run_program({"nm", "--defined-only", object});
   EXPECT_EQ(listed.exit_code, 0) << listed.err;
@@ -39,7 +38,7 @@ struct Disassembled {
   std::size_t function_count = 0;
 };
 
-/// Which functions use instructions or registers that only machines with AVX have.
+/// Functions that use instructions or registers that only machines with AVX have.
 Disassembled disassembled(const std::filesystem::path& object) {
   const RunResult listed = run_program({"objdump", "-d", "--no-show-raw-insn", object});
   EXPECT_EQ(listed.exit_code, 0) << listed.err;
@@ -69,7 +68,7 @@ TEST(ObjectFiles, of_render_hold_no_code_for_one_machine_that_another_may_be_giv
     const Disassembled code = disassembled(object);
     functions_with_avx += code.with_avx.size();
     for (const std::string& function : code.with_avx) {
-      // its name says for which
+      // its name contains the machine type
       const bool is_of_one_machine = function.find("N_AVX") != function.npos;
       EXPECT_TRUE(is_of_one_machine || !weak.contains(function)) << object << ": " << function;
     }

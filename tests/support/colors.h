@@ -8,9 +8,9 @@
 
 namespace rhoray::tests {
 
-/// Colours given by their positions in the lattice. Do not copy the result: its span would look
-/// into the original.
-/// @param texel  red, green, blue and alpha, of which the first component_count are kept
+/// Colours given by a function of their lattice index. Do not copy the result: its span would refer
+/// to the original.
+/// @param texel  red, green, blue and alpha; the first component_count are kept
 inline preprocess::NeutralVolume colors_of(const Index3& count, int component_count,
                                            const std::function<std::array<std::uint8_t, 4>(const Index3&)>& texel,
                                            const Affine& world_from_grid = {}) {
@@ -31,7 +31,7 @@ inline preprocess::NeutralVolume colors_of(const Index3& count, int component_co
   return made;
 }
 
-/// Colours that differ everywhere in small lattices and say where they stand.
+/// Colours that are unique in small lattices and encode their index.
 inline std::array<std::uint8_t, 4> telling_texel(const Index3& at) {
   return {static_cast<std::uint8_t>(at.x + 1), static_cast<std::uint8_t>(100 + at.y),
           static_cast<std::uint8_t>(200 + at.z), static_cast<std::uint8_t>(17 * at.x)};

@@ -12,7 +12,7 @@
 
 namespace rhoray::tests {
 
-/// Six times the volume, positive in VTK's vertex order.
+/// Six times the volume; positive in VTK's vertex order.
 inline double volume6(const preprocess::NeutralMesh& mesh, const std::array<std::uint64_t, 4>& cell) {
   std::array<std::array<double, 3>, 3> u;
   for (std::size_t i = 0; i < 3; ++i)
@@ -22,27 +22,27 @@ inline double volume6(const preprocess::NeutralMesh& mesh, const std::array<std:
          u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
 }
 
-/// The signed volumes of all tetrahedra together: inverted ones count against the others.
+/// Sum of the signed volumes of all tetrahedra: inverted ones are subtracted.
 inline double mesh_volume(const preprocess::NeutralMesh& mesh) {
   double sum = 0;
   for (const auto& cell : mesh.cells) sum += volume6(mesh, cell) / 6;
   return sum;
 }
 
-/// How the tetrahedra of a mesh share their faces.
+/// Counts how the tetrahedra of a mesh share their faces.
 struct FaceCensus {
-  std::uint64_t inner = 0;  ///< shared by two that see it from two sides
-  /// shared by two that see it from the same side: one of them is inverted or misplaced
+  std::uint64_t inner = 0;  ///< shared by two, one on each side
+  /// shared by two on the same side: one of them is inverted or misplaced
   std::uint64_t one_side = 0;
   std::uint64_t crowded = 0;  ///< shared by more than two
-  /// of one tetrahedron only; seen from outside, sorted
+  /// of one tetrahedron only; sorted, counter-clockwise seen from outside
   std::vector<std::array<std::uint64_t, 3>> outer;
 };
 
 inline FaceCensus census_of_faces(const preprocess::NeutralMesh& mesh) {
   struct Face {
     std::array<std::uint64_t, 3> points;
-    bool is_even;  ///< whether sorting the points took an even number of exchanges
+    bool is_even;  ///< sorting the points took an even number of exchanges
   };
   std::vector<Face> faces;
   faces.reserve(4 * mesh.cells.size());
@@ -73,9 +73,9 @@ inline FaceCensus census_of_faces(const preprocess::NeutralMesh& mesh) {
   return census;
 }
 
-/// Whether every face is shared by two tetrahedra, one on each side, or lies outside:
-/// `is_outside(a, b, c)` says which triangles, given by their points, may do so. So a face that two
-/// neighbours cut differently is found.
+/// Checks that every face is shared by two tetrahedra, one on each side, or lies outside.
+/// `is_outside(a, b, c)` says which triangles, given by their points, may lie outside. So it finds
+/// a face that two neighbours cut differently.
 template <class IsOutside>
 testing::AssertionResult conforms(const preprocess::NeutralMesh& mesh, IsOutside&& is_outside) {
   const FaceCensus census = census_of_faces(mesh);
@@ -90,7 +90,7 @@ testing::AssertionResult conforms(const preprocess::NeutralMesh& mesh, IsOutside
   return testing::AssertionSuccess();
 }
 
-/// As above, for a mesh that fills a box, up to rounding.
+/// The same for a mesh that fills a box, up to rounding.
 inline testing::AssertionResult conforms_in_box(const preprocess::NeutralMesh& mesh, const std::array<double, 3>& low,
                                                 const std::array<double, 3>& high) {
   using Point = std::array<double, 3>;

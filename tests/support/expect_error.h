@@ -9,7 +9,7 @@
 
 namespace rhoray::tests {
 
-/// Expects that act() throws an Error of this kind whose sentence contains `words`.
+/// Expects that act() throws an Error with this code whose message contains `words`.
 template <class Act>
 void expect_error(ErrorCode error_code, const std::string& words, Act&& act) {
   try {

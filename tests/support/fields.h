@@ -19,7 +19,7 @@ namespace rhoray::tests {
 /// A field whose value is known everywhere, in world coordinates.
 using Field = std::function<double(const Vec3&)>;
 
-/// offset + slope . p: trilinear and tetrahedral interpolation both repeat it up to rounding.
+/// offset + slope . p: trilinear and tetrahedral interpolation both reproduce it up to rounding.
 inline Field linear_field(const Vec3& slope, double offset = 0) {
   return [=](const Vec3& p) { return offset + slope.dot(p); };
 }
@@ -44,7 +44,7 @@ inline Field marschner_lobb_field(double frequency = 6, double alpha = 0.25) {
   };
 }
 
-/// The lattice of `count` samples whose first and last sample stand in opposite corners of the box.
+/// A lattice of `count` samples whose first and last sample are at opposite corners of the box.
 inline Affine lattice_over(const Box3& box, const Index3& count) {
   Affine map;
   map.x_axis = {(box.max.x - box.min.x) / static_cast<double>(count.x - 1), 0, 0};
@@ -54,8 +54,8 @@ inline Affine lattice_over(const Box3& box, const Index3& count) {
   return map;
 }
 
-/// A volume of samples of type T given by their positions in the lattice. Do not copy the result:
-/// its span would look into the original.
+/// A volume of samples of type T given by a function of their lattice index. Do not copy the
+/// result: its span would refer to the original.
 template <class T>
 preprocess::NeutralVolume volume_of(const Index3& count, const std::function<T(const Index3&)>& sample,
                                     const Affine& world_from_grid = {}) {
@@ -76,7 +76,7 @@ preprocess::NeutralVolume volume_of(const Index3& count, const std::function<T(c
   return made;
 }
 
-/// A volume that samples a field in world coordinates; integer types round to the nearest.
+/// A volume that samples a field in world coordinates; integer types round to nearest.
 template <class T>
 preprocess::NeutralVolume sampled_volume(const Index3& count, const Affine& world_from_grid, const Field& field) {
   return volume_of<T>(

@@ -15,7 +15,7 @@ struct HostFloatingPoint {
   bool flushes_operands = false;  ///< DAZ: denormal operands count as zero
 };
 
-/// All but the default one.
+/// All environments except the default one.
 inline std::span<const HostFloatingPoint> host_environments() {
   static constexpr std::array environments {
 #if defined(__x86_64__)
@@ -33,7 +33,7 @@ inline std::span<const HostFloatingPoint> host_environments() {
   return environments;
 }
 
-/// Sets an environment for the calling thread as long as it lives.
+/// Sets an environment for the calling thread while it lives.
 class InHostFloatingPoint {
  public:
   explicit InHostFloatingPoint(const HostFloatingPoint& set) : set_(set) {
@@ -51,7 +51,7 @@ class InHostFloatingPoint {
     std::fesetenv(&before_);
   }
 
-  /// Whether the thread is still in it.
+  /// True if the thread still has this environment.
   bool is_kept() const {
 #if defined(__x86_64__)
     const unsigned word = __builtin_ia32_stmxcsr();

@@ -11,7 +11,7 @@
 
 namespace rhoray::tests {
 
-/// The released mesh with clusters; its last table has `added` further vertices, all of them the
+/// The released mesh with clusters; its last table has `added` more vertices, all equal to the
 /// first point.
 /// @param added  a multiple of 16, so that no byte of padding changes
 inline std::string with_longer_table(const std::filesystem::path& released_files, std::uint64_t added) {

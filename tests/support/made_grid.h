@@ -17,7 +17,7 @@
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
 
-/// Grids with all that version 1.1 knows, array by array, so that a test can also spoil one.
+/// Grids with all features of version 1.1, array by array, so that a test can also corrupt one.
 namespace rhoray::tests {
 
 template <class T>
@@ -58,7 +58,7 @@ inline formats::BrickGrid opened(const std::string& file) {
   return formats::BrickGrid(formats::PackedFile::from_descriptor(memory.descriptor(), "g.rho"));
 }
 
-/// Brick b of `samples`, which lie brick by brick, with NaN in the place of padding; true when it
+/// Extracts brick b of `samples`, which are stored brick by brick, with NaN as padding. True if it
 /// holds data.
 inline bool take_brick(const MadeGridChoice& choice, const std::vector<float>& samples, std::int64_t b,
                        std::vector<float>& brick) {
@@ -77,7 +77,7 @@ inline bool take_brick(const MadeGridChoice& choice, const std::vector<float>& s
   return holds_data;
 }
 
-/// Fields of F32 in bricks without superbricks; a sparse grid keeps those in which a field has
+/// Fields of F32 in bricks without superbricks. A sparse grid keeps the bricks in which a field has
 /// data, last one first.
 inline MadeGrid made_grid(const MadeGridChoice& choice, const std::vector<MadeField>& fields) {
   MadeGrid made;

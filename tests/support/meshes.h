@@ -37,15 +37,15 @@ inline void add_point_field(preprocess::NeutralMesh& mesh, const std::string& na
 struct BoxMesh {
   Index3 cells{4, 4, 4};  ///< cubes per axis; each becomes six tetrahedra
   Box3 box{{0, 0, 0}, {1, 1, 1}};
-  /// points inside move by up to this share of a cube's edge; up to 0.15 no cell turns over
+  /// inner points move by up to this share of a cube's edge; up to 0.15 no cell is inverted
   double jitter = 0;
-  /// last cube's edge over the first one's on every axis; volumes differ by its cube
+  /// last cube's edge over the first one's on every axis; volumes differ by its third power
   double grading = 1;
   std::uint64_t seed = 1;
 };
 
-/// A conforming mesh of a box: every cube cut into six tetrahedra about its diagonal (Kuhn). All
-/// cells are positive.
+/// A conforming mesh of a box: every cube is cut into six tetrahedra around its diagonal (Kuhn).
+/// All cells are positive.
 inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted) {
   preprocess::NeutralMesh mesh;
   const Index3 n = wanted.cells;
@@ -79,7 +79,7 @@ inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted) {
     for (std::int64_t j = 0; j < n.y; ++j)
       for (std::int64_t i = 0; i < n.x; ++i) {
         std::array<std::size_t, 3> axes{0, 1, 2};
-        do {  // one tetrahedron for each way from corner 000 to corner 111 along the cube's edges
+        do {  // one tetrahedron for each path from corner 000 to corner 111 along the cube's edges
           std::array<std::int64_t, 3> at{i, j, k};
           std::array<std::uint64_t, 4> cell{point_at(at)};
           for (std::size_t step = 0; step < 3; ++step) {
@@ -94,16 +94,16 @@ inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted) {
   return mesh;
 }
 
-/// As above, with a point field "value" that samples `field`.
+/// The same with a point field "value" that samples `field`.
 inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted, const Field& field, bool single_precision = false) {
   preprocess::NeutralMesh mesh = box_mesh(wanted);
   add_point_field(mesh, "value", field, single_precision);
   return mesh;
 }
 
-/// Tetrahedra strewn over the unit cube, not connected: vertices within `size` of a random place,
-/// and squeezed to `flatness` of that along a random direction (1 = round, 1e-9 = slivers, 0 = flat
-/// up to rounding).
+/// Disconnected tetrahedra scattered over the unit cube. Their vertices are within `size` of a
+/// random position, squeezed to `flatness` of that along a random direction (1 = round, 1e-9 =
+/// slivers, 0 = flat up to rounding).
 inline preprocess::NeutralMesh strewn_mesh(std::size_t count, double size, double flatness, std::uint64_t seed) {
   preprocess::NeutralMesh mesh;
   std::mt19937_64 random(seed);

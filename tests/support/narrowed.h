@@ -8,19 +8,19 @@
 #include "tests/support/memory_file.h"
 #include "tests/support/resealed.h"
 
-/// Packed files whose stored ranges and boxes claim less than is true, under valid checksums.
+/// Packed files with valid checksums whose stored ranges and boxes are too narrow.
 namespace rhoray::tests {
 
-/// How an array holds intervals: `step` lowest numbers, then the `step` highest of the same
+/// Storage of intervals in an array: `step` lower bounds, then the `step` upper bounds of the same
 /// intervals, and so on.
 enum class IntervalStep : std::size_t {
   macro_levels = 1,    ///< "macro.1", "range.0.1" over leaf cells: [lo, hi] each
   cluster_ranges = 8,  ///< "range.0.1" over clusters: eight lo, eight hi
-  cluster_boxes = 24,  ///< "cluster.boxes.1": eight lo of x, y and z, then the same of hi
+  cluster_boxes = 24,  ///< "cluster.boxes.1": eight lo of x, y and z, then the same for hi
 };
 
-/// The file with intervals of an array narrowed to their lowest value: the first one that is
-/// longer, or all.
+/// The file with intervals of an array narrowed to their lowest value: the first non-empty one, or
+/// all.
 inline std::string narrowed(const std::string& file, const std::string& array, IntervalStep pairs, bool all = false) {
   const MemoryFile memory(file);
   const auto packed = formats::PackedFile::from_descriptor(memory.descriptor(), "narrowed.rho");

@@ -14,8 +14,8 @@
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 
-/// Small packed files with known content, made the plain way: by loops over all cells, with nothing
-/// of `preprocess`.
+/// Small packed files with known content, made in the simplest way: by loops over all cells,
+/// without any code of `preprocess`.
 namespace rhoray::tests {
 
 struct MacroChoice {
@@ -23,7 +23,7 @@ struct MacroChoice {
   int level_count = 2;
 };
 
-/// Range, count without data and a histogram of 16 bins.
+/// Range, number of values without data, and a histogram of 16 bins.
 template <class T>
 formats::FieldSummary summarize(std::string name, std::span<const T> values) {
   formats::FieldSummary field;
@@ -81,7 +81,7 @@ struct GridSample {
   }
 };
 
-/// A grid of value(i, j, k), one world unit between samples.
+/// A grid of value(i, j, k), with one world unit between samples.
 template <class T>
 GridSample<T> sample_grid(const formats::BrickLayout& layout,
                           const std::function<T(std::int64_t, std::int64_t, std::int64_t)>& value,
@@ -108,7 +108,7 @@ GridSample<T> sample_grid(const formats::BrickLayout& layout,
       for (std::int64_t i = 0; i < padded.x; ++i)
         grid.samples[tables.address(i, j, k)] = at(std::min(i, n.x - 1), std::min(j, n.y - 1), std::min(k, n.z - 1));
 
-  std::vector<T> leaves;  // level 0, not kept in a grid's file
+  std::vector<T> leaves;  // level 0, not stored in a grid's file
   for (std::int64_t k = 0; k + 1 < n.z; ++k)
     for (std::int64_t j = 0; j + 1 < n.y; ++j)
       for (std::int64_t i = 0; i + 1 < n.x; ++i) {
@@ -134,7 +134,7 @@ formats::BrickGrid packed(const GridSample<T>& grid, const std::filesystem::path
   return formats::BrickGrid(formats::PackedFile::open(path));
 }
 
-/// Clusters of cells, as arrays of a file; ranges as TetSample has them.
+/// Clusters of cells, as arrays of a file; ranges are in TetSample.
 struct ClusterSample {
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> vertices;
@@ -146,14 +146,14 @@ struct TetSample {
   formats::TetMeshDescription description;
   std::vector<double> points;
   std::vector<std::uint32_t> cells;
-  std::vector<std::uint32_t> cell_ids;     ///< written where not empty
-  std::vector<std::uint32_t> point_ranks;  ///< likewise
+  std::vector<std::uint32_t> cell_ids;     ///< written if not empty
+  std::vector<std::uint32_t> point_ranks;  ///< written if not empty
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> items;
   std::vector<std::vector<float>> values;  ///< per field, at points
   /// per field: leaf cells, level 1, ...; or clusters, ...
   std::vector<std::vector<std::vector<float>>> ranges;
-  ClusterSample clusters;  ///< where the description has them: instead of lists
+  ClusterSample clusters;  ///< used instead of lists if the description has clusters
 
   formats::PackedFileWriter& write_into(formats::PackedFileWriter& writer) const {
     writer.write_all("points", std::span<const double>(points));
@@ -185,7 +185,7 @@ struct NamedField {
 };
 
 /// The box from (0, 0, 0) to `size`: edge^3 bricks, each of six tetrahedra around its diagonal,
-/// with fields taken at the points. Leaf lists hold every tetrahedron whose bounding box touches
+/// with fields sampled at the points. Leaf lists hold every tetrahedron whose bounding box touches
 /// the leaf cell.
 inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& fields, const Index3& leaf_count,
                              const Vec3& size = {1, 1, 1}, const MacroChoice& macro = {}) {
@@ -197,7 +197,7 @@ inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& f
         const Vec3 p = Vec3(Index3(i, j, k)) / static_cast<double>(edge) * size;
         mesh.points.insert(mesh.points.end(), {p.x, p.y, p.z});
       }
-  // From corner 000 to 111 along three edges; the order of the axes tells the orientation.
+  // From corner 000 to 111 along three edges; the order of the axes gives the orientation.
   constexpr std::array<std::array<int, 3>, 6> paths{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};
   const std::array<std::int64_t, 3> step{1, side, side * side};
   for (std::int64_t k = 0; k < edge; ++k)
@@ -261,9 +261,9 @@ inline TetSample sample_tets(std::int64_t edge, const std::vector<NamedField>& f
   return mesh;
 }
 
-/// Entries of a tree of eights, each made of intervals per channel: 3 of a box, 1 of a field's
-/// range. As arrays of a file, [level][block][lo, hi][channel][entry], with empty entries up to the
-/// next multiple of eight.
+/// Entries of an octal tree, each with intervals per channel: 3 for a box, 1 for a field's range.
+/// Returned as arrays of a file, [level][block][lo, hi][channel][entry], with empty entries up to
+/// the next multiple of eight.
 inline std::vector<std::vector<float>> tree_of_eights(std::vector<std::vector<Interval<float>>> entries) {
   std::vector<std::vector<float>> levels;
   for (;;) {
@@ -285,7 +285,8 @@ inline std::vector<std::vector<float>> tree_of_eights(std::vector<std::vector<In
   }
 }
 
-/// The same mesh with clusters of `size` cells instead of leaf lists; coordinates that floats hold.
+/// The same mesh with clusters of `size` cells instead of leaf lists. Its coordinates must be exact
+/// in floats.
 inline TetSample clustered(TetSample mesh, std::uint64_t size) {
   formats::TetMeshDescription& d = mesh.description;
   d.leaf_item_count = 0;

@@ -8,12 +8,12 @@
 #include <string>
 #include <string_view>
 
-/// Packed files with valid checksums around changed content: what somebody writes who means harm.
-/// Follows SPEC.md with its own code, so that it also checks ours.
+/// Packed files with valid checksums around changed content, as an attacker would write them.
+/// Follows SPEC.md with independent code, so that it also checks ours.
 namespace rhoray::tests {
 
 struct Envelope {
-  std::string json;  ///< without the spaces behind it
+  std::string json;  ///< without the trailing spaces
   std::string data;  ///< the data area before "_sum"
 };
 
@@ -59,8 +59,8 @@ inline std::string seal_again(const Envelope& parts) {
   return header + parts.data + sums + seal;
 }
 
-/// A file whose header text has `from` replaced by `to`, sealed again. Throws when `from` is not
-/// there, so that a test does not go on testing an unchanged file.
+/// A file with `from` replaced by `to` in its header text, sealed again. Throws when `from` is
+/// missing, so that a test never runs on an unchanged file.
 inline std::string with_header_change(const std::string& file, std::string_view from, std::string_view to) {
   Envelope parts = open_envelope(file);
   const std::size_t at = parts.json.find(from);
@@ -69,20 +69,20 @@ inline std::string with_header_change(const std::string& file, std::string_view 
   return seal_again(parts);
 }
 
-/// A file with `bytes` at a position of its data area, sealed again.
+/// A file with `bytes` written at an offset of its data area, sealed again.
 inline std::string with_data_change(const std::string& file, std::uint64_t at, std::string_view bytes) {
   Envelope parts = open_envelope(file);
   parts.data.replace(at, bytes.size(), bytes);
   return seal_again(parts);
 }
 
-/// Where one array lies in the data area.
+/// Position of one array in the data area.
 struct ArrayPlace {
   std::string type;
   std::uint64_t begin = 0, end = 0;
 };
 
-/// The array of that name. Throws when it is not in the header.
+/// The array of that name. Throws when the header does not contain it.
 inline ArrayPlace place_of(const Envelope& parts, const std::string& name) {
   const std::size_t entry = parts.json.find("\"" + name + "\":{\"dtype\":\"");
   if (entry == std::string::npos) throw std::runtime_error("no array " + name);
@@ -96,9 +96,8 @@ inline ArrayPlace place_of(const Envelope& parts, const std::string& name) {
   return place;
 }
 
-/// An array with `bytes` behind its end, in a file whose header says so; the shape of the array
-/// stays with the caller. `bytes` is a multiple of 64, so that all arrays behind it keep their
-/// alignment.
+/// Appends `bytes` to an array and updates the header; the caller must update the array's shape.
+/// The size of `bytes` is a multiple of 64, so that all later arrays keep their alignment.
 inline void append_to_array(Envelope& parts, const std::string& name, std::string_view bytes) {
   if (bytes.size() % 64 != 0) throw std::runtime_error("not a multiple of 64 bytes");
   const ArrayPlace place = place_of(parts, name);

@@ -14,15 +14,15 @@
 
 namespace rhoray::tests {
 
-/// How a program ended and what it said.
+/// Exit code and output of a program.
 struct RunResult {
-  int exit_code = -1;  ///< 128 + signal when a signal ended it
+  int exit_code = -1;  ///< 128 + signal if a signal ended it
   std::string out;
   std::string err;
 };
 
-/// Runs a program (looked up in PATH) with these words in this folder, standard input empty, and
-/// waits for its end.
+/// Runs a program (looked up in PATH) with these arguments in this folder, with empty standard
+/// input, and waits for its end.
 inline RunResult run_program(const std::vector<std::string>& words, const std::filesystem::path& folder = ".") {
   const TemporaryFolder caught;
   const std::filesystem::path out = caught / "out", err = caught / "err";

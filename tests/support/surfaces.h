@@ -24,7 +24,7 @@ inline preprocess::NeutralSurface surface_of(const std::vector<Vec3>& points,
   return surface;
 }
 
-/// The cube from 0 to 1, of six squares or twelve triangles, seen counter-clockwise from outside.
+/// The cube from 0 to 1, of six squares or twelve triangles, counter-clockwise seen from outside.
 inline preprocess::NeutralSurface cube_surface(bool of_triangles = true) {
   std::vector<Vec3> points;
   for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2 & 1);
@@ -39,8 +39,8 @@ inline preprocess::NeutralSurface cube_surface(bool of_triangles = true) {
   return surface_of(points, triangles);
 }
 
-/// A closed surface round the middle: an octahedron whose triangles are cut into four so many
-/// times, 8 * 4^depth of them, with each point at radius(direction). Seen counter-clockwise from
+/// A closed surface around the origin: an octahedron whose triangles are split into four `depth`
+/// times, 8 * 4^depth in total, with each point at radius(direction). Counter-clockwise seen from
 /// outside.
 inline preprocess::NeutralSurface round_surface(
     int depth, const std::function<double(const Vec3&)>& radius = [](const Vec3&) { return 1.0; }) {
@@ -65,7 +65,7 @@ inline preprocess::NeutralSurface round_surface(
   return surface_of(points, facets);
 }
 
-/// Every point moved and scaled: offset + scale * p.
+/// Moves and scales every point: offset + scale * p.
 inline preprocess::NeutralSurface moved(preprocess::NeutralSurface surface, const Vec3& offset, double scale = 1) {
   for (auto& p : surface.points) p = to_array(offset + scale * to_vec3(p));
   return surface;

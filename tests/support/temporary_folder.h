@@ -10,7 +10,7 @@
 
 namespace rhoray::tests {
 
-/// A folder of its own for one test, removed with everything in it.
+/// A folder for one test, removed with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
