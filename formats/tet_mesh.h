@@ -72,10 +72,10 @@ struct TetMeshDescription {
 ///     "range.<f>.1", ... (leaf cells, macrocells; or clusters, entries above)
 class TetMesh {
  public:
-  /// Refuses a file of another kind, shapes that differ from the description, a vertex index not
-  /// below point_count, decreasing offsets, an item not below cell_count, a corner beyond its
-  /// cluster's table, entries beyond the last one in the cluster tree, and a point that is not
-  /// finite. Reads all indices and points once.
+  /// Refuses a file of another kind, shapes that differ from the description, and points that are
+  /// not finite. Refuses vertex indices not below point_count, items not below cell_count, and
+  /// decreasing offsets. Refuses a corner beyond its cluster's table, and entries of the cluster
+  /// tree beyond its last one. Reads all indices and points once.
   explicit TetMesh(PackedFile file);
 
   const TetMeshDescription& description() const { return description_; }
@@ -137,8 +137,9 @@ ClusterShape cluster_shape(const TetMeshDescription& description);
 std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description);
 FileDescription describe(const TetMeshDescription& description);
 
-/// As for grids. Reports intervals that miss a value, wrong ranges, a tetrahedron missing from the
-/// leaf list at its own centroid or outside its cluster's box, and a box outside its parent box.
+/// As for grids. Reports intervals that miss a value, wrong ranges, and a tetrahedron missing from
+/// the list of a leaf cell that it touches. With clusters, reports a tetrahedron outside its
+/// cluster's box, and a box outside its parent box.
 std::vector<std::string> deep_findings(const TetMesh& mesh);
 
 }  // namespace rhoray::formats

@@ -63,8 +63,8 @@ Vec3 fat_light(const Vec3& p) {
   return mixed(septum, color, step_between(0.03, 0.16, lobule.from_wall));
 }
 
-/// Muscle fibres at a point: coordinates along and across the fibres, mm, how much of the point a
-/// pale sinew covers, and the depth of the groove to the next muscle.
+/// Muscle fibres at a point: coordinates along and across the fibres, mm, the share covered by a
+/// pale sinew, and the depth of the groove to the next muscle.
 struct Fibres {
   double along = 0, across = 0;
   double sinew = 0, groove = 0;

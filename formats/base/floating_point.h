@@ -16,7 +16,7 @@ namespace rhoray {
 /// costs about a hundred nanoseconds, so guards surround tiles and ranges, never single rays.
 ///
 /// Constructor and destructor are not inline. The compiler assumes the default environment and may
-/// move arithmetic across code that it can see, but it cannot move loads from memory across these
+/// move arithmetic across code that it can see. It cannot move loads from memory across these
 /// calls.
 class DefaultFloatingPoint {
  public:

@@ -58,7 +58,7 @@ class MappedFile {
 };
 
 /// For a program's SIGBUS handler. If the address lies in a MappedFile, marks that file as damaged
-/// and maps zeros over its bytes, from the address's page to the end, so that reading can continue.
+/// and maps zeros over its bytes, from the address's page to the end. Reading can then continue.
 /// Safe in a signal handler and from several threads.
 /// @return  false, with nothing changed, when the address lies in no MappedFile or zeros cannot be
 ///          mapped

@@ -62,10 +62,12 @@ class PendingFile {
   /// replaced in one step, and its permissions, owner and group are kept (the last two where the
   /// user may set them).
   ///
-  /// If anything fails, the old file has its name again, or no file has it. (Only on a file system
-  /// that cannot exchange two names does the new file stay if flushing the folder fails.) Refuses
-  /// (ErrorCode::invalid) when an input lost bytes while it was mapped and no error has reported it
-  /// yet (mapped_file.h): the output may depend on those bytes.
+  /// If anything fails, the old file has its name again, or no file has it. There is one exception:
+  /// on a file system that cannot exchange two names, the new file stays if flushing the folder
+  /// fails.
+  ///
+  /// Refuses (ErrorCode::invalid) when an input lost bytes while it was mapped and no error has
+  /// reported it yet (mapped_file.h). The output may depend on those bytes.
   void publish();
 
  private:

@@ -26,9 +26,10 @@ bool have_data(std::span<const T> values, const std::array<std::uint32_t, 4>& ve
 
 /// A tetrahedron in units of leaf cells, relative to the low corner of the lattice.
 ///
-/// A box and a tetrahedron are disjoint exactly when their projections are disjoint along an axis
-/// of the box, a normal of a face, or the cross product of a box axis and an edge. Any direction
-/// that separates them is a valid proof, so rounding of the direction itself does no harm.
+/// A box and a tetrahedron are disjoint exactly when their projections onto some axis are disjoint.
+/// The axes to test are those of the box, the face normals, and the cross products of box axes and
+/// edges. Any direction that separates them is a valid proof, so rounding of the direction itself
+/// does no harm.
 class TetInLattice {
  public:
   /// Leaf cells are enlarged by this much on every side, in leaf cells. It far exceeds rounding,

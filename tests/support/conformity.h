@@ -35,7 +35,7 @@ struct FaceCensus {
   /// shared by two on the same side: one of them is inverted or misplaced
   std::uint64_t one_side = 0;
   std::uint64_t crowded = 0;  ///< shared by more than two
-  /// of one tetrahedron only; sorted, counter-clockwise seen from outside
+  /// of one tetrahedron only; point indices are sorted, so orientation is lost
   std::vector<std::array<std::uint64_t, 3>> outer;
 };
 

@@ -102,8 +102,8 @@ inline preprocess::NeutralMesh box_mesh(const BoxMesh& wanted, const Field& fiel
 }
 
 /// Disconnected tetrahedra scattered over the unit cube. Their vertices are within `size` of a
-/// random position, squeezed to `flatness` of that along a random direction (1 = round, 1e-9 =
-/// slivers, 0 = flat up to rounding).
+/// random position. They are squeezed to `flatness` of that along a random direction (1 = round,
+/// 1e-9 = slivers, 0 = flat up to rounding).
 inline preprocess::NeutralMesh strewn_mesh(std::size_t count, double size, double flatness, std::uint64_t seed) {
   preprocess::NeutralMesh mesh;
   std::mt19937_64 random(seed);

@@ -15,9 +15,9 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// An element type: the first letters of its name (the rest repeats the node count or describes its
-/// use), its cell kind, and the file's index of VTK's node i. An empty order means that both are
-/// the same.
+/// An element type. `beginning` is the start of its name; the rest repeats the node count or
+/// describes its use. `order` is the file's index of each VTK node; empty means that both orders
+/// are the same.
 struct ElementType {
   std::string_view beginning;
   std::uint64_t node_count;
