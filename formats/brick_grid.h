@@ -21,7 +21,7 @@
 
 namespace rhoray::formats {
 
-/// Differences between a grid's field and the field that it was sampled from. They were measured at
+/// Differences between a grid's field and the field that it was made from. They were measured at
 /// points between and on the samples, and are stored for every brick of brick_edge samples. Brick
 /// (a, b, c) covers the leaf cells whose first sample lies in it. Arrays "error.<f>.max" and
 /// "error.<f>.rms" [bz, by, bx]; 0 where nothing was measured.
