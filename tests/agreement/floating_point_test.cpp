@@ -10,9 +10,11 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/host_floating_point.h"
 
-// A host program may have set denormal numbers to be flushed, or another rounding: for its own arithmetic, or because a
-// library in it was built with -ffast-math. What is proven is proven for the default environment, so everything that
-// computes sets that one and gives the host its own back. Families D05, X02 and X03 of the hard cases.
+// A host program may have enabled flushing of denormal numbers, or may have set another rounding
+// mode. It may do so for its own arithmetic, or because one of its libraries was built with
+// -ffast-math. Our proofs hold for the default floating-point environment. Therefore everything
+// that computes sets the default environment and restores the host's afterwards. Families D05, X02
+// and X03 of the hard cases.
 namespace rhoray::tests {
 
 namespace {
@@ -27,7 +29,8 @@ double waves(const Vec3& p) {
   return std::sin(5 * p.x + 0.3) + std::sin(4 * p.y) * std::cos(6 * p.z + 0.2);
 }
 
-/// Grids and meshes of ordinary values, and of values of which differences, or all, are denormal.
+/// Grids and meshes of ordinary values, of values whose differences are denormal, and of denormal
+/// values.
 std::vector<Data> data_in(const TemporaryFolder& folder) {
   const Index3 count(13, 13, 13);
   const Affine lattice = lattice_over({{0, 0, 0}, {1, 1, 1}}, count);
@@ -70,7 +73,7 @@ std::vector<Asked> queries() {
           {"shadows", iso, float32, true}};
 }
 
-/// From the file on, as a host does it.
+/// Loads the file and renders it, as a host program does.
 render::Framebuffer picture_of(const Data& data, const Asked& asked, unsigned threads) {
   const render::Volume volume = render::Volume::load(data.path);
   render::Scene scene = oblique_scene(volume, data.isovalue);
@@ -85,8 +88,9 @@ render::Framebuffer picture_of(const Data& data, const Asked& asked, unsigned th
   return picture;
 }
 
-/// Calls act() in a new thread of that environment, for which oneTBB knows no other.
-/// @return  whether the thread was still in it afterwards
+/// Calls act() in a new thread with that environment. The thread is new, so oneTBB knows no other
+/// environment for it.
+/// @return  whether the thread was still in that environment afterwards
 template <class Act>
 bool in_a_thread_of(const HostFloatingPoint& environment, const Act& act) {
   bool is_kept = false;
@@ -122,7 +126,7 @@ TEST(FloatingPoint, of_the_host_does_not_change_pictures_and_is_kept) {
     }
 }
 
-// Threads of a pool may have been started in the host's environment, and go on in it.
+// Threads of a pool may have been started in the host's environment, and keep it.
 TEST(FloatingPoint, of_threads_that_began_in_the_hosts_does_not_change_pictures) {
   const TemporaryFolder folder;
   const std::vector<Data> all = data_in(folder);
@@ -183,8 +187,8 @@ TEST(FloatingPoint, of_the_host_does_not_change_answers_to_rays_and_is_kept) {
   }
 }
 
-// Structures of packed files are proven to hold the cells, samples on a lattice are decided exactly, and a resampled
-// grid keeps a proven bound of its error.
+// Three results are checked. The structures of packed files are proven to hold the cells. Samples
+// on a lattice are decided exactly. A resampled grid keeps a proven error bound.
 TEST(FloatingPoint, of_the_host_does_not_change_packed_files_and_findings_and_is_kept) {
   const TemporaryFolder folder;
   for (const double scale : {1.0, 1e-309}) {

@@ -5,7 +5,7 @@ namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-/// Two balls far apart; nothing is known beyond 9 units from their centres.
+/// Two balls far apart. The field has no data (NaN) beyond 9 units from their centres.
 float two_balls(const Index3& at) {
   const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
   const double distance = std::min((p - Vec3(10, 11, 12)).length(), (p - Vec3(47, 30, 40)).length());
@@ -25,7 +25,7 @@ void expect_same_pictures(const render::Volume& a, const render::Volume& b, doub
 
 }  // namespace
 
-// Bricks that are not stored are as good as bricks full of NaN.
+// Bricks that are not stored are equivalent to bricks full of NaN.
 TEST(SparseBricks, give_the_same_bits_as_the_whole_grid_and_take_less_room) {
   const TemporaryFolder folder;
   const auto volume = volume_of<float>({60, 44, 52}, two_balls);
@@ -60,7 +60,8 @@ TEST(SeveralFields, are_seen_each_as_if_it_were_alone) {
   EXPECT_EQ(render::Volume::load(folder / "all.rho").field().name, "density");
 }
 
-// The positions of samples change; the field in the world does not. Depth and normals are those of the world.
+// The positions of the samples change, the field in the world does not. Depth and normals refer to
+// the world.
 TEST(PositionsAlongAxes, give_the_picture_of_the_same_plane_on_a_uniform_grid) {
   const TemporaryFolder folder;
   const Affine map{{0, 0.5, 0.1}, {-0.25, 0, 0}, {0, 0.2, 2}, {1, -2, 3.5}};
@@ -69,7 +70,7 @@ TEST(PositionsAlongAxes, give_the_picture_of_the_same_plane_on_a_uniform_grid) {
   const Index3 count(24, 20, 22);
   std::array<std::vector<double>, 3> axes;
   for (int axis = 0; axis < 3; ++axis)
-    for (std::int64_t i = 0; i < count[axis]; ++i) {  // squeezed towards the middle; the same ends
+    for (std::int64_t i = 0; i < count[axis]; ++i) {  // squeezed towards the middle; same ends
       const double u = 2 * static_cast<double>(i) / static_cast<double>(count[axis] - 1) - 1;
       axes[static_cast<std::size_t>(axis)].push_back(0.5 * (1 + u * u * u) * static_cast<double>(count[axis] - 1));
     }

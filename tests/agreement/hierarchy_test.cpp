@@ -35,13 +35,16 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_grids_for_any_factor_and_num
     }
 }
 
-// Whole isovalues lie on samples; rays along an axis at whole positions run in faces and along edges.
+// Samples equal the whole-numbered isovalues. Rays along an axis at whole positions run in faces
+// and along edges.
 TEST(Hierarchy, changes_nothing_where_rays_run_in_faces_and_the_isovalue_equals_samples) {
   const TemporaryFolder folder;
   const render::Volume volume = packed(folder, "v.rho", noise_volume<std::uint8_t>({25, 25, 25}, 4, 21));
   render::Scene scene = straight_scene(volume, 3);
-  scene.camera.orthographic_height = 24;         // 24 cells in 48 pixels: every second ray would pass at a quarter, so
-  for (const double shift : {0.0, 0.25, 0.5}) {  // 0.25 of a cell puts rays into lattice planes
+  // 24 cells in 48 pixels: rays pass at a quarter and three quarters of a cell. A shift by 0.25 of
+  // a cell puts every second ray into a lattice plane.
+  scene.camera.orthographic_height = 24;
+  for (const double shift : {0.0, 0.25, 0.5}) {
     render::Scene shifted = scene;
     shifted.camera.position += Vec3(shift, 0, shift);
     shifted.camera.target += Vec3(shift, 0, shift);

@@ -2,7 +2,8 @@
 
 namespace rhoray::tests {
 
-// Bricks only change where a sample lies: every channel of every picture is the same, bit for bit.
+// Bricks only change where a sample is stored: every channel of every picture is the same, bit for
+// bit.
 TEST(Layout, bricked_and_linear_volumes_give_the_same_bits) {
   const TemporaryFolder folder;
   const auto volume = noise_volume<std::uint16_t>({37, 30, 41}, 6, 11);

@@ -4,7 +4,7 @@ namespace rhoray::tests {
 
 namespace {
 
-/// Ray and plane meet where offset + slope . (eye + t direction) = isovalue.
+/// The ray meets the plane where offset + slope . (eye + t direction) = isovalue.
 void expect_plane(const render::Framebuffer& found, const render::Camera& camera, const Vec3& slope, double offset,
                   double isovalue, double tolerance) {
   std::size_t checked = 0;
@@ -29,7 +29,8 @@ void expect_plane(const render::Framebuffer& found, const render::Camera& camera
 
 }  // namespace
 
-// A linear field is repeated by trilinear and by tetrahedral interpolation, so all three roads lead to one plane.
+// Trilinear and tetrahedral interpolation both reproduce a linear field, so all three computations
+// yield one plane.
 TEST(LinearField, looks_the_same_in_tetrahedra_in_a_grid_and_in_closed_form) {
   const TemporaryFolder folder;
   const Box3 box({-2, 1, 5}, {1, 3, 9});
@@ -45,11 +46,12 @@ TEST(LinearField, looks_the_same_in_tetrahedra_in_a_grid_and_in_closed_form) {
     const double isovalue = field(box.center()) + 0.01;
     const render::Scene scene = oblique_scene(grid, isovalue, true);
     const render::Framebuffer from_grid = picture(grid, scene), from_mesh = picture(mesh, scene);
-    // Depths are about 10 and floats have 24 bits: 1e-6 is the channel's own rounding.
+    // Depths are about 10 and floats have 24 bits, so the channel itself rounds by 1e-6.
     expect_plane(from_grid, scene.camera, slope, 0.7, isovalue, 2e-6);
     expect_plane(from_mesh, scene.camera, slope, 0.7, isovalue, 2e-6);
 
-    // Both end where the box ends; only a ray through the very rim may fall on different sides of it by rounding.
+    // Both data sets end at the same box. Only a ray through its very edge may hit one and miss the
+    // other by rounding.
     std::size_t differ = 0;
     for (std::size_t pixel = 0; pixel < from_grid.pixel_count(); ++pixel)
       differ += (from_grid.cell[pixel] == render::Framebuffer::no_cell) !=
@@ -74,7 +76,8 @@ TEST(LinearField, has_its_maximum_where_the_ray_enters_or_leaves_the_box) {
     const bool hit_grid = from_grid.cell[pixel] != render::Framebuffer::no_cell;
     differ += hit_grid != (from_mesh.cell[pixel] != render::Framebuffer::no_cell);
     if (!hit_grid || from_mesh.cell[pixel] == render::Framebuffer::no_cell) continue;
-    ASSERT_NEAR(from_grid.value[pixel], from_mesh.value[pixel], 1e-12);  // a few roundings of values near 3
+    // a few roundings of values near 3
+    ASSERT_NEAR(from_grid.value[pixel], from_mesh.value[pixel], 1e-12);
   }
   EXPECT_EQ(differ, 0u);
 }

@@ -22,7 +22,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
-// What render/README.md, "Which bytes agree", says of instruction sets, and no more. Family X04 of the hard cases.
+// Tests what render/README.md, "Which bytes agree", states about instruction sets, and no more.
+// Family X04 of the hard cases.
 namespace rhoray::tests {
 
 namespace {
@@ -84,7 +85,7 @@ std::vector<Data> all_data() {
   return data;
 }
 
-/// Squares of 8 x 8 neighbours from a camera, then rays to all sides and special ones.
+/// Squares of 8 x 8 neighbouring rays from a camera, then rays in all directions and special ones.
 std::vector<Ray> rays_through(const Data& data) {
   const render::Volume& volume = data.traced->volume();
   const render::Camera camera =
@@ -116,7 +117,7 @@ bool same(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// All that reaches a picture, bit for bit; of misses that they are.
+/// Compares everything that reaches a picture, bit for bit. Two misses are always the same.
 bool are_same(const Hit& a, const Hit& b) {
   if (a.is_miss() || b.is_miss()) return a.is_miss() == b.is_miss();
   return same(a.t, b.t) && same(a.value, b.value) && a.cell == b.cell && same(a.gradient, b.gradient) &&
@@ -139,7 +140,7 @@ std::vector<Machine> all_machines() {
   return machines;
 }
 
-/// Calls act(data, rays, isovalue) for everything that is asked about.
+/// Calls act(data, rays, isovalue) for all data sets and isovalues.
 template <class Act>
 void for_each_query(const Act& act) {
   for (const Data& data : all_data()) {
@@ -148,7 +149,8 @@ void for_each_query(const Act& act) {
   }
 }
 
-/// Machines between which the answers of a level are the same bit for bit, as the README lists them.
+/// Instruction sets on which the answers of a level are the same bit for bit, as the README lists
+/// them.
 struct Agreement {
   Asked asked;
   Accuracy accuracy;
@@ -164,7 +166,8 @@ std::vector<Agreement> agreements() {
           {Asked::largest, Accuracy::certified, all},    {Asked::largest, Accuracy::float64, all}};
 }
 
-/// Crossings with clear surfaces, of each ray the first three: what single precision finds in one walk.
+/// The first three crossings of each ray with transparent surfaces, the number that float32 finds
+/// in one traversal.
 std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine machine, const std::vector<Ray>& rays) {
   const render::VolumeImplementation& volume = data.traced->volume().implementation();
   const render::AllHitsKernel kernel =
@@ -187,7 +190,8 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (std::size_t k = 0; k < first_ones; ++k) {
       hits.push_back(k < list.count[r] ? list.hits(k)[r] : Hit{});
-      hits.back().error = std::numeric_limits<double>::quiet_NaN();  // it is not written: this level proves none
+      // not written: this level proves no bound
+      hits.back().error = std::numeric_limits<double>::quiet_NaN();
     }
   return hits;
 }
@@ -197,10 +201,11 @@ struct Shown {
   render::Volume volume;
   render::Scene scene;
   int antialiasing = 1;
-  bool asks_from_crossings = false;  ///< rays that begin on surfaces, which single precision answers at any level
+  bool asks_from_crossings = false;  ///< traces rays that begin on surfaces, for which every level
+                                     ///< uses float32
 };
 
-/// Every effect, of a grid and of a mesh, at one level.
+/// Every effect, for a grid and for a mesh, at one level.
 std::vector<Shown> pictures_of(const Data& data, Accuracy accuracy) {
   const render::Volume& volume = data.traced->volume();
   render::Scene plain;
@@ -232,8 +237,9 @@ std::vector<Shown> pictures_of(const Data& data, Accuracy accuracy) {
 
 using Pictures = std::vector<std::pair<std::string, std::string>>;
 
-/// The bytes of all pictures of a level, by name, drawn on the machine that this process uses.
-/// @param from_crossings  pictures with Shown::asks_from_crossings as well
+/// The bytes of all pictures of a level, by name, rendered with the instruction set that this
+/// process uses.
+/// @param from_crossings  whether to include pictures with Shown::asks_from_crossings
 Pictures picture_bytes(Accuracy accuracy, bool from_crossings) {
   Pictures all;
   const std::vector<Data> data = all_data();
@@ -264,7 +270,7 @@ constexpr const char* output_variable = "RHORAY_TEST_MACHINES_OUTPUT";
 constexpr const char* level_variable = "RHORAY_TEST_MACHINES_LEVEL";
 constexpr const char* crossings_variable = "RHORAY_TEST_MACHINES_CROSSINGS";
 
-/// As picture_bytes, by a process of its own: a process chooses its machine once.
+/// Like picture_bytes, but in a separate process: a process chooses its instruction set once.
 Pictures picture_bytes_on(Machine machine, Accuracy accuracy, bool from_crossings) {
   const TemporaryFolder folder;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
@@ -322,7 +328,8 @@ TEST(Machines, draw_pictures_with_the_same_bits_as_far_as_is_promised) {
 TEST(Machines, answer_rays_with_the_same_bits_as_far_as_is_promised) {
   for_each_query([](const Data& data, const std::vector<Ray>& rays, double isovalue) {
     for (const Agreement& agreement : agreements()) {
-      // The judge answers these in meshes, whatever the machine, and takes long.
+      // In meshes, exact arithmetic answers these queries on every instruction set. This takes
+      // long.
       const bool is_judged = agreement.asked == Asked::largest && agreement.accuracy == Accuracy::certified;
       if (is_judged && data.traced->volume().is_mesh()) continue;
       if (agreement.asked == Asked::largest && isovalue != data.isovalues.front()) continue;
@@ -366,12 +373,13 @@ TEST(Machines, cross_clear_surfaces_with_the_same_bits_where_they_fuse) {
       compared += !found.empty() && machine == Machine::avx512;
     }
   });
-  // All but grids with gaps, and denormal numbers where single precision has too few digits.
+  // Not compared: grids with gaps, and denormal values, for which float32 has too few digits.
   EXPECT_EQ(compared, render::has_machine(Machine::avx512) ? 18 : 0);
 }
 
-// What differs in its last bits is still decided as the judge decides it, and lies within its bound: of values of any
-// magnitude. Bounds of rounding were kept as floats, in which those of values below 1e-32 were zero.
+// Answers that differ in their last bits must still be decided as exact arithmetic decides them,
+// and must lie within their bounds, for values of any magnitude. Rounding bounds were once kept as
+// floats, in which the bounds of values below 1e-32 were zero.
 TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
   for (const Data& data : all_data()) {
     std::vector<Ray> rays = rays_through(data);
@@ -388,7 +396,8 @@ TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
       for (std::size_t r = 0; r < rays.size(); ++r) {
         wrong += found[r].is_miss() != truth[r].is_miss();
         if (found[r].is_miss() || truth[r].is_miss()) continue;
-        const double rounding = 0x1p-51 * std::abs(found[r].t);  // of t itself, which bounds leave out
+        // of t itself, which the bounds leave out
+        const double rounding = 0x1p-51 * std::abs(found[r].t);
         beyond += !(std::abs(found[r].t - truth[r].t) <= found[r].error + truth[r].error + rounding);
       }
       EXPECT_EQ(wrong, 0U) << data.name << ", " << name_of(machine);
@@ -397,7 +406,7 @@ TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
   }
 }
 
-// Without this the statement would be about one way of computing under three names.
+// Without this test, the statement could be about one way of computing under three names.
 TEST(Machines, that_do_not_fuse_give_other_last_bits) {
   if (!render::has_machine(Machine::avx2)) GTEST_SKIP() << "this processor has no AVX2";
   std::size_t different = 0;

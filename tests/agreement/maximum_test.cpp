@@ -25,9 +25,9 @@ WorldRay ray_of_pixel(const render::Camera& camera, int x, int y, int width, int
   return {camera.position, (forward + offset).normalized()};
 }
 
-/// The largest value on a ray through a grid whose samples stand at whole positions: all lattice planes are passed in
-/// order, and between two of them the cubic through four points is searched for its largest value. Shares no code with
-/// the renderer.
+/// The largest value on a ray through a grid whose samples stand at whole positions. Passes all
+/// lattice planes in order; between two of them, searches the cubic through four points for its
+/// largest value. Shares no code with the renderer.
 std::optional<double> brute_force_maximum(const preprocess::NeutralVolume& volume, const WorldRay& ray,
                                           bool faces_only) {
   const auto* samples = reinterpret_cast<const float*>(volume.samples.data());
@@ -88,7 +88,8 @@ std::optional<double> brute_force_maximum(const preprocess::NeutralVolume& volum
   return best;
 }
 
-/// The largest value on a ray through tetrahedra: each is cut by its four planes, one after another.
+/// The largest value on a ray through tetrahedra. Cuts the ray with the four planes of each
+/// tetrahedron in turn.
 std::optional<double> brute_force_maximum(const preprocess::NeutralMesh& mesh, const WorldRay& ray) {
   std::optional<double> best;
   for (const auto& cell : mesh.cells) {
@@ -140,7 +141,8 @@ TEST(Maximum, of_packed_grids_equals_brute_force_by_both_rules) {
           const bool is_hit = found.cell[pixel] != render::Framebuffer::no_cell;
           mask_differs += expected.has_value() != is_hit;
           if (!expected || !is_hit) continue;
-          // Both roads round positions of some tens of cells: 1e-12 of the range is hundreds of such roundings.
+          // Both computations round positions of some tens of cells: 1e-12 of the range is hundreds
+          // of such roundings.
           ASSERT_NEAR(found.value[pixel], *expected, 1e-12 * largest);
           ++checked;
           if (method == face_rule)
@@ -171,14 +173,16 @@ TEST(Maximum, of_packed_meshes_equals_brute_force) {
       const bool is_hit = found.cell[pixel] != render::Framebuffer::no_cell;
       mask_differs += expected.has_value() != is_hit;
       if (!expected || !is_hit) continue;
-      ASSERT_NEAR(found.value[pixel], *expected, 1e-9 * 1000);  // planes of cells seen edge-on amplify rounding
+      // planes of cells seen edge-on amplify rounding
+      ASSERT_NEAR(found.value[pixel], *expected, 1e-9 * 1000);
       ++checked;
     }
   EXPECT_GT(checked, 4000u);
   EXPECT_EQ(mask_differs, 0u);
 }
 
-// Lower bounds only spare work: with and without them, and with what a neighbour left behind, the answer is the same.
+// Lower bounds only save work. With them, without them, and with the one left by a neighbour, the
+// answer is the same.
 TEST(Maximum, does_not_depend_on_the_last_t) {
   const TemporaryFolder folder;
   const Index3 count(40, 40, 40);

@@ -19,7 +19,7 @@ render::Camera mirrored_in_x(render::Camera camera) {
   return camera;
 }
 
-/// The hits of `a` are those of `b` turned left to right.
+/// Checks that the hits of `a` are those of `b` mirrored left to right.
 void expect_turned(const render::Framebuffer& a, const render::Framebuffer& b) {
   EXPECT_GT(hit_count(a), 900u);
   std::size_t mask_differs = 0;
@@ -33,7 +33,8 @@ void expect_turned(const render::Framebuffer& a, const render::Framebuffer& b) {
         continue;
       }
       if (!hit) continue;
-      ASSERT_NEAR(a.depth[p], b.depth[q], 1e-5 * a.depth[p]);  // of the float channel; the fields have no tangents here
+      // Rounding of the float channel; the fields have no tangents here.
+      ASSERT_NEAR(a.depth[p], b.depth[q], 1e-5 * a.depth[p]);
       ASSERT_NEAR(a.normal[3 * p], -b.normal[3 * q], 1e-4);
       ASSERT_NEAR(a.normal[3 * p + 1], b.normal[3 * q + 1], 1e-4);
       ASSERT_NEAR(a.normal[3 * p + 2], b.normal[3 * q + 2], 1e-4);
@@ -43,7 +44,7 @@ void expect_turned(const render::Framebuffer& a, const render::Framebuffer& b) {
 
 }  // namespace
 
-// The samples stay, the map into the world is mirrored: as files with a negative direction have it.
+// The samples stay and the map into the world is mirrored, as in files with a negative direction.
 TEST(Mirror, a_volume_with_a_mirrored_axis_gives_the_mirrored_picture) {
   const TemporaryFolder folder;
   const Index3 count(23, 31, 19);
@@ -60,7 +61,8 @@ TEST(Mirror, a_volume_with_a_mirrored_axis_gives_the_mirrored_picture) {
   expect_turned(expected, picture(mirrored, scene));
 }
 
-// Samples in the opposite order on an axis that runs the opposite way: the same field, hence the same picture.
+// The samples are in the opposite order on an axis of the opposite direction: the same field, hence
+// the same picture.
 TEST(Mirror, reversed_samples_on_a_reversed_axis_give_the_same_picture) {
   const TemporaryFolder folder;
   const Index3 count(23, 31, 19);

@@ -31,7 +31,7 @@ inline render::Volume packed(const TemporaryFolder& folder, std::string_view nam
   return render::Volume::load(folder / name);
 }
 
-/// A picture of the whole volume from a direction that is parallel to nothing in it.
+/// A scene of the whole volume, seen from a direction that is parallel to nothing in it.
 inline render::Scene oblique_scene(const render::Volume& volume, double isovalue, bool orthographic = false) {
   render::Scene scene;
   scene.layers[0].isovalue = isovalue;
@@ -41,7 +41,8 @@ inline render::Scene oblique_scene(const render::Volume& volume, double isovalue
   return scene;
 }
 
-/// The same, straight along y: rays run in faces and along edges of the lattice where the picture's size makes them.
+/// The same scene, seen straight along y. Rays run in faces and along edges of the lattice where
+/// the size of the picture makes them do so.
 inline render::Scene straight_scene(const render::Volume& volume, double isovalue) {
   render::Scene scene = oblique_scene(volume, isovalue);
   scene.camera = render::fit_camera(volume.bounds(), {.azimuth_deg = 0, .elevation_deg = 0, .orthographic = true}, 1);
@@ -75,7 +76,8 @@ inline void expect_same_bits(const render::Framebuffer& a, const render::Framebu
   EXPECT_TRUE(same_bits(a.value, b.value));
 }
 
-/// Small whole numbers without order: every cell is crossed, many values equal a whole isovalue.
+/// Small whole numbers without order: every cell is crossed, and many values equal a whole-numbered
+/// isovalue.
 template <class T>
 preprocess::NeutralVolume noise_volume(const Index3& count, int largest, std::uint64_t seed,
                                        const Affine& world_from_grid = {}) {

@@ -6,8 +6,8 @@
 #include "tests/agreement/pictures.h"
 #include "tests/support/memory_file.h"
 
-// A frame that uses a RenderContext is the same, bit for bit, as one that does not: whatever volumes earlier frames
-// showed, where these lay in memory, and whether they still exist.
+// A frame with a RenderContext is the same, bit for bit, as one without. This holds whatever
+// volumes earlier frames showed, wherever these lay in memory, and whether or not they still exist.
 namespace rhoray::tests {
 
 namespace {
@@ -44,7 +44,7 @@ constexpr render::FrameOptions options{.width = 160, .height = 120, .channels = 
 
 void expect_memory_changes_nothing(const render::Volume& volume, double isovalue, render::RenderContext& memory,
                                    const std::string& where) {
-  // Twice each: a mesh's shadows are known from the second frame on.
+  // Each scene is rendered twice: a mesh's shadow data are known from the second frame on.
   for (int frame = 0; frame < 2; ++frame)
     for (const Scenes& of : scenes_of(volume, isovalue)) {
       SCOPED_TRACE(where + ", " + of.name);
@@ -56,7 +56,8 @@ void expect_memory_changes_nothing(const render::Volume& volume, double isovalue
     }
 }
 
-/// Two fields with the same values in other places: descriptions of files that hold them do not differ.
+/// Two fields with the same values at different positions: the descriptions of files with them do
+/// not differ.
 double lopsided(const Vec3& p) {
   return 4 + 2 * p.x - p.y * p.z + p.x * p.x * p.y;
 }
@@ -80,7 +81,7 @@ struct Pair {
   std::string name, first, second;
 };
 
-/// Packed files that can take each other's place in memory.
+/// Packed files that can replace each other in memory.
 std::vector<Pair> pairs() {
   const BoxMesh box{.cells = {8, 8, 8}};
   const preprocess::NeutralMesh first = box_mesh(box, lopsided), second = box_mesh(box, mirrored);
@@ -98,9 +99,9 @@ std::vector<Pair> pairs() {
 
 }  // namespace
 
-// A second mesh, mapped where the first one was, was drawn with the first one's values: prepared clusters were known
-// by the address of the values. Here the first file's bytes are replaced in its own mapping, so that all addresses in
-// the file are the same for certain.
+// A second mesh, mapped where the first one had been, was drawn with the first one's values:
+// prepared clusters were identified by the address of the values. Here the first file's bytes are
+// replaced in its own mapping, so all addresses in the file are certainly the same.
 TEST(RenderContext, does_not_take_a_volume_for_another_that_lies_at_the_same_address) {
   for (const Pair& pair : pairs()) {
     ASSERT_EQ(pair.first.size(), pair.second.size()) << pair.name;
@@ -117,7 +118,8 @@ TEST(RenderContext, does_not_take_a_volume_for_another_that_lies_at_the_same_add
   }
 }
 
-// Objects that are kept of a volume go with it, and others are made in their place on the heap.
+// Objects kept for a volume are destroyed with it, and others are created in their place on the
+// heap.
 TEST(RenderContext, does_not_take_a_volume_for_one_that_is_gone) {
   for (const Pair& pair : pairs()) {
     render::RenderContext memory;

@@ -9,8 +9,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
-// Leaf lists and clusters name the tetrahedra along a ray in different orders and companies. What the ray meets must
-// not depend on it, bit for bit: of what lies at one t the cell of the smallest id counts.
+// Leaf lists and clusters list the tetrahedra along a ray in different orders and groups. The hit
+// must not depend on this, bit for bit: among hits at one t, the cell with the smallest id counts.
 namespace rhoray::tests {
 namespace {
 
@@ -23,10 +23,12 @@ struct MeshCase {
   std::string name;
   preprocess::NeutralMesh mesh;
   double isovalue;
-  bool suits_samples = true;  ///< no part where the field is the isovalue, so that rounding decides each sample's side
+  bool suits_samples = true;  ///< in no region does the field equal the isovalue, where rounding
+                              ///< would decide each sample's side
 };
 
-/// One cell with four vertices nearly in a plane beside good ones: squeezed along z between two layers.
+/// A mesh squeezed along z between two layers: cells whose four vertices are nearly coplanar,
+/// beside good cells.
 preprocess::NeutralMesh squeezed_mesh(const Field& field) {
   auto mesh = box_mesh({.cells = {6, 6, 6}, .jitter = 0.1});
   for (auto& point : mesh.points)
@@ -40,9 +42,11 @@ std::vector<MeshCase> mesh_cases() {
   const Field distance = distance_field({0.4, 0.5, 0.6});
   const Field waves = [](const Vec3& p) { return std::sin(31 * p.x) + std::sin(27 * p.y + 1) + std::sin(29 * p.z); };
   const Field holed = [](const Vec3& p) { return p.x < 0.3 && p.y < 0.4 ? nan : p.x + p.y - p.z; };
-  const Field steps = [](const Vec3& p) { return std::floor(3 * p.x) + std::floor(3 * p.z); };  // equal values
+  // equal values
+  const Field steps = [](const Vec3& p) { return std::floor(3 * p.x) + std::floor(3 * p.z); };
   auto cut = box_mesh({.cells = {5, 5, 5}, .jitter = 0.1}, distance);
-  for (std::uint64_t c = 0; c < cut.cells.size(); ++c) cut.cell_ids.push_back(c / 6);  // six cut from one
+  // six tetrahedra cut from one cell
+  for (std::uint64_t c = 0; c < cut.cells.size(); ++c) cut.cell_ids.push_back(c / 6);
   std::vector<MeshCase> cases;
   cases.push_back({"uniform", box_mesh({.cells = {5, 4, 6}}, distance), 0.3});
   cases.push_back({"jittered waves", box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves, true), 0.1});
@@ -54,10 +58,11 @@ std::vector<MeshCase> mesh_cases() {
   return cases;
 }
 
-/// Rays that graze edges and the mesh's border, run in faces, start far away.
+/// Rays that graze edges and the mesh's border, run in faces, or start far away.
 std::vector<Ray> stressful_rays_through_cube(std::size_t count) {
   std::vector<Ray> rays = stressful_rays({4, 4, 4}, count, 11);
-  for (Ray& ray : rays) ray.origin /= 4, ray.direction /= 4;  // planes and lattice points at quarters
+  // planes and lattice points at quarters
+  for (Ray& ray : rays) ray.origin /= 4, ray.direction /= 4;
   return rays;
 }
 
@@ -71,7 +76,7 @@ std::vector<Ray> ordinary_rays_through_cube(std::size_t count) {
   return rays;
 }
 
-/// Every bit of what a hit tells.
+/// Compares every bit of two hits.
 void expect_same(const Hit& a, const Hit& b, const std::string& of) {
   ASSERT_EQ(a.t, b.t) << of;
   ASSERT_EQ(a.value, b.value) << of;
@@ -89,8 +94,9 @@ Hit largest_value(TracedVolume& volume, const Ray& ray, double, const Method& me
   return volume.largest_value(ray, method, use_hierarchy);
 }
 
-/// Number of hits, the same in leaf lists, clusters and small clusters; without their trees, which scalar kernels alone
-/// do without, as well.
+/// Returns the number of hits, and checks that they are the same in leaf lists, clusters and small
+/// clusters. Also checks the structures without their trees, which only scalar kernels can do
+/// without.
 int expect_same_everywhere(const MeshCase& one, Ask ask, const std::vector<Method>& methods,
                            const std::vector<Ray>& rays) {
   TracedVolume leaves(one.mesh, {.structure = preprocess::MeshStructure::leaves});
@@ -125,8 +131,9 @@ TEST(Structures, give_the_same_hits_by_methods_that_no_ray_slips_through) {
   EXPECT_GT(values, 2000);
 }
 
-// Appendix B accepts, by rounding, crossings that lie beside a cell, and a sample may lie beside the mesh: whether a
-// ray that grazes something looks there, the regions decide that it meets. Rays in general position meet the same.
+// By rounding, the method of Appendix B accepts crossings that lie beside a cell, and a sample may
+// lie beside the mesh. Whether a grazing ray looks there depends on the regions that it meets. Rays
+// in general position have the same hits.
 TEST(Structures, give_the_same_hits_of_ordinary_rays_by_published_methods) {
   const std::vector<Method> methods{
       {.algorithm = Algorithm::paper},
