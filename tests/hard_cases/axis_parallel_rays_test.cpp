@@ -1,5 +1,6 @@
-// V01-V04, V06. Directions with components 0, -0 or denormal: 1 / d is infinite, and 0 * infinity, at an origin on a
-// plane, is NaN; masks of comparisons then go empty and walks never end.
+// V01-V04, V06. Directions with components 0, -0 or denormal. There 1 / d is infinite, and 0 *
+// infinity, for an origin on a plane, is NaN. Comparison masks then become empty and traversals
+// never end.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The whole catalogue of hard cases, every method that answers them, and the judge (catalogue/hard_case.h).
+// Runs the whole catalogue of hard cases (catalogue/hard_case.h) with every method that answers
+// them and with exact arithmetic.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -65,7 +66,8 @@ TEST(Catalogue, direct_methods_are_right_where_they_promise_it) {
   }
 }
 
-/// Cases of the families that are not in the catalogue: where they are tested, or why they cannot be yet.
+/// Cases of the families that are not in the catalogue: where they are tested, or why they cannot
+/// be tested yet.
 struct Elsewhere {
   std::string_view id, test, reason;
 };

@@ -1,5 +1,6 @@
-// D07, D08, M06. NaN and infinite samples: every comparison with NaN is false, so that it counts as outside, and data
-// next to it gets a skin that is not there. A cell that touches one is absent.
+// D07, D08, M06. NaN and infinite samples. Every comparison with NaN is false, so NaN counts as
+// outside, and the data next to it seem to have a surface there (a skin). A cell with such a corner
+// is absent.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +17,8 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
-  // Inside everywhere but in a ball of outside at (8, 8, 8); holes without data strewn about.
+  // Inside everywhere except in a ball around (8, 8, 8), with holes without data scattered
+  // throughout.
   const Index3 count(17, 17, 17), cells(16, 16, 16);
   for (const float hole : {nan, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
     const auto is_hole = [](const Index3& at) {
@@ -45,13 +47,15 @@ TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
       const render::Ray ray{.origin = dice.point({6, 6, 6}, {10, 10, 10}) - 40.0 * direction, .direction = direction};
       const render::Hit hit = traced.first_crossing(ray, 4);
       EXPECT_TRUE(same_bits(hit, traced.first_crossing(ray, 4, false)));
-      // Where a surface is reported, it is the ball's: the field there is the isovalue up to the sampling of the ball.
+      // A reported surface is that of the ball: the field there is the isovalue up to the sampling
+      // error of the ball.
       if (!hit.is_miss()) {
         EXPECT_NEAR(field(ray.at(hit.t)), 4, 0.2);
         EXPECT_FALSE(touches_hole(ray.at(hit.t - 1e-9)) && touches_hole(ray.at(hit.t + 1e-9)));
       }
       (hit.is_miss() ? hidden : hits)++;
-      // Comparisons with NaN: the first sample along the ray that is not >= 4.
+      // The naive method compares with NaN: it takes the first sample along the ray that is not >=
+      // 4.
       const auto part = part_in_box(ray, {0, 0, 0}, {16, 16, 16});
       double naive = (*part)[0];
       while (naive < (*part)[1] && !touches_hole(ray.at(naive)) && field(ray.at(naive)) >= 4) naive += 0.05;
@@ -63,8 +67,8 @@ TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
   }
 }
 
-// Bricks and macrocells of nothing but NaN beside others: their ranges are empty, and a range that NaN has spoiled
-// hides what lies behind.
+// Bricks and macrocells that hold only NaN, beside others: their ranges are empty. A range
+// corrupted by NaN hides what lies behind it.
 TEST(CellsWithoutData, may_fill_whole_bricks) {
   const auto is_empty_brick = [](const Index3& at) { return (at.x / 4 + at.y / 4 + at.z / 4) % 3 == 0; };
   const auto samples = volume_of<float>({21, 18, 19}, [&](const Index3& at) {

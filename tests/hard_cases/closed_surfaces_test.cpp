@@ -1,5 +1,6 @@
-// Parity. A ray that starts outside a closed surface hits it exactly when the field on the ray reaches the isovalue, be
-// it noise with up to three roots in a cell (R10, R23), and wherever the ray runs.
+// Parity. A ray that starts outside a closed surface hits it exactly when the field on the ray
+// reaches the isovalue. This holds for noise with up to three roots in a cell (R10, R23) too, and
+// wherever the ray runs.
 #include <gtest/gtest.h>
 
 #include <cmath>

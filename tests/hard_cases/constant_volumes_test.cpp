@@ -1,5 +1,6 @@
-// R05, D13. A volume of one value at the isovalue: all of it is inside, no surface lies in it, and none at its border.
-// A rule that takes what lies outside of the data as below the isovalue draws its box.
+// R05, D13. A constant volume whose value is the isovalue: all of it is inside, and no surface lies
+// in it or at its border. A rule that treats the exterior of the data as below the isovalue draws
+// the bounding box.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,7 @@
-// T15. The isosurface lies in the face that two tetrahedra share. Each computes the crossing for itself, and rounding
-// may put it just outside of both: the ray slips between them. With the paper's strict test (Appendix B, all
-// barycentric coordinates not negative) one ray in five of these is lost in double precision.
+// T15. The isosurface lies in the face that two tetrahedra share. Each computes the crossing for
+// itself, and rounding may put it just outside of both: the ray slips between them. With the
+// paper's strict test (Appendix B: no barycentric coordinate is negative), one in five of these
+// rays is lost in double precision.
 #include <gtest/gtest.h>
 
 #include "tests/hard_cases/mesh_crossings.h"

@@ -1,6 +1,7 @@
-// T20, T21. Meshes that are no partition of space: cells overlap, or points hang in faces of others. Where cells
-// disagree there is no one field: direct methods take the first change inside any cell, the proving ones also a change
-// from one cell to the next; none makes up a change.
+// T20, T21. Meshes that are not a partition of space: cells overlap, or points hang in faces of
+// other cells. Where cells disagree, there is no single field. Direct methods take the first change
+// inside any cell; the proving methods also take a change from one cell to the next. No method
+// invents a change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +21,8 @@ using render::Hit;
 using render::Method;
 using render::Ray;
 
-/// The first change inside any one cell of a mesh, each judged as if it were alone.
+/// The first change inside any one cell of a mesh. Exact arithmetic decides each cell as if it were
+/// alone.
 Hit judged_cell_by_cell(TracedVolume& traced, const Ray& ray_world, double isovalue) {
   const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
   const Ray ray = traced.ray_volume(ray_world);
@@ -40,7 +42,8 @@ Hit judged_cell_by_cell(TracedVolume& traced, const Ray& ray_world, double isova
   return first;
 }
 
-/// The smallest and the largest of the values that cells have at a point, each cell a little larger than it is.
+/// The smallest and the largest value that any cell has at a point. Each cell is taken a little
+/// larger than it is.
 Interval<double> values_around(const preprocess::NeutralMesh& mesh, const Vec3& p) {
   Interval<double> range;
   for (const auto& cell : mesh.cells) {

@@ -1,5 +1,6 @@
-// X08. Fields of view of a thousandth of a degree and of 179 degrees: neighbouring pixels look into directions that
-// differ by less than single precision holds, or the picture's edges by more than it shows at its middle.
+// X08. Fields of view of a thousandth of a degree and of 179 degrees. In the first, directions of
+// neighbouring pixels differ by less than single precision resolves. In the second, they differ far
+// more at the edges of the picture than at its centre.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +17,8 @@ struct View {
   int width, height;
 };
 
-/// From y = -distance along +y, z up: the exact direction through a pixel, in long double.
+/// The exact direction through a pixel, in long double. The camera is at y = -distance and looks
+/// along +y; z is up.
 struct Direction {
   long double x, y, z;
 };
@@ -29,7 +31,8 @@ Direction exact_direction(const View& view, int x, int y) {
 }
 
 TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
-  // A plane that leans, behind which the field is larger; the camera stands before it, at 179 degrees within the data.
+  // A tilted plane with larger field values behind it. The camera stands before it, at 179 degrees
+  // within the data.
   const TemporaryFolder folder;
   const Vec3 slope(0.01, 1, 0.02);
   const render::Volume volume = packed(
@@ -41,7 +44,8 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
     const render::Camera camera{.position = {0, -distance, 0}, .target = {0, 0, 0}, .vertical_fov_deg = fov_deg};
     const std::vector<render::Ray> rays = render::camera_rays(volume, camera, width, height);
     render::RayCaster queries(volume, isovalue, {});
-    // Of the picture's half diagonal; the angle's own rounding grows by its condition in the tangent.
+    // Relative to half the diagonal of the picture. The rounding of the angle itself grows by the
+    // condition of its tangent.
     const double angle = fov_deg * std::numbers::pi / 180, condition = angle / std::sin(angle);
     const Direction corner = exact_direction(view, 0, 0);
     const double rounding = 8e-16 * condition * static_cast<double>(std::hypot(corner.x, corner.z));
@@ -55,9 +59,8 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
         ASSERT_NEAR(ray.direction.z, static_cast<double>(exact.z), rounding);
         if (y > 0) {
           const Vec3 before = rays[static_cast<std::size_t>((y - 1) * width + x)].direction;
-          const auto single = [](const Vec3& v) {  // a direction once the view's axis is added in single precision
-            return static_cast<float>(1 + v.z);
-          };
+          // a component of the direction after the view axis is added in single precision
+          const auto single = [](const Vec3& v) { return static_cast<float>(1 + v.z); };
           same += before == ray.direction;
           same_in_single += single(before) == single(ray.direction);
         }

@@ -1,5 +1,6 @@
-// R28. The camera stands a million cells away. The paper's coefficients of the cubic are powers of the distance to the
-// camera: a double has no digits left for the cell. Seen from the cell's own faces nothing is lost.
+// R28. The camera stands a million cells away. The paper's coefficients of the cubic are powers of
+// the distance to the camera, so a double has no digits left for the cell. Relative to the cell's
+// own faces, nothing is lost.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,12 +12,13 @@
 namespace rhoray::tests {
 namespace {
 
-/// rho - iso at t by the paper's Appendix A: A t^3 + B t^2 + C t + D about the ray's origin, for one cell.
+/// rho - iso at t by the paper's Appendix A, for one cell: A t^3 + B t^2 + C t + D about the ray's
+/// origin.
 double about_the_camera(const std::array<double, 8>& corner, const Vec3& low, double iso, const render::Ray& ray,
                         double t) {
   double A = 0, B = 0, C = 0, D = -iso;
   for (int c = 0; c < 8; ++c) {
-    std::array<double, 3> a, b;  // the weight along each axis is a + b t
+    std::array<double, 3> a, b;  // weight along each axis: a + b t
     for (int axis = 0; axis < 3; ++axis) {
       const double o = ray.origin[axis] - low[axis], d = ray.direction[axis];
       const bool upper = c >> axis & 1;
@@ -45,7 +47,8 @@ TEST(FarCamera, finds_the_same_surface) {
       const render::Hit far = traced.first_crossing(ray, 5);
       ASSERT_EQ(near.is_miss(), far.is_miss());
       if (near.is_miss()) continue;
-      // The far origin itself is rounded to 1e-10; where the surface is steep to the ray that is the whole error.
+      // The far origin itself is rounded to 1e-10. On surfaces at an angle to the ray, this is the
+      // whole error.
       const double slant = std::abs(near.gradient.normalized().dot(direction));
       if (slant < 0.05) continue;
       EXPECT_NEAR(far.t - distance, near.t - 40, 8e-16 * distance / slant + 1e-13);

@@ -1,5 +1,6 @@
-// Many rays at once: random ones, and others aimed at edges and vertices, at closed surfaces of every size and place.
-// What tools/lab counts by the hundred million, here by the ten thousand.
+// Many rays at once at closed surfaces of every size and position: random rays, and rays aimed at
+// edges and vertices. tools/lab traces such rays by the hundred million, this test by the ten
+// thousand.
 #include <gtest/gtest.h>
 
 #include "tests/support/temporary_folder.h"

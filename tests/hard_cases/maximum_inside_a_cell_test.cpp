@@ -1,5 +1,5 @@
-// M01. Along a ray the trilinear field is a cubic: its largest value may lie inside a cell, where the rule of the
-// paper's section 4.3 (values on the faces) does not look.
+// M01. Along a ray the trilinear field is a cubic, so its largest value may lie inside a cell. The
+// rule of the paper's section 4.3 (values on the faces) does not look there.
 #include <gtest/gtest.h>
 
 #include <cmath>

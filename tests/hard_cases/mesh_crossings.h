@@ -11,13 +11,13 @@
 
 namespace rhoray::tests {
 
-/// Every change of side along a ray through the cells of a mesh, by our test and by the strict one; and the sides on
-/// which the ray enters the mesh and leaves it, for a ray that does so once.
+/// Every change of side along a ray through the cells of a mesh, by our test and by the strict one.
+/// Also the sides on which the ray enters and leaves the mesh, for a ray that does so once.
 struct MeshCrossings {
   std::vector<double> ours, strict;
   bool enters_inside = false, leaves_inside = false;
 
-  /// An odd number of changes leads to the other side, an even one to the same.
+  /// An odd number of changes leads to the other side, an even number to the same side.
   bool is_right(const std::vector<double>& changes) const {
     return (changes.size() % 2 != 0) == (enters_inside != leaves_inside);
   }

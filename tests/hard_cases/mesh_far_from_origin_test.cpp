@@ -1,5 +1,5 @@
-// T18. Coordinates of ten millions with cells of a hundredth: in single precision all points fall together, and in
-// double precision every difference has to be taken before it is used.
+// T18. Coordinates of ten million with cells of a hundredth. In single precision all points
+// coincide; in double precision every difference has to be taken before it is used.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace rhoray::tests {
 namespace {
 
 TEST(MeshFarFromOrigin, is_hit_where_the_same_mesh_is_hit_at_the_origin) {
-  // Powers of two, so that the far points are exactly the near ones moved.
+  // Powers of two, so that the far points are exactly the near points, translated.
   const Vec3 far(0x1p23, -0x1p24, 0x1p23);
   const double size = 0x1p-4;
   const auto field = [=](const Vec3& p) { return (p - Vec3(size / 2, size / 2, size / 2)).length() / size; };

@@ -1,5 +1,5 @@
-// V16. More than 2^32 samples: numbers of samples and cells in 32 bits start again at 0, and what lies in the far
-// corner is looked for in the near one. The grid is sparse, so that it fits a test.
+// V16. More than 2^32 samples. Sample and cell numbers in 32 bits would start again at 0, and data
+// of the far corner would be looked up in the near one. The grid is sparse, so it fits a test.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ float value_at(std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<float>(i + 2 * j + 3 * k);  // whole numbers below 2^24
 }
 
-/// Level 1 of the ranges: of the macrocells in which a stored brick has cells.
+/// Level 1 of the ranges: those of the macrocells in which a stored brick has cells.
 std::vector<float> first_level(const formats::MacroShape& shape) {
   const Index3 count = shape.count(1);
   std::vector<Interval<float>> ranges(static_cast<std::size_t>(volume(count)));
@@ -97,7 +97,8 @@ TEST(MoreThan32Bits, of_samples_are_told_apart) {
       render::RayCaster queries(volume, isovalue, {.algorithm = algorithm});
       Dice dice(1);
       for (int trial = 0; trial < 100; ++trial) {
-        // Upwards through a point of the plane in the brick, from outside of the brick's corner below.
+        // Upwards through a point of the plane in the brick, starting outside the brick's lower
+        // corner.
         const Vec3 target = dice.point(low + Vec3(20), high - Vec3(20));
         const Vec3 direction = dice.point(Vec3(0.5), Vec3(1));
         const render::Ray ray{.origin = target - 1e4 * direction, .direction = direction};

@@ -1,5 +1,6 @@
-// X05. Pictures of one pixel, of one row or column, of prime sizes and of more than 2^14 pixels on a side: tiles and
-// packets of rays do not come out even, and what is left over reads or writes what is not there.
+// X05. Pictures of one pixel, of one row or column, of prime sizes and of more than 2^14 pixels on
+// a side. Such sizes do not divide evenly into tiles and packets of rays; a wrong remainder reads
+// or writes out of bounds.
 #include <gtest/gtest.h>
 
 #include "render/ray_caster.h"

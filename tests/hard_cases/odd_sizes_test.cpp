@@ -1,5 +1,6 @@
-// V14, V15, V07. Sizes that no brick or macrocell divides, down to one layer of cells: bricks are padded with copies,
-// and what is looked for there is a surface that does not exist.
+// V14, V15, V07. Sizes that are not multiples of a brick or macrocell, down to one layer of cells.
+// Bricks are padded with copies; a method that looks into the padding finds a surface that does not
+// exist.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,8 @@ TEST(OddSizes, show_the_volume_and_nothing_of_its_padding) {
     for (int trial = 0; trial < 1000; ++trial) {
       Vec3 direction = dice.direction();
       if (dice.below(4) == 0) direction = {1, 0, 0};
-      const double reach = 0.2 * size.length();  // beside the volume too: there the padding would be
+      // rays beside the volume too, where the padding would be
+      const double reach = 0.2 * size.length();
       const Vec3 target = dice.point(Vec3(-reach, -reach, -reach), size + Vec3(reach, reach, reach));
       const render::Ray ray{.origin = target - 200.0 * direction, .direction = direction};
       const double iso = slope.dot(dice.point({0, 0, 0}, size));

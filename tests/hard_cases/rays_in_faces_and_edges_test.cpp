@@ -1,5 +1,6 @@
-// R15-R18, V07, V20. Rays that lie in cell faces, along cell edges, along body diagonals through lattice points: two or
-// three planes are passed at once, and any of several cells may be looked into. One hit, at the same t.
+// R15-R18, V07, V20. Rays in cell faces, along cell edges and along body diagonals through lattice
+// points. They pass two or three planes at once, and any of several cells may be examined. There
+// must be one hit, at the same t.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +63,7 @@ TEST(RaysInFacesAndEdges, in_a_face_see_the_bilinear_field_in_it) {
     ray.direction[axis] = dice.coin() ? 0.0 : -0.0;
     ray.origin -= 20.0 * ray.direction;
     ray.origin[axis] = plane;
-    // From either side of the plane, a hair away, the answer is the same.
+    // Slightly displaced to either side of the plane, the ray gives the same answer.
     render::Ray aside = ray;
     aside.origin[axis] = plane == 0 ? 1e-13 : plane - 1e-13;
     const render::Hit hit = traced.first_crossing(ray, 0.05), beside = traced.first_crossing(aside, 0.05);
@@ -75,7 +76,7 @@ TEST(RaysInFacesAndEdges, in_a_face_see_the_bilinear_field_in_it) {
 }
 
 TEST(RaysInFacesAndEdges, along_diagonals_pass_several_planes_at_once_and_lose_nothing) {
-  // x y z along the body diagonal is the cube of the place, in every cell.
+  // Along the body diagonal, x y z is the cube of the position, in every cell.
   TracedVolume traced(sampled_volume<double>({n, n, n}, {}, product_field()));
   int ties = 0;
   for (double root = 0.125; root < 8; root += 0.125) {
@@ -95,7 +96,7 @@ TEST(RaysInFacesAndEdges, along_diagonals_pass_several_planes_at_once_and_lose_n
 }
 
 TEST(RaysInFacesAndEdges, through_lattice_points_hit_whenever_the_sample_there_is_inside) {
-  // One sample inside, the rest outside: the surface is an octahedron-like shell around it.
+  // One sample inside, the rest outside: the surface around it resembles an octahedron.
   const Index3 place(4, 4, 4);
   TracedVolume traced(volume_of<double>({n, n, n}, [&](const Index3& at) { return at == place ? 1.0 : -1.0; }));
   Dice dice(2);

@@ -1,6 +1,6 @@
-// T01-T05. A ray through an edge or a vertex of a mesh, along an edge or in the plane of faces touches many tetrahedra
-// at once. Judged one by one, they may all refuse it or all accept it. Seen from outside a closed surface, the changes
-// of side come in pairs.
+// T01-T05. A ray through an edge or a vertex of a mesh, along an edge or in the plane of faces
+// touches many tetrahedra at once. Tested one by one, they may all reject it or all accept it.
+// Along a ray from outside a closed surface to the outside, the changes of side come in pairs.
 #include <gtest/gtest.h>
 
 #include "tests/hard_cases/mesh_crossings.h"
@@ -15,7 +15,8 @@ preprocess::NeutralMesh ball_in_a_box(double jitter) {
                   [](const Vec3& p) { return 1.7 - p.length(); });
 }
 
-/// Rays from outside to outside, aimed at vertices and edges inside the ball, some along edges and face planes.
+/// Rays from outside to outside, aimed at vertices and edges inside the ball; some run along edges
+/// and in face planes.
 std::vector<render::Ray> rays_at_edges_and_vertices(const preprocess::NeutralMesh& mesh) {
   Dice dice(2);
   std::vector<render::Ray> rays;
@@ -60,7 +61,7 @@ TEST(SharedEdgesAndVertices, on_the_surface_change_the_side_in_pairs) {
         for (std::size_t j = 0; j < i; ++j) {
           const double f = mesh.point_fields[0].values[cell[i]], g = mesh.point_fields[0].values[cell[j]];
           if ((f >= 0) == (g >= 0)) continue;
-          // Where the surface meets the edge of cells.
+          // The point where the surface meets the edge.
           const Vec3 a = to_vec3(mesh.points[cell[i]]), b = to_vec3(mesh.points[cell[j]]);
           const Vec3 target = a + f / (f - g) * (b - a), direction = dice.direction();
           const MeshCrossings found = crossings(mesh, 0, {.origin = target - 8.0 * direction, .direction = direction});

@@ -1,6 +1,6 @@
-// T06-T10. Two diagonals of a square, one used below and the other above, with a flat tetrahedron between: where the
-// field at the two diagonals differs, the surface passes through the flat cell. Its volume is zero or nearly so: what
-// divides by it loses the crossing.
+// T06-T10. Two diagonals of a square, one used below and the other above, with a flat tetrahedron
+// between. Where the field differs between the two diagonals, the surface passes through the flat
+// cell. Its volume is zero or nearly zero: a method that divides by it loses the crossing.
 //
 //        d-----c      below: tetrahedra on a b c and a c d     above: on a b d and b c d
 //        | \ / |      between them the flat cell a b c d
@@ -15,7 +15,8 @@
 namespace rhoray::tests {
 namespace {
 
-/// Vertices a b c d below above; `bump` lifts the square's corners by that much: a sliver instead of a flat cell.
+/// Vertices a, b, c, d, below, above. `bump` is the height by which the square's corners are moved;
+/// unless it is 0, the flat cell becomes a sliver.
 preprocess::NeutralMesh two_roofs(double bump) {
   preprocess::NeutralMesh mesh;
   mesh.points = {{0, 0, bump}, {1, 0, -bump}, {1, 1, bump}, {0, 1, -bump}, {0.5, 0.5, -1}, {0.5, 0.5, 1}};
@@ -57,7 +58,8 @@ TEST(FlatTets, carry_the_surface_from_face_to_face) {
   RecordProperty("wrong_strict", wrong_strict);
 }
 
-// Needles and slivers strewn about: no number that is not finite, and no crossing without a change of side.
+// Scattered needles and slivers: every number is finite, and there is no crossing without a change
+// of side.
 TEST(FlatTets, give_finite_answers_at_any_flatness) {
   int hits = 0, strict_not_finite = 0;
   for (const double flatness : {0.0, 1e-16, 1e-12, 1e-6, 1.0}) {

@@ -1,5 +1,6 @@
-// X07. Spacings of zero, negative, denormal, and very small or large ones: the map into the grid divides by them, and a
-// picture of infinities and NaN is an empty one. Negative ones mirror (tests/agreement/mirror_test.cpp).
+// X07. Spacings that are zero, negative, denormal, very small or very large. The map into the grid
+// divides by them, and a picture of infinities and NaN is empty. Negative spacings mirror
+// (tests/agreement/mirror_test.cpp).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -7,8 +7,9 @@
 
 namespace rhoray::tests {
 
-/// The tetrahedron test as Appendix B of the paper has it: the ray meets the isoplane at one t, which counts when all
-/// four barycentric coordinates there are at least zero. Kept here as the naive method that hard cases are hard for.
+/// The tetrahedron test of the paper's Appendix B: the ray meets the isoplane at one t, which
+/// counts when all four barycentric coordinates there are at least zero. Kept here as the naive
+/// method for which the hard cases are hard.
 inline std::optional<double> strict_crossing(const std::array<Vec3, 4>& p, const std::array<double, 4>& value,
                                              double iso, const render::Ray& ray) {
   // Barycentric coordinate i is normal_i . x + offset_i.

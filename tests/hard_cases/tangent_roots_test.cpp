@@ -1,5 +1,6 @@
-// R06-R08, R11. A ray that dips into the inside and out again within one cell: both ends of its chord lie outside, so
-// tests of the ends, or steps of a cell, see nothing. Near the tangent the two roots fall together.
+// R06-R08, R11. A ray that dips into the inside and leaves it within one cell. Both ends of its
+// chord lie outside, so tests of the ends, or steps of a cell, see nothing. Near the tangent the
+// two roots coincide.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +13,7 @@ namespace rhoray::tests {
 namespace {
 
 TEST(TangentRoots, are_found_as_long_as_the_values_tell_them_apart) {
-  // u v in the middle cell; along u + v = 1 it is s (1 - s): 1/4 at its largest.
+  // The field in the middle cell is u v. Along u + v = 1 it is s (1 - s), at most 1/4.
   TracedVolume traced(
       volume_of<double>({4, 4, 4}, [](const Index3& at) { return at.x >= 2 && at.y >= 2 ? 1.0 : 0.0; }));
   const render::Ray ray{.origin = {0.5, 2.5, 1.3}, .direction = {1, -1, 0}};
@@ -28,7 +29,8 @@ TEST(TangentRoots, are_found_as_long_as_the_values_tell_them_apart) {
     lost_by_ends += 0 < iso;  // both ends of the chord are 0: outside
   }
   EXPECT_EQ(lost_by_ends, dips) << "the ends of the chord tell: is this case still the hard one?";
-  const render::Hit touch = traced.first_crossing(ray, 0.25);  // either answer; a hit must be at the touch
+  // either answer is right; a hit must be at the touching point
+  const render::Hit touch = traced.first_crossing(ray, 0.25);
   EXPECT_TRUE(touch.is_miss() || std::abs(touch.t - 1) < 1e-7);
 }
 
@@ -38,7 +40,8 @@ TEST(TangentRoots, are_found_on_rays_at_every_distance_from_a_ridge) {
   Dice dice(1);
   int hits = 0, lost_by_ends = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    // Parallel to the diagonal u + v = 1, shifted: the largest value on it is ((1 + shift) / 2)^2 for shift < 0.
+    // Parallel to the diagonal u + v = 1, shifted: the largest value on it is ((1 + shift) / 2)^2
+    // for shift < 0.
     const double shift = -std::pow(10, dice.between(-9, -1)), largest = (1 + shift) * (1 + shift) / 4;
     const double iso = largest * (1 - std::pow(10, dice.between(-12, -2)));
     const render::Ray ray{.origin = {0.5 + shift, 2.5, dice.between(1, 2)}, .direction = {1, -1, 0}};

@@ -1,5 +1,6 @@
-// T19, T24. A tetrahedron that reaches over many leaf cells stands in the lists of all of them: the first leaf cell on
-// a ray's way may give a crossing far behind, while a nearer one waits in the next leaf.
+// T19, T24. A tetrahedron that extends over many leaf cells is in the lists of all of them. The
+// first leaf cell on a ray may give a crossing far behind it, while the next leaf holds a nearer
+// one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,8 @@
 namespace rhoray::tests {
 namespace {
 
-/// The nearest crossing among the tetrahedra of the first leaf cell that has any: wrong, it may lie beyond that leaf.
+/// The nearest crossing among the tetrahedra of the first leaf cell that has any. This is wrong: it
+/// may lie beyond that leaf.
 double from_the_first_leaf(const render::TetVolume<double>& view, const render::Ray& ray, double iso) {
   const render::Ray on_lattice = view.on_lattice(ray);
   const render::PlaneTimes planes(on_lattice);
@@ -41,7 +43,8 @@ double from_the_first_leaf(const render::TetVolume<double>& view, const render::
 
 TEST(TetsOverManyLeaves, do_not_hide_a_nearer_crossing) {
   const Field field = [](const Vec3& p) { return std::sin(31 * p.x) + std::sin(27 * p.y + 1) + std::sin(29 * p.z); };
-  // Cells graded 40 : 1 on every axis, 64,000 : 1 in volume; and large cells strewn over one another (T21).
+  // Cells graded 40 : 1 on every axis, 64,000 : 1 in volume; and large cells scattered over one
+  // another (T21).
   const auto graded = box_mesh({.cells = {6, 6, 6}, .jitter = 0.1, .grading = 40}, field);
   auto strewn = strewn_mesh(150, 0.5, 1, 5);
   add_point_field(strewn, "value", field);

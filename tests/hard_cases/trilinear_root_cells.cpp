@@ -12,7 +12,7 @@ namespace {
 using study::CellCase;
 using study::Dice;
 
-/// From face to face along all three axes.
+/// Chooses a chord between opposite faces of the cell, along a random axis.
 void choose_chord(Dice& dice, CellCase& made) {
   const int axis = dice.below(3);
   made.p0 = {dice.unit(), dice.unit(), dice.unit()};
@@ -21,7 +21,8 @@ void choose_chord(Dice& dice, CellCase& made) {
   if (dice.coin()) std::swap(made.p0, made.p1);
 }
 
-/// corner (i, j, k) = a + b i + c j + d k + e i j + f j k + g i k + h i j k; h alone makes the cubic term.
+/// corner (i, j, k) = a + b i + c j + d k + e i j + f j k + g i k + h i j k; h alone makes the
+/// cubic term.
 CellCase from_terms(Dice& dice, const std::array<double, 8>& terms) {
   CellCase made;
   for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -35,13 +36,14 @@ CellCase from_terms(Dice& dice, const std::array<double, 8>& terms) {
   return made;
 }
 
-/// The isovalue that the field has somewhere on the chord.
+/// Sets the isovalue to the field's value at a random point of the chord.
 void meet_the_chord(Dice& dice, CellCase& made) {
   const double s = dice.unit();
   made.isovalue = made.cell.at((1 - s) * made.p0 + s * made.p1);
 }
 
-/// A cubic term between a unit of rounding and a thousandth of the others, or none; half without the square term, too.
+/// A cubic term between one unit of rounding and a thousandth of the others, or none. Half of them
+/// also lack or nearly lack quadratic terms.
 CellCase hardly_cubic(Dice& dice) {
   std::array<double, 8> terms;
   for (double& t : terms) t = dice.between(-1, 1);
@@ -53,7 +55,8 @@ CellCase hardly_cubic(Dice& dice) {
   return made;
 }
 
-/// (s - r)^3 along the diagonal, as (x - r)(y - r)(z - r); the isovalue 0, or beside it by a unit of rounding or more.
+/// (s - r)^3 along the diagonal, as (x - r)(y - r)(z - r). The isovalue is 0, or differs from it by
+/// one unit of rounding or more.
 CellCase triple_root(Dice& dice) {
   CellCase made;
   const double r = dice.coin() ? std::exp2(-1 - dice.below(20)) : dice.between(0.01, 0.99);
@@ -69,7 +72,8 @@ CellCase triple_root(Dice& dice) {
   return made;
 }
 
-/// One value, and some corners beside it by up to three units in the last place. The isovalue is one of them.
+/// All corners have one value, except some that differ by up to three units in the last place. The
+/// isovalue is one of these values.
 CellCase flat(Dice& dice) {
   CellCase made;
   const double base = dice.between(-1, 1) * std::exp2(dice.below(41) - 20);
@@ -83,8 +87,8 @@ CellCase flat(Dice& dice) {
   return made;
 }
 
-/// The isovalue beside the value at an end of the chord by a unit in the last place, on it, or at the other end: the
-/// change of side has hardly begun, or hardly ended.
+/// The isovalue is the value at an end of the chord, or differs from it by one unit in the last
+/// place. At either end, the change of side has hardly begun or hardly ended.
 CellCase one_ulp_bracket(Dice& dice) {
   CellCase made;
   for (double& f : made.cell.corner) f = dice.between(-1, 1);

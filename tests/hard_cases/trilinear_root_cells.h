@@ -6,8 +6,8 @@
 
 namespace rhoray::tests {
 
-/// Cells of which a root is hard to find in one respect, beside those of tools/lab: cubics that are hardly cubic,
-/// roots of more than one, values that hardly differ.
+/// Cells in which one property makes a root hard to find, in addition to those of tools/lab: cubics
+/// with a tiny cubic term, multiple roots, and values that hardly differ.
 std::span<const study::CellClass> root_cells();
 
 }  // namespace rhoray::tests

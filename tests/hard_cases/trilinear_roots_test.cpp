@@ -1,6 +1,6 @@
-// The first root in a million trilinear cells that are hard in every way known to us, against the exact judge: no
-// change of side is missed, none is invented, and none but the first is given. RHORAY_ROOT_CELLS in the environment
-// asks for more (tests/nightly).
+// Compares the first root in a million trilinear cells, hard in every way known to us, with exact
+// arithmetic. No change of side is missed, none is invented, and only the first is reported. The
+// environment variable RHORAY_ROOT_CELLS sets a larger number of cells (tests/nightly).
 #include <gtest/gtest.h>
 
 #include <hwy/highway.h>
@@ -28,14 +28,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 using render::CellVerdict;
 using study::CellCase;
 
-/// A cell, and the side on which the chord begins, by the judge.
+/// A cell, the side on which the chord begins, and the exact answer.
 struct JudgedCell {
   CellCase made;
   bool starts_inside = false;
   CellVerdict truth;
 };
 
-constexpr double width = 1e-14;  // of the judge's enclosures, in chords
+constexpr double width = 1e-14;  // of the exact enclosures, in chords
 
 JudgedCell judged(const CellCase& made) {
   JudgedCell cell{made, false, exact_crossing(made.cell, made.p0, made.p1, made.isovalue, false, width)};
@@ -65,7 +65,8 @@ Answers one_by_one(const std::vector<JudgedCell>& cells) {
   return answers;
 }
 
-/// As the wide kernels do it, many cells at once; compiled for the test's own machine.
+/// Computes as the wide kernels do, many cells at once. Compiled for the instruction set of the
+/// test itself.
 Answers by_lanes(const std::vector<JudgedCell>& cells) {
   constexpr std::size_t lanes = wide::float_lanes;
   Answers answers;
@@ -98,8 +99,9 @@ Answers by_lanes(const std::vector<JudgedCell>& cells) {
 struct Method {
   const char* name;
   Answers (*answers)(const std::vector<JudgedCell>&);
-  double unit;             ///< of rounding
-  double largest_residue;  ///< that is allowed: |value - isovalue| in the range of the corners
+  double unit;             ///< unit of rounding
+  double largest_residue;  ///< largest allowed |value - isovalue|, relative to the range of the
+                           ///< corners
 };
 constexpr double unit_of_float = 0x1p-24, unit_of_double = 0x1p-53;
 constexpr Method methods[] = {{"double", one_by_one<render::CrossingMethod::bracketed, double>, unit_of_double, 1e-12},
@@ -127,8 +129,8 @@ struct Tally {
   }
 };
 
-/// |value - isovalue| at a place on the chord, in the range of the corners. What is far from the isovalue is not
-/// rounded by more than 2^-64 of itself.
+/// |value - isovalue| at a position on the chord, relative to the range of the corners. Values far
+/// from the isovalue are rounded by at most 2^-64 of themselves.
 double residue(const CellCase& made, double s) {
   using Exact = long double;
   Exact f[8];
@@ -143,23 +145,24 @@ double residue(const CellCase& made, double s) {
   return f[0] == 0 ? 0 : static_cast<double>(std::abs(f[0])) / range;
 }
 
-/// How far the cubic that is searched may lie from the exact one: 20 units of rounding for its coefficients, the
-/// subtraction of the isovalue among them, and points that are rounded to float (certified_crossing.h); 16 for the
-/// search (cubic.h).
+/// How far the searched cubic may lie from the exact one. 20 units of rounding are for its
+/// coefficients, including the subtraction of the isovalue, and for points rounded to float
+/// (certified_crossing.h); 16 are for the search (cubic.h).
 double margin_of(const CellCase& made, double unit) {
   const double lo = made.cell.smallest(), hi = made.cell.largest();
   const double largest = std::max(std::abs(lo - made.isovalue), std::abs(hi - made.isovalue));
   return 36 * unit * largest + (unit > unit_of_double ? 3.1 * unit / 2 * (hi - lo) : 0);
 }
 
-/// The first changes of side of the cubics within the margin: the earliest that any may have, and the latest.
+/// The first changes of side of the cubics within the margin: the earliest and the latest that any
+/// of them may have.
 struct Range {
   CellVerdict earliest, latest;
 };
 Range range_within_margin(const JudgedCell& cell, double unit) {
   const auto& [made, starts_inside, truth] = cell;
   const double margin = margin_of(made, unit), towards_start = starts_inside ? margin : -margin;
-  // The isovalue is subtracted first: the margin may be less than its last digit.
+  // Subtract the isovalue first: the margin may be less than its last digit.
   render::TrilinearCell differences = made.cell;
   for (double& f : differences.corner) f -= made.isovalue;
   const auto with = [&, inside = starts_inside](double shift) {
@@ -168,8 +171,9 @@ Range range_within_margin(const JudgedCell& cell, double unit) {
   return {with(towards_start), with(-towards_start)};
 }
 
-/// Right is the judge's change of side; where it is another or none, one that a cubic has within the margin.
-/// @param range  for the method's unit, made when it is first needed
+/// An answer is right when it is the exact change of side. Where it is another or none, it is right
+/// when some cubic within the margin has it.
+/// @param range  for the method's unit, computed when it is first needed
 void compare(const Answer& answer, const JudgedCell& cell, const Method& method, std::optional<Range>& range,
              Tally::OfMethod& tally) {
   const auto& [made, starts_inside, truth] = cell;
@@ -200,7 +204,7 @@ void check_proof(const JudgedCell& cell, Tally& tally) {
     const bool is_in_bound = truth.s.hi >= found.s - found.s_error && truth.s.lo <= found.s + found.s_error;
     tally.wrongly_proven += crosses != truth.changes || (crosses && !is_in_bound);
   };
-  constexpr double point_error = 0x1p-52;  // the least that kernels reckon with
+  constexpr double point_error = 0x1p-52;  // the smallest that kernels assume
   check(render::certify_crossing<double>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside));
   check(render::certify_crossing<float>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside));
 }

@@ -1,8 +1,9 @@
-// Units never matter: the same picture for values and coordinates of any magnitude, far from zero, and on cells of any
-// shape. A tolerance in absolute numbers, or coefficients formed before what is common is subtracted, would show.
+// Units never matter: the picture is the same for values and coordinates of any magnitude, far from
+// zero, and on cells of any shape. An absolute tolerance would show here, as would coefficients
+// formed before the common part is subtracted.
 //
-// Rays start at multiples of 2^-20 of a cell, values are multiples of 2^-20, so that what is moved is moved exactly and
-// the question stays the same question.
+// Ray origins are multiples of 2^-20 of a cell and values are multiples of 2^-20. Translations are
+// therefore exact, and the query stays the same.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,14 +30,14 @@ Vec3 on_a_grid(const Vec3& p) {
   return {on_a_grid(p.x), on_a_grid(p.y), on_a_grid(p.z)};
 }
 
-constexpr std::int64_t cells = 8;  // per axis, each of edge 1
+constexpr std::int64_t cells = 8;  // per axis, each with edge 1
 constexpr double isovalue = 2.75;
 
 double field_at(const Vec3& p) {
   return on_a_grid((p - Vec3(4.1, 3.9, 4.3)).length() + 0.4 * std::sin(2 * p.x + p.z));
 }
 
-/// What is done to a scene: values to scale * value + offset, points to stretch * p + shift.
+/// A change of a scene: maps values to scale * value + offset and points to stretch * p + shift.
 struct Change {
   double value_scale = 1, value_offset = 0;
   Vec3 stretch{1, 1, 1}, shift{0, 0, 0};
@@ -79,14 +80,14 @@ std::vector<Ray> rays_at_the_scene() {
 
 struct Comparison {
   int hits = 0;               ///< in both pictures
-  int differ = 0;             ///< a hit in one, a miss in the other
-  int other_bits = 0;         ///< hits whose t is not the same, every bit
-  double farthest_apart = 0;  ///< of two hits, in cells, beyond what their bounds allow
+  int differ = 0;             ///< hit in one, miss in the other
+  int other_bits = 0;         ///< hits whose t is not the same, bit for bit
+  double farthest_apart = 0;  ///< largest difference of two hits beyond their bounds, in cells
 };
 
 using Make = std::function<TracedVolume(const Change&)>;
 
-/// Directions are changed with the points, so that t stays.
+/// Directions change together with the points, so that t stays.
 Comparison compare(const Make& make, const Change& change, const Method& method) {
   TracedVolume plain = make({}), changed = make(change);
   Comparison result;
@@ -107,11 +108,12 @@ Comparison compare(const Make& make, const Change& change, const Method& method)
 struct Named {
   const char* name;
   Method method;
-  double cells;  ///< how far t may be where the change is not by a power of two
+  double cells;  ///< tolerance of t where the change is not by a power of two
 };
 
-/// In single precision inside a cell a crossing is known to the rounding of the values over their slope along the ray:
-/// a ten-thousandth of a cell for the most grazing of these rays. A certified place is as good as its own bounds.
+/// In single precision, a crossing inside a cell is known to the rounding of the values divided by
+/// their slope along the ray. This is a ten-thousandth of a cell for the most grazing of these
+/// rays. A certified position is as good as its own bounds.
 const std::array methods{
     Named{"direct double", {.algorithm = Method::Algorithm::direct, .precision = Method::Precision::float64}, 1e-6},
     Named{"direct float", {.algorithm = Method::Algorithm::direct, .precision = Method::Precision::float32}, 1e-4},

@@ -1,6 +1,6 @@
-// T13-T17, R05, R12, R13, R19, R20, D13. Whole numbers as values and as isovalue: vertices, edges, faces, cells and
-// layers lie in the surface. Zero is then a third state for tests by product of signs; here it is inside, and a
-// crossing is a change of one bit.
+// T13-T17, R05, R12, R13, R19, R20, D13. Values and isovalue are whole numbers: vertices, edges,
+// faces, cells and layers lie in the surface. For tests by the product of signs, zero is then a
+// third state. Here zero is inside, and a crossing is a change of one bit.
 #include <gtest/gtest.h>
 
 #include "tests/hard_cases/mesh_crossings.h"

@@ -1,6 +1,7 @@
-// R27, D04, D05. Values of a million that differ by one, and values of any magnitude: the surface depends on
-// differences only. What forms coefficients before the isovalue is subtracted loses those digits; what compares with a
-// fixed tolerance sees a surface everywhere, or nowhere.
+// R27, D04, D05. Values of a million that differ by one, and values of any magnitude: the surface
+// depends on differences only. A method that forms coefficients before it subtracts the isovalue
+// loses those digits. A method that compares with a fixed tolerance sees a surface everywhere, or
+// nowhere.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +13,7 @@
 namespace rhoray::tests {
 namespace {
 
-/// Sixteenths, so that a million more fits a float without rounding.
+/// Multiples of a sixteenth, so that a float holds them exactly after a million is added.
 float rough(const Index3& at) {
   const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
   return static_cast<float>((hash >> 33) % 33) / 16 - 1;

@@ -17,7 +17,8 @@ using study::Dice;
 
 constexpr std::size_t square = 64;
 
-/// Rays from one eye, or parallel ones, at edges that stand close together in the scene's list: those of neighbours.
+/// Adds rays from one eye, or parallel rays, at edges that are close together in the scene's list,
+/// hence neighbours.
 void add_square(const ClosedScene& scene, Aim aim, Dice& dice, std::vector<Ray>& rays) {
   const auto edge_count = static_cast<int>(scene.edges.size());
   const int first = dice.below(edge_count);
@@ -36,7 +37,7 @@ void add_square(const ClosedScene& scene, Aim aim, Dice& dice, std::vector<Ray>&
   }
 }
 
-/// Points of the inside, known to be so from the values at the ends of edges.
+/// Points inside, proven to be so by the values at the ends of edges.
 class InsidePoints {
  public:
   explicit InsidePoints(const ClosedScene& scene) : scene_(scene) {
@@ -51,8 +52,8 @@ class InsidePoints {
     RHORAY_CHECK(!edges_.empty());
   }
 
-  /// On an edge, at an end of one, or so close to one that the field, which is nowhere 16 times as steep as the
-  /// steepest edge, cannot have reached the isovalue.
+  /// Returns a point on an edge, at an end of one, or so close to one that the field cannot have
+  /// reached the isovalue. The field is nowhere 16 times as steep as the steepest edge.
   Vec3 any(Aim aim, Dice& dice) const {
     const auto& edge = edges_[static_cast<std::size_t>(dice.below(static_cast<int>(edges_.size())))];
     const Vec3 a = scene_.vertices[edge[0]], b = scene_.vertices[edge[1]];
@@ -78,14 +79,16 @@ Ray ray_from_inside(const ClosedScene& scene, const InsidePoints& points, Aim ai
   return {.origin = origin, .direction = is_aimed ? target - origin : study::any_direction(dice)};
 }
 
-/// Rays in planes that have all cells of the surface on one side, some of them close by.
+/// Adds rays in planes that have all cells of the surface on one side; some of these planes are
+/// close to the surface.
 void add_rays_past(const ClosedScene& scene, Dice& dice, std::vector<Ray>& rays) {
   const Vec3 normal = study::any_direction(dice);
   Vec3 last = scene.vertices[scene.edges.front()[0]];
   for (const auto& edge : scene.edges)
     for (const std::uint32_t v : edge)
       if (normal.dot(scene.vertices[v]) > normal.dot(last)) last = scene.vertices[v];
-  // As close as a millionth of a cell: a ray that starts two diagonals away is rounded by less than 1e-13 of one.
+  // As close as a millionth of a cell: a ray that starts two diagonals away is rounded by less than
+  // 1e-13 of a cell.
   const Vec3 beside = last + scene.cell_edge * std::exp2(dice.between(-20, -1)) * normal;
   for (std::size_t i = 0; i < 32; ++i) {
     const auto along = [&] {

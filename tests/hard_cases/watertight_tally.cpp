@@ -23,15 +23,17 @@ using render::Method;
 using render::Ray;
 using study::ClosedScene;
 
-/// How far a method may be from the field and the ray as they are given.
+/// How far a method may deviate from the given field and ray.
 struct Rounding {
   double value;  ///< in largest differences along an edge
-  double cells;  ///< of a crossing's place
+  double cells;  ///< of a crossing's position
 };
-/// A place in a cell is off by 2^-20 cells (render/KERNELS.md), and with three axes the value there by 3 times as
-/// much of the largest difference; values and weights are rounded to 2^-24, some ten times.
+/// A position in a cell is off by 2^-20 cells (render/kernels/wide/README.md). With three axes, the
+/// value there is off by 3 times as much of the largest difference. Values and weights are rounded
+/// to 2^-24, some ten times.
 constexpr Rounding of_float{0x1p-18, 0x1p-17};
-/// Rays start up to 1e4 diagonals away, 2^18 cells: places are rounded by 2^-35 cells, a few times.
+/// Rays start up to 1e4 diagonals away, 2^18 cells: positions are rounded by 2^-35 cells, a few
+/// times.
 constexpr Rounding of_double{0x1p-31, 0x1p-31};
 
 struct Asked {
@@ -51,7 +53,7 @@ std::array<Asked, WatertightTally::method_count> asked_methods(const render::Vol
            {"scalar certified", certified, Machine::scalar, {}}}};
 }
 
-/// A kernel that is asked about one volume.
+/// A kernel for queries of one volume.
 class Caster {
  public:
   Caster(const render::Volume& volume, const Method& method, Machine machine)
@@ -76,12 +78,13 @@ class Caster {
 };
 
 constexpr std::size_t most_complaints = 20;
-constexpr double gap_cells = 1e-3;  // float finds places to 2^-20 cells where it meets the surface at a right angle
+// Float finds positions to 2^-20 cells where the ray meets the surface at a right angle.
+constexpr double gap_cells = 1e-3;
 
-/// The crossings of a ray, one behind the other.
+/// The crossings of a ray, in order.
 using Chain = std::vector<Hit>;
 
-/// Which parts of a ray lie inside, from its changes of side.
+/// The parts of a ray that lie inside, given its changes of side.
 class Sides {
  public:
   Sides(bool starts_inside, std::vector<double> changes) : starts_inside_(starts_inside), t_(std::move(changes)) {}
@@ -118,7 +121,8 @@ class Inquiry {
  private:
   double t_of(const Ray& ray, double cells) const { return cells * scene_.cell_edge / ray.direction.length(); }
 
-  /// The ray behind a crossing: on which side it begins is read from the field there.
+  /// The continuation of a ray behind a crossing. The field there determines the side on which it
+  /// begins.
   Ray behind(Ray ray, const Hit& hit) const {
     ray.t_min = hit.t + (std::isnan(hit.error) ? 0 : hit.error) + t_of(ray, gap_cells);
     return ray;
@@ -136,7 +140,7 @@ class Inquiry {
   void complain(const std::string& what, const Ray& ray);
 
   const ClosedScene& scene_;
-  std::size_t method_count_;  ///< the first of them
+  std::size_t method_count_;  ///< number of leading entries of asked_ in use
   bool is_thorough_;
   std::uint64_t sample_every_;
   std::array<Asked, WatertightTally::method_count> asked_;
@@ -175,8 +179,9 @@ std::vector<Chain> Inquiry::chains(std::size_t method, std::vector<Ray> rays, bo
   return found;
 }
 
-/// By the judge. No two of them closer than 1e-8 cells are told apart: the isovalue is one that no part of the field
-/// has been made to have, so that the field is this close to it between two changes with a chance of 1e-16.
+/// Computed with exact arithmetic. Two changes closer than 1e-8 cells are not told apart. No part
+/// of the field has been made to have this isovalue, so the field is this close to it between two
+/// changes with a probability of 1e-16.
 std::vector<double> Inquiry::exact_changes(Ray ray, double isovalue) {
   std::vector<double> changes;
   for (;;) {
@@ -187,9 +192,10 @@ std::vector<double> Inquiry::exact_changes(Ray ray, double isovalue) {
   }
 }
 
-/// True when some field that differs from the given one by rounding has these sides, at places that differ by rounding.
-/// Ties are let pass: two changes at one place, where the order of facets is lost in which a ray passes through their
-/// common edge or vertex, and rays that the surface nearly touches.
+/// True when some field that differs from the given one by rounding has these sides, at positions
+/// that differ by rounding. Two kinds of ties are accepted. Two changes at one position: the ray
+/// passes through the common edge or vertex of facets, and the order of the facets is lost. And
+/// rays that nearly touch the surface.
 bool Inquiry::sides_are_right(const Ray& ray, bool starts_inside, const std::vector<double>& changes) {
   const Sides claimed(starts_inside, changes);
   const double step = t_of(ray, of_float.cells), margin = of_float.value * largest_step_;
@@ -200,7 +206,8 @@ bool Inquiry::sides_are_right(const Ray& ray, bool starts_inside, const std::vec
   if (exact[0].changes().size() != exact[1].changes().size()) return true;
   for (const bool inside : {false, true}) {
     const Sides& certain = exact[inside ? 1 : 0];
-    // Check each part of the ray that certainly lies on this side: at its beginning, and at each claimed change in it.
+    // Check each part of the ray that certainly lies on this side: at its beginning, and at each
+    // claimed change in it.
     std::vector<double> places = certain.changes();
     places.insert(places.begin(), ray.t_min);
     for (std::size_t p = 0; p < places.size(); ++p) {
@@ -216,8 +223,8 @@ bool Inquiry::sides_are_right(const Ray& ray, bool starts_inside, const std::vec
   return true;
 }
 
-/// A method with proofs must keep its bound. For a method that rounds, the crossing must lie between the ones that the
-/// judge finds for a slightly lower and a slightly higher isovalue.
+/// A method with proofs must keep its bound. For a method that rounds, the crossing must lie
+/// between the exact ones for a slightly lower and a slightly higher isovalue.
 bool Inquiry::hit_is_right(const Ray& ray, const Hit& hit, const Rounding& rounding) {
   const Hit truth = judge_.first_crossing(ray, scene_.isovalue);
   if (hit.is_miss() && truth.is_miss()) return true;
@@ -229,15 +236,16 @@ bool Inquiry::hit_is_right(const Ray& ray, const Hit& hit, const Rounding& round
   return hit.t >= std::min({truth.t, below, above}) - step && hit.t <= std::max({truth.t, below, above}) + step;
 }
 
-/// True when rounding leaves no doubt about the side of a place on the ray.
+/// True when rounding leaves no doubt about the side of a position on the ray.
 bool Inquiry::side_is_certain(const Ray& ray, bool starts_inside, double t, const Rounding& rounding) {
   const double margin = rounding.value * largest_step_;
   return Sides(starts_inside, exact_changes(ray, scene_.isovalue - margin)).at(t) ==
          Sides(starts_inside, exact_changes(ray, scene_.isovalue + margin)).at(t);
 }
 
-/// Every crossing that was asked for, and that there is none behind the last, for rays from where the method was asked;
-/// of what rounds, as far as the side is certain from where it was asked.
+/// Checks every crossing that was found, and that there is none behind the last. Each is checked
+/// for the continuation that the method traced. For a method that rounds, a failure counts only if
+/// the side at the continuation's start is certain.
 bool Inquiry::chain_is_right(const Ray& ray, bool starts_inside, const Chain& chain, const Rounding& rounding) {
   Ray rest = ray;
   for (std::size_t k = 0; k <= chain.size() && (is_thorough_ || k == 0); ++k) {
@@ -280,7 +288,8 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
       const bool other = is_other(rays[r], is_proven ? found[1][r] : chain, is_proven ? chain : found[0][r]);
       count.parity += parity, count.other += other;
       if (!parity && !other && !sampled[r]) continue;
-      // Where the judge has confirmed what the certified method says, the same from another is right, too.
+      // Where exact arithmetic has confirmed the certified answer, the same answer from another
+      // method is right, too.
       const bool is_confirmed = m > 0 && confirmed[r] && is_same(rays[r], chain, found[0][r], asked_[m].rounding);
       const bool is_right = is_confirmed || chain_is_right(rays[r], start_inside, chain, asked_[m].rounding);
       is_redecided[r] = true;
@@ -297,7 +306,7 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
   tally_.redecided += static_cast<std::uint64_t>(std::count(is_redecided.begin(), is_redecided.end(), true));
 }
 
-/// All crossings by one walk along each ray, as pictures with clear surfaces ask for them.
+/// Finds all crossings in one traversal of each ray, as for pictures with transparent surfaces.
 void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const std::vector<bool>& sampled) {
   const render::VolumeImplementation& volume = scene_.volume.implementation();
   const render::AllHitsKernel kernel = render::all_hits_kernel(

@@ -1,6 +1,6 @@
-// Watertightness. Rays of all sorts, at edges and vertices above all, at closed isosurfaces of every size and place:
-// none slips through, and none meets what is not there. A million rays; RHORAY_WATERTIGHT_RAYS in the environment asks
-// for more (tests/nightly).
+// Watertightness. Rays of all sorts, above all at edges and vertices, at closed isosurfaces of
+// every size and position: none slips through, and none hits what is not there. A million rays; the
+// environment variable RHORAY_WATERTIGHT_RAYS sets a larger number (tests/nightly).
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -16,10 +16,11 @@ namespace rhoray::tests {
 namespace {
 
 constexpr std::uint64_t chunk = 1024;         ///< rays of one seed
-constexpr std::uint64_t thorough_every = 7;   ///< chunks: it takes ten times as long
+constexpr std::uint64_t thorough_every = 7;   ///< in chunks; thorough runs take ten times as long
 constexpr std::uint64_t sample_every = 1000;  ///< 100,000 of the nightly rays
 
-/// A box of 1e-6 around 148376 1234 -223423 is 34,000 neighbouring doubles wide: 2,900 of them to a cell.
+/// A box of size 1e-6 around 148376 1234 -223423 is 34,000 neighbouring doubles wide, 2,900 of them
+/// per cell.
 std::vector<study::Placement> placements() {
   std::vector<study::Placement> all;
   for (const Vec3& centre : {Vec3(0), Vec3(1e3), Vec3(1e5), Vec3(148376, 1234, -223423)})

@@ -12,7 +12,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
-/// What the families make their cases of.
+/// Building blocks from which the families make their cases.
 namespace rhoray::tests {
 
 using Pack = std::function<std::unique_ptr<TracedVolume>()>;
@@ -36,7 +36,7 @@ inline std::uint64_t hash_of(const Index3& at) {
   return (h * 0xbf58476d1ce4e5b9U) >> 11;
 }
 
-/// A number in [0, 1) of which nothing is known from its neighbours'.
+/// A number in [0, 1) that tells nothing about those of its neighbours.
 inline double noise(const Index3& at) {
   return static_cast<double>(hash_of(at)) * 0x1p-53;
 }
@@ -49,7 +49,7 @@ inline Vec3 as_point(const Index3& at) {
   return {static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)};
 }
 
-/// Components that are multiples of an eighth: what is computed of them and of lattice points is exact.
+/// Components are multiples of an eighth: computations with them and with lattice points are exact.
 inline Vec3 direction_in_eighths(Dice& dice) {
   for (;;) {
     const Index3 d(dice.below(17) - 8, dice.below(17) - 8, dice.below(17) - 8);
@@ -57,7 +57,7 @@ inline Vec3 direction_in_eighths(Dice& dice) {
   }
 }
 
-/// A ray that meets a point at t = back; exactly where the numbers allow it.
+/// A ray that reaches a point at t = back, exactly where the numbers allow it.
 inline render::Ray through(const Vec3& target, const Vec3& direction, double back) {
   return {.origin = target - back * direction, .direction = direction};
 }
@@ -71,7 +71,8 @@ inline Rays random_rays(const Vec3& size, std::size_t count, std::uint64_t seed)
 }
 
 /// Rays that meet faces, edges or corners of the lattice, in exact numbers.
-/// @param whole_axes  on how many axes the point that is met stands in a plane: 1 a face, 2 an edge, 3 a corner
+/// @param whole_axes  number of axes on which the target point lies in a lattice plane: 1 a face, 2
+///   an edge, 3 a corner
 inline Rays aimed_rays(const Vec3& size, int whole_axes, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   Rays rays;
@@ -94,22 +95,23 @@ inline Rays together(std::vector<Rays> parts) {
   return rays;
 }
 
-/// Random ones, and as many at faces, edges and corners.
+/// Random rays, and equal numbers of rays at faces, edges and corners: half of them in total.
 inline Rays all_kinds_of_rays(const Vec3& size, std::size_t count, std::uint64_t seed) {
   const std::size_t part = count / 6;
   return together({random_rays(size, count - 3 * part, seed), aimed_rays(size, 1, part, seed + 1),
                    aimed_rays(size, 2, part, seed + 2), aimed_rays(size, 3, part, seed + 3)});
 }
 
-/// Those of which it is true.
+/// Returns the rays for which `wanted` is true.
 template <class Wanted>
 Rays only(Rays rays, Wanted&& wanted) {
   std::erase_if(rays, [&](const render::Ray& ray) { return !wanted(ray); });
   return rays;
 }
 
-/// Where a ray first changes its side at a plane across the box [0, size] of samples; the plane's field is
-/// slope . p, the isovalue its height. Says nothing for rays that nearly lie in it or meet it near the border.
+/// Where a ray first changes its side at a plane across the box [0, size] of samples. The field of
+/// the plane is slope . p, the isovalue its height. Returns nothing for rays that nearly lie in the
+/// plane or meet it near the border.
 inline KnownAnswer plane_in_box(const Vec3& slope, const Vec3& size) {
   return [=](const render::Ray& ray, double isovalue) -> std::optional<double> {
     const double rise = slope.dot(ray.direction);
@@ -123,7 +125,7 @@ inline KnownAnswer plane_in_box(const Vec3& slope, const Vec3& size) {
   };
 }
 
-/// Where a ray from outside enters a closed box. Says nothing for rays that come near its edges.
+/// Where a ray from outside enters a closed box. Returns nothing for rays that come near its edges.
 inline KnownAnswer entry_into(const Vec3& low, const Vec3& high) {
   return [=](const render::Ray& ray, double) -> std::optional<double> {
     const Vec3 near(1e-6);

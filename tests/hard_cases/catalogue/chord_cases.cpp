@@ -1,5 +1,5 @@
-// R, continued. Where the root lies on the chord, the chord in its cell, the eye beside it and the isovalue among the
-// values.
+// R, continued. The position of the root on the chord, of the chord in its cell, of the eye beside
+// the cell, and of the isovalue among the values.
 #include <array>
 
 #include "tests/hard_cases/catalogue/cube_of_samples.h"
@@ -44,7 +44,7 @@ Rays rays_along_diagonals(std::size_t count, std::uint64_t seed) {
   return rays;
 }
 
-/// Rays that pass lattice points by a little.
+/// Rays that pass lattice points at a small distance.
 Rays rays_beside_corners(double least, double most, std::size_t count, std::uint64_t seed) {
   Rays rays = aimed_rays(size, 3, count, seed);
   Dice dice(seed);
@@ -216,7 +216,8 @@ HardCase plateau_slab() {
           .known = [](const render::Ray& ray, double isovalue) -> std::optional<double> {
             const auto part = part_in_box(ray, {0, 0, 0}, size);
             const std::optional<double> entry = entry_into({4, 0, 0}, {5, size.y, size.z})(ray, isovalue);
-            // Who comes through a side of the volume that the slab reaches is inside already.
+            // A ray that enters through a side of the volume that the slab reaches is inside
+            // already.
             if (!part || !entry || !(*entry > (*part)[0] + 1e-6)) return std::nullopt;
             return entry;
           }};

@@ -1,5 +1,5 @@
-// R. A ray in a trilinear cell: the field along it is a cubic, and each case is one that some way of finding its first
-// root cannot bear.
+// R. A ray in a trilinear cell. The field along it is a cubic, and in each case some method of
+// finding its first root fails.
 #include <array>
 
 #include "tests/hard_cases/catalogue/cube_of_samples.h"
@@ -12,7 +12,8 @@ Pack step_in_two_axes() {
   return grid_of<float>({4, 4, 12}, [](const Index3& at) { return at.x >= 2 && at.y >= 2 ? 1.0F : 0.0F; });
 }
 
-/// Rays along which that field is s (1 - s), s = 1/2 + (t - t_middle) * speed: from 0 up to 1/4 and back in one cell.
+/// Rays along which that field is s (1 - s), s = 1/2 + (t - t_middle) * speed: from 0 up to 1/4 and
+/// back in one cell.
 Rays rays_over_the_hump(std::size_t count, std::uint64_t seed) {
   constexpr std::array<double, 4> speeds{1.0, 0.25, 4.0, 1024.0};
   Dice dice(seed);
@@ -46,7 +47,8 @@ std::optional<double> first_of_three_planes(const render::Ray& ray, double) {
   std::sort(times.begin(), times.end());
   const auto part = part_in_box(ray, {0, 0, 0}, size);
   if (!part || !(times[0] > (*part)[0] + 1e-9) || !(times[0] < (*part)[1] - 1e-9)) return std::nullopt;
-  if (times[1] - times[0] < 1e-9 && times[2] - times[1] > 1e-9) return std::nullopt;  // comes back to its side
+  // returns to its side
+  if (times[1] - times[0] < 1e-9 && times[2] - times[1] > 1e-9) return std::nullopt;
   return times[0];
 }
 

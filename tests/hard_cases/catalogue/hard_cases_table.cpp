@@ -1,4 +1,5 @@
-// Prints the catalogue as a table: every case by every method. Without argument as Markdown, with "csv" as CSV.
+// Prints the catalogue as a table: every case by every method. Without argument as Markdown, with
+// "csv" as CSV.
 #include <iostream>
 #include <string_view>
 
@@ -19,8 +20,8 @@ const char* name_of(Asked asked) {
   return "largest value";
 }
 
-/// Cells "wrong/of"; "+n" are touches of which a method that proves nothing saw nothing, "-" is a method that does not
-/// answer the question.
+/// Table cells are "wrong/queries". "(touches lost/all)" counts touches that a method without
+/// proofs did not see. "-" marks a method that does not answer the query.
 void print_markdown(std::ostream& out) {
   out << "| case | question | hits |";
   for (const NamedMethod& method : catalogue_methods()) out << ' ' << method.name << " |";

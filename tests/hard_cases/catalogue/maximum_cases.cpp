@@ -1,4 +1,4 @@
-// M. The largest value on a ray: where it hides, and what makes a search stop before it.
+// M. The largest value on a ray: where it is hard to find, and what makes a search stop before it.
 #include <array>
 
 #include "tests/hard_cases/catalogue/case_parts.h"

@@ -1,5 +1,5 @@
-// T. Tetrahedra: rays that meet faces, edges and vertices that cells share, cells without volume, and meshes that are
-// no partition of space.
+// T. Tetrahedra: rays through shared faces, edges and vertices, cells without volume, and meshes
+// that are not a partition of space.
 #include <array>
 
 #include "tests/hard_cases/catalogue/case_parts.h"
@@ -17,7 +17,7 @@ Index3 nearest(const Vec3& p) {
   return {std::llround(p.x), std::llround(p.y), std::llround(p.z)};
 }
 
-/// A ball of radius 2 about the middle, rough.
+/// A rough ball of radius 2 about the centre.
 double rough_ball(const Vec3& p) {
   return 2 - (p - Vec3(2.5)).length() + 0.3 * noise(nearest(p * 7.0));
 }
@@ -25,13 +25,14 @@ double whole_numbers(const Vec3& p) {
   return static_cast<double>(whole_noise(nearest(p), 3));
 }
 
-/// Where the meshes here end; they are in a box [0, 5]^3.
+/// Whether a point is on the border of the meshes here, which fill a box [0, 5]^3.
 bool is_on_border(const Vec3& p) {
   return std::min({p.x, p.y, p.z}) == 0 || std::max({p.x, p.y, p.z}) == 5;
 }
 
 /// Rays that meet a mesh in vertices (corners = 1), on edges (2), in faces (3) or inside cells (4).
-/// @param exactly  directions and distances in which nothing is rounded, where the mesh's points are whole numbers
+/// @param exactly  whether to use directions and distances that cause no rounding if the mesh's
+///   points are whole numbers
 Rays rays_at(const NeutralMesh& mesh, std::size_t corners, bool exactly, std::size_t count, std::uint64_t seed) {
   constexpr std::array<std::array<double, 4>, 4> weights{
       {{1}, {0.5, 0.5}, {0.25, 0.25, 0.5}, {0.25, 0.25, 0.25, 0.25}}};
@@ -46,7 +47,7 @@ Rays rays_at(const NeutralMesh& mesh, std::size_t corners, bool exactly, std::si
     for (std::size_t i = 0; i < corners; ++i)
       target += weights[corners - 1][i] * to_vec3(mesh.points[cell[(first + i) % 4]]);
     if (is_on_border(target)) continue;
-    // Some start close by, so that nothing else is met before.
+    // Some rays start close by, so that they hit nothing else before.
     const bool close = rays.size() % 2 == 0;
     rays.push_back(exactly ? through(target, direction_in_eighths(dice), close ? 0.25 : 16)
                            : through(target, dice.direction(), close ? 0.05 * extent : 2 * extent));
@@ -93,7 +94,7 @@ Rays rays_in_faces(const NeutralMesh& mesh, std::size_t count, std::uint64_t see
   return rays;
 }
 
-/// Why a direct method may err where whole numbers are the values.
+/// Why a direct method may err where the values are whole numbers.
 constexpr std::string_view ties =
     "where the value in a face is the isovalue itself, or a ray lies in the mesh's border, rounding decides";
 
@@ -102,7 +103,7 @@ HardCase mesh_case(HardCase hard_case) {
   return hard_case;
 }
 
-/// The mesh's points moved by a map.
+/// The mesh with its points transformed by a map.
 NeutralMesh moved(NeutralMesh mesh, const Affine& map) {
   for (auto& point : mesh.points) point = to_array(map.point(to_vec3(point)));
   return mesh;
@@ -112,7 +113,7 @@ Rays moved(Rays rays, const Affine& map) {
   return rays;
 }
 
-/// One mesh beside another, nothing shared.
+/// One mesh beside another, with nothing shared.
 NeutralMesh beside(NeutralMesh mesh, const NeutralMesh& other) {
   const std::uint64_t first = mesh.points.size();
   mesh.points.insert(mesh.points.end(), other.points.begin(), other.points.end());
@@ -125,7 +126,7 @@ NeutralMesh beside(NeutralMesh mesh, const NeutralMesh& other) {
   return mesh;
 }
 
-/// Each cell with points of its own, at the same places.
+/// Each cell with its own points, at the same positions.
 NeutralMesh with_points_apart(const NeutralMesh& mesh) {
   NeutralMesh apart;
   apart.point_fields.emplace_back();
@@ -142,13 +143,14 @@ NeutralMesh with_points_apart(const NeutralMesh& mesh) {
   return apart;
 }
 
-/// Two roofs over a square's diagonals with a flat cell between (tests/hard_cases/slivers_and_flat_tets_test.cpp), many
-/// times, with the square's corners lifted by `bump`.
+/// Two roofs over a square's diagonals with a flat cell between
+/// (tests/hard_cases/slivers_and_flat_tets_test.cpp), many times, with the square's corners lifted
+/// by `bump`.
 NeutralMesh roofs(double bump) {
   NeutralMesh all;
   for (int n = 0; n < 8; ++n) {
     NeutralMesh mesh;
-    const double x = 3 * n, b = -bump;  // the other way round the roofs would overlap
+    const double x = 3 * n, b = -bump;  // with the opposite sign the roofs would overlap
     mesh.points = {{x, 0, b}, {x + 1, 0, -b}, {x + 1, 1, b}, {x, 1, -b}, {x + 0.5, 0.5, -1}, {x + 0.5, 0.5, 1}};
     mesh.cells = {{0, 1, 2, 4}, {0, 2, 3, 4}, {0, 1, 3, 5}, {1, 2, 3, 5}, {0, 1, 2, 3}};
     mesh.point_fields.emplace_back();
@@ -178,7 +180,7 @@ NeutralMesh turned_over(NeutralMesh mesh, std::uint64_t every) {
   return mesh;
 }
 
-/// Layers across z with values at whole numbers.
+/// Layers across z with whole-numbered values.
 double in_layers(const Vec3& p) {
   return std::array{0.0, 0.0, 1.0, 1.0, 2.0, 0.0}[static_cast<std::size_t>(std::llround(p.z))];
 }
@@ -358,8 +360,8 @@ std::vector<HardCase> tet_cases() {
     const NeutralMesh fine = box_mesh({.cells = {5, 5, 3}, .box = Box3({0, 0, 2}, {5, 5, 5})}, whole_numbers);
     const NeutralMesh hanging = beside(coarse, fine);
     Rays rays = all_rays_at(hanging, 240, 17);
-    for (std::size_t n = 0; n < rays.size();
-         ++n) {  // cut to one of the parts, up to the layer of points where they meet
+    // Cut each ray to one of the parts, up to the layer of points where the parts meet.
+    for (std::size_t n = 0; n < rays.size(); ++n) {
       render::Ray& ray = rays[n];
       if (ray.direction.z == 0) continue;
       const double t = (2 - ray.origin.z) / ray.direction.z;
@@ -439,7 +441,7 @@ std::vector<HardCase> tet_cases() {
     for (std::size_t corners = 1; corners <= 3; ++corners)
       parts.push_back(rays_at(numbers, corners, true, 100, 26 + corners));
     Rays from_inside = together(parts);
-    // To where they were aimed, exactly.
+    // Move the origins to the points at which the rays were aimed, exactly.
     for (std::size_t n = 0; n < from_inside.size(); ++n)
       from_inside[n].origin = from_inside[n].at(n % 2 == 0 ? 0.25 : 16);
     add(in_whole_numbers("T28", "The eye is inside a cell, in a face, on an edge or on a vertex.",

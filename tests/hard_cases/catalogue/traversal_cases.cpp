@@ -1,4 +1,5 @@
-// V. The way from cell to cell: directions, boxes and sizes at which a walk loses its cell, stands still or never ends.
+// V. The traversal from cell to cell: directions, boxes and sizes at which it loses its cell, stops
+// or never ends.
 #include <array>
 
 #include "tests/hard_cases/catalogue/case_parts.h"
@@ -22,7 +23,7 @@ Rays changed(Rays rays, Change&& change) {
   return rays;
 }
 
-/// Rays from inside the box backward, with some components of the direction set.
+/// Rays through points inside the box, from t = 30 back. Some components of the direction are set.
 Rays with_components(int count_of_axes, std::vector<double> components, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   Rays rays;
@@ -56,7 +57,7 @@ Rays rays_that_are_none() {
   return rays;
 }
 
-/// Rays in the planes of the box's sides, `axes` of them at once.
+/// Rays in the planes of the box's sides, in `axes` planes at once.
 Rays rays_on_the_box(int axes, std::size_t count, std::uint64_t seed) {
   Dice dice(seed);
   Rays rays;
@@ -100,7 +101,7 @@ Rays rays_that_pass_by(std::size_t count) {
       direction[axis] = 0;
       rays.push_back(through(target, direction, 0));
       rays.back().origin -= 30.0 * direction;
-    } else {  // behind the box, looking away
+    } else {  // behind the box, looking away from it
       target[axis] = high ? size[axis] + 1e-9 : -1e-9;
       direction[axis] = (high ? 1 : -1) * std::abs(direction[axis]);
       rays.push_back({.origin = target, .direction = direction});

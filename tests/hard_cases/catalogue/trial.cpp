@@ -17,7 +17,7 @@ namespace {
 constexpr Method judged{.algorithm = Method::Algorithm::exact};
 constexpr double place_tolerance_cells = 1e-3, value_tolerance = 1e-6;
 
-/// The widest bound that still says where a hit is.
+/// The widest bound that still locates a hit.
 constexpr double largest_bound_cells = 1e-2;
 
 Method in_precision(Method::Algorithm algorithm, Method::Precision precision) {

@@ -19,17 +19,19 @@ struct NamedMethod {
   }
 };
 
-/// The columns of the table. "direct" is the bracketed root in grids, canonical edges in meshes, critical points for
-/// largest values; "paper" is Appendix A, Appendix B and the face rule.
+/// The columns of the table. "direct" is the bracketed root in grids, canonical edges in meshes,
+/// and critical points for largest values. "paper" is Appendix A, Appendix B and the face rule.
 std::span<const NamedMethod> catalogue_methods();
 const NamedMethod& method_named(std::string_view name);
 
-/// What a method made of the questions of a case (its rays, once for each isovalue). Right is the judge's decision, at
-/// the judge's place: for a method that proves its answers within the sum of both bounds, for others within a
-/// thousandth of a cell, which a picture does not show and single precision reaches for simple roots; a largest value
-/// within the bounds, or a millionth of the field's range.
+/// The results of a method for the queries of a case (its rays, once for each isovalue). An answer
+/// is right if it agrees with the exact decision and position. A method that proves its answers
+/// must be within the sum of both bounds. Others must be within a thousandth of a cell, which a
+/// picture does not show and single precision reaches for simple roots. A largest value must be
+/// within the bounds, or within a millionth of the field's range.
 ///
-/// Rays that only touch the surface count apart: what proves its answers must see them, the others may or may not.
+/// Rays that only touch the surface are counted separately: methods that prove their answers must
+/// see them, others may or may not.
 struct Tally {
   int queries = 0, missed = 0, false_hits = 0, wrong_place = 0;
   int touches = 0, touches_lost = 0;
@@ -39,14 +41,15 @@ struct Tally {
   int not_seen() const { return wrong() + touches_lost; }
 };
 
-/// A case, its questions answered by the judge.
+/// A case whose queries have been answered with exact arithmetic.
 class Trial {
  public:
   explicit Trial(const HardCase& hard_case);
 
   Tally tally(const NamedMethod& method);
 
-  /// Questions at which the closed form contradicts the judge; and those at which it says something.
+  /// Counts the queries where the closed form contradicts the exact answer, and those where it has
+  /// an answer.
   Tally against_known_answers() const;
 
   int hit_count() const;
@@ -59,7 +62,7 @@ class Trial {
 
   const HardCase& case_;
   std::unique_ptr<TracedVolume> traced_;
-  std::vector<Truth> truths_;  ///< isovalue by isovalue
+  std::vector<Truth> truths_;  ///< ordered by isovalue
 
   render::Hit ask(const render::Ray& ray, double isovalue, const render::Method& method);
   double t_per_cell(const render::Ray& ray) const;

@@ -1,5 +1,5 @@
-// D. Values of the data: magnitudes, types and gaps that a tolerance, a conversion or a third state of a sign trips
-// over.
+// D. Values of the data: magnitudes, types and gaps that break a tolerance, a conversion or a sign
+// with a third state.
 #include <array>
 
 #include "tests/hard_cases/catalogue/case_parts.h"
