@@ -44,7 +44,7 @@ NumberedFolder read_folder(const fs::path& folder) {
   return files;
 }
 
-/// Makes changes of calls.
+/// Turns recorded calls into changes.
 class CrashModel::Reader {
  public:
   Reader(CrashModel& model, const NumberedFolder& before) : model_(model) {
@@ -93,7 +93,8 @@ class CrashModel::Reader {
   std::size_t add_file(std::uint64_t number, const std::string& content) {
     model_.files_.push_back(content);
     sizes_.push_back(content.size());
-    return numbers_[number] = model_.files_.size() - 1;  // numbers come back when files are gone
+    // Inode numbers are used again when files are gone.
+    return numbers_[number] = model_.files_.size() - 1;
   }
 
   std::size_t file_of(const CallHeader& header) const {
@@ -136,7 +137,8 @@ class CrashModel::Reader {
     model_.changes_.push_back(std::move(change));
   }
 
-  /// A flush that began with so many bytes in the record: of a file, or of the names.
+  /// Marks the changes that a flush makes durable, of a file or of the names. The flush began when
+  /// the record had record_bytes bytes.
   void promise(std::size_t flush, std::uint64_t record_bytes, std::optional<std::size_t> file) {
     for (Change& change : model_.changes_) {
       const bool is_of_names = change.what == Change::What::names;
@@ -147,8 +149,8 @@ class CrashModel::Reader {
 
   CrashModel& model_;
   std::map<std::uint64_t, std::size_t> numbers_;  ///< inode number -> file
-  std::map<std::string, std::size_t> now_;        ///< the names after the calls so far
-  std::vector<std::uint64_t> sizes_;              ///< of the files, likewise
+  std::map<std::string, std::size_t> now_;        ///< names after the calls so far
+  std::vector<std::uint64_t> sizes_;              ///< sizes of the files after the calls so far
 };
 
 CrashModel::CrashModel(const NumberedFolder& before, const std::vector<RecordedCall>& calls) {
@@ -156,7 +158,7 @@ CrashModel::CrashModel(const NumberedFolder& before, const std::vector<RecordedC
   for (std::size_t i = 0; i < calls.size(); ++i) reader.read(i, calls[i]);
 }
 
-/// The folder with those changes for which is_there(change).
+/// The folder with those changes for which is_there(change) is true.
 template <class IsThere>
 FolderContents CrashModel::state(const IsThere& is_there) const {
   struct File {
@@ -180,7 +182,8 @@ FolderContents CrashModel::state(const IsThere& is_there) const {
     File& file = files[change.file];
     if (change.what == Change::What::size) {
       file.size = change.at;
-      file.bytes.resize(std::min<std::size_t>(file.bytes.size(), change.at));  // what is cut off is gone
+      // what is cut off is gone
+      file.bytes.resize(std::min<std::size_t>(file.bytes.size(), change.at));
       continue;
     }
     const std::size_t end = change.at + change.bytes.size();
@@ -200,7 +203,7 @@ FolderContents CrashModel::outcome() const {
 }
 
 FolderContents CrashModel::draw(std::size_t calls_ended, std::mt19937_64& random) const {
-  // In every fourth state all changes are there, or none.
+  // For data and for names separately: in every fourth state, all changes are there, or none.
   const auto draw_share = [&] {
     const int choice = std::uniform_int_distribution(0, 7)(random);
     return choice < 2 ? choice : std::uniform_real_distribution(0.0, 1.0)(random);

@@ -18,7 +18,7 @@ namespace rhoray::tests {
 struct RecordedCall {
   CallHeader header;
   std::string name, second_name, bytes;
-  std::uint64_t record_end = 0;  ///< the size of the record with this call
+  std::uint64_t record_end = 0;  ///< size of the record including this call
 };
 
 std::vector<RecordedCall> read_calls(const std::filesystem::path& record);
@@ -26,7 +26,7 @@ std::vector<RecordedCall> read_calls(const std::filesystem::path& record);
 /// The files of a folder with their contents.
 using FolderContents = std::map<std::string, std::string>;
 
-/// The same with their inode numbers.
+/// The files of a folder with their contents and inode numbers.
 struct NumberedFile {
   std::uint64_t number = 0;
   std::string content;
@@ -35,12 +35,14 @@ using NumberedFolder = std::map<std::string, NumberedFile>;
 
 NumberedFolder read_folder(const std::filesystem::path& folder);
 
-/// The states of a folder that a crash can leave behind, when nothing is relied on but what fsync promises.
+/// The states of a folder that a crash can leave behind, relying on nothing but what fsync
+/// promises.
 ///
-/// A call changes the pages of a file, its size or names. Each change reaches the disk at any time after its call, in
-/// any order with the others. It is on the disk when a flush has ended that began after the call: of the file for
-/// pages and size, of the folder for names. A page that is not there holds what it held before, or zeros. A rename is
-/// there whole or not at all.
+/// A call changes the pages of a file, its size, or names. Each change reaches the disk at any time
+/// after its call, in any order with the others. It is certainly on the disk when a flush that
+/// began after the call has ended: a flush of the file for pages and size, of the folder for names.
+/// A page that has not arrived holds its previous content, or zeros. A rename is there completely
+/// or not at all.
 class CrashModel {
  public:
   /// @param before  the folder before the calls, all of it on the disk
@@ -49,8 +51,8 @@ class CrashModel {
   /// The folder after all calls, without a crash.
   FolderContents outcome() const;
 
-  /// A state that is possible when so many calls had ended. In half of the states, changes of names are there as a
-  /// journal leaves them: all up to one of them, and none after it.
+  /// Draws a possible state after the given number of ended calls. In half of the states, changes
+  /// of names are there as a journal leaves them: all changes up to one of them, and none after it.
   FolderContents draw(std::size_t calls_ended, std::mt19937_64& random) const;
 
  private:
@@ -59,20 +61,21 @@ class CrashModel {
   struct Change {
     enum class What { bytes, size, names };
     What what = What::bytes;
-    std::size_t call = 0;          ///< that makes it
-    std::size_t flush = never;     ///< the call that promises it
-    std::uint64_t record_end = 0;  ///< of its call
-    std::size_t file = 0;          ///< in files_; of bytes and size
-    std::uint64_t at = 0;          ///< the first byte; or the size
+    std::size_t call = 0;          ///< call that makes the change
+    std::size_t flush = never;     ///< call that makes the change durable
+    std::uint64_t record_end = 0;  ///< of the call that makes the change
+    std::size_t file = 0;          ///< index in files_; for bytes and size
+    std::uint64_t at = 0;          ///< first byte, or the size
     std::string bytes = {};
-    std::vector<std::pair<std::string, std::optional<std::size_t>>> names = {};  ///< with their files or none
+    /// with their files or none
+    std::vector<std::pair<std::string, std::optional<std::size_t>>> names = {};
   };
   class Reader;
 
   template <class IsThere>
   FolderContents state(const IsThere& is_there) const;
 
-  std::vector<std::string> files_;  ///< as they were before the calls
+  std::vector<std::string> files_;  ///< contents before the calls
   std::map<std::string, std::size_t> names_;
   std::vector<Change> changes_;
 };

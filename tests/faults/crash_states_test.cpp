@@ -14,7 +14,7 @@
 #include "tests/support/memory_file.h"
 #include "tests/tools/workbench.h"
 
-/// Machines that stop while a packed file is written: what the disk can hold then.
+/// Machines that stop while a packed file is written, and what the disk can hold afterwards.
 namespace rhoray::tests {
 namespace {
 
@@ -28,10 +28,10 @@ FolderContents contents_of(const fs::path& folder) {
   return contents;
 }
 
-/// `pack` in an empty folder, or with --force in one that has an old file of the same name.
+/// `pack` in an empty folder, or with --force in a folder that has an old file of the same name.
 struct Scenario {
   std::string name;
-  std::vector<std::string> words;  ///< of the command, which is run in the folder
+  std::vector<std::string> words;  ///< words of the command, which runs in the folder
   bool replaces = false;
   const char* missing = "";  ///< what the folder's file system lacks: RHORAY_RECORD_MISSING
 };
@@ -53,7 +53,7 @@ std::vector<Scenario> scenarios(const Workbench& bench) {
   return all;
 }
 
-/// A scenario that was run, with all that it changed in its folder.
+/// A run of a scenario, with all changes that it made in its folder.
 class Recording {
  public:
   explicit Recording(const Scenario& scenario) : scenario_(scenario) {
@@ -76,7 +76,7 @@ class Recording {
     after_ = contents_of(out);
   }
 
-  /// As if calls of this kind had not been made.
+  /// The recording as if no call of this kind had been made.
   Recording without(CallKind kind) const {
     Recording less = *this;
     EXPECT_GT(std::erase_if(less.calls_, [&](const RecordedCall& call) { return call.header.kind == kind; }), 0u);
@@ -87,11 +87,11 @@ class Recording {
   CrashModel model() const { return {before_, calls_}; }
   const FolderContents& after() const { return after_; }
 
-  /// Describes what is wrong with a state that a crash left; empty when nothing is.
-  /// @param has_ended  the crash came after the command had ended
+  /// Describes what is wrong with a state that a crash left; empty when nothing is wrong.
+  /// @param has_ended  whether the crash came after the command had ended
   std::string fault_of(const FolderContents& state, bool has_ended) const;
 
-  /// Runs the command again in a folder of this state: then its file is there and nothing else.
+  /// Runs the command again in a folder of this state. Expects that only its output file is left.
   void expect_next_run_clears(const FolderContents& state) const;
 
  private:
@@ -136,8 +136,8 @@ void Recording::expect_next_run_clears(const FolderContents& state) const {
   EXPECT_TRUE(contents_of(out.path()) == after_) << "another file, or more than one";
 }
 
-/// Draws at least so many states, as many for each moment between two calls, and acts on those that are new. Returns
-/// their number.
+/// Draws at least the given number of states, equally many for each moment between two calls, and
+/// calls act() for new states. Returns the number of distinct states.
 std::size_t draw_states(const Recording& recording, std::size_t at_least,
                         const std::function<void(const FolderContents& state, bool has_ended)>& act) {
   std::mt19937_64 random(20261123);
@@ -163,7 +163,7 @@ class CrashStates : public testing::Test {
   Workbench bench_;
 };
 
-// 1,000 and more orders in which what was written reaches the disk, or does not.
+// 1,000 and more combinations of order and subset in which written data reach the disk.
 TEST_F(CrashStates, have_the_old_file_or_the_whole_new_one) {
   std::size_t distinct = 0;
   for (const Scenario& scenario : scenarios(bench_)) {
@@ -175,7 +175,7 @@ TEST_F(CrashStates, have_the_old_file_or_the_whole_new_one) {
     const std::size_t states = draw_states(recording, 6000, [&](const FolderContents& state, bool has_ended) {
       const std::string fault = recording.fault_of(state, has_ended);
       if (!fault.empty()) ++faults[fault];
-      // Runs take time: one for each number of files that are left.
+      // Runs take time: make one for each number of files left behind.
       if (left.insert(state.size()).second) recording.expect_next_run_clears(state);
     });
     EXPECT_THAT(faults, testing::IsEmpty());
@@ -185,7 +185,7 @@ TEST_F(CrashStates, have_the_old_file_or_the_whole_new_one) {
   EXPECT_GE(distinct, 1000u);
 }
 
-// The draws find a writer that leaves out a flush.
+// The drawn states reveal a writer that omits a flush.
 TEST_F(CrashStates, would_break_the_promise_if_the_file_or_its_folder_were_not_flushed) {
   const std::pair<CallKind, const char*> flushes[] = {
       {CallKind::flush_file, "the file is neither the old one nor the whole new one"},

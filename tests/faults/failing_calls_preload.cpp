@@ -1,15 +1,18 @@
-// A library for LD_PRELOAD that makes one call of the system fail, in a program and the workers that it starts.
+// A library for LD_PRELOAD that makes one system call fail, in a program and in the workers that it
+// starts.
 //
 //   RHORAY_FAIL_CALL    write, fsync, rename, close, mmap or fork
 //
-//   RHORAY_FAIL_AT      which call of that kind fails, from 1 on, counted over all processes; 0: none, but calls count
+//   RHORAY_FAIL_AT      number of the failing call of that kind, from 1 on, counted over all
+//                       processes; 0: no call fails, but calls are counted
 //
-//   RHORAY_FAIL_ERRNO   what errno says then (a number)
+//   RHORAY_FAIL_ERRNO   the value of errno then (a number)
 //
 //   RHORAY_FAIL_COUNT   a file of 8 bytes, the counter that the processes share
 //
-// Counted are calls on regular files (write, fsync, close), mappings of files (mmap) and calls that come from programs
-// and shared libraries; those that the C library makes for itself (stdio, malloc, the loader) are not seen here.
+// Counted are write and close calls on regular files, all calls of fsync, rename and fork, and
+// mappings of files (mmap), if they come from programs and shared libraries. Calls that the C
+// library makes itself (stdio, malloc, the loader) are not seen here.
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -49,7 +52,7 @@ struct Plan {
   }
 };
 
-/// True for the call that is to fail; then errno is set.
+/// Returns true for the call that is to fail, and sets errno.
 bool must_fail(const char* call) {
   static const Plan plan;
   if (plan.count == nullptr || std::strcmp(plan.call, call) != 0) return false;
@@ -110,7 +113,7 @@ int fsync(int file) {
   return must_fail("fsync") ? -1 : static_cast<int>(::syscall(SYS_fsync, file));
 }
 
-/// As Linux does, it closes even where it reports an error.
+/// Closes the file even where it reports an error, as Linux does.
 int close(int file) {
   const bool fails = file_must_fail("close", file);
   const int error = errno;
@@ -132,7 +135,7 @@ int renameat2(int from_folder, const char* from, int to_folder, const char* to, 
   return must_fail("rename") ? -1 : static_cast<int>(::syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
 }
 
-/// Naming an anonymous file is a rename by another call.
+/// Naming an anonymous file counts as a rename.
 int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags) noexcept {
   return must_fail("rename") ? -1 : static_cast<int>(::syscall(SYS_linkat, from_folder, from, to_folder, to, flags));
 }

@@ -56,7 +56,7 @@ class FaultRun {
     return run_program(words, folder_);
   }
 
-  /// Calls of the kind in the last run.
+  /// Number of calls of this kind in the last run.
   std::uint64_t count() const {
     const std::string bytes = read_file(counter_);
     std::uint64_t number = 0;
@@ -69,8 +69,8 @@ class FaultRun {
   fs::path folder_, out_, counter_;
 };
 
-// Whatever call fails: the command ends with 5 and all is as before, or the failure did no harm and the files are
-// whole.
+// Whatever call fails, one of two outcomes is right. Either the command ends with 5 and all is as
+// before, or the failure did no harm and the files are complete.
 TEST(FailingCalls, each_ends_with_5_and_the_old_files_or_does_no_harm) {
   const Workbench bench;
   make_inputs(bench);

@@ -33,7 +33,7 @@ std::set<std::string> names_in(const fs::path& folder) {
 
 const std::string old_content = "what was there before";
 
-/// Puts old files in the place of a command's outputs.
+/// Creates old files with the names of a command's outputs.
 void make_old(const WritingCommand& command, const fs::path& out) {
   for (const std::string& output : command.outputs) {
     fs::create_directories((out / output).parent_path());
@@ -41,8 +41,8 @@ void make_old(const WritingCommand& command, const fs::path& out) {
   }
 }
 
-/// What whole new files look like: their bytes where two runs write the same, else their last two bytes, which a file
-/// that ends too early has only by chance.
+/// Recognizes complete new files. Where two runs write the same bytes, compares all bytes.
+/// Otherwise compares the last two bytes, which a file that ends too early has only by chance.
 class WholeFiles {
  public:
   WholeFiles(const WritingCommand& command, const fs::path& out) : command_(command), out_(out) {
@@ -71,7 +71,8 @@ class WholeFiles {
   std::set<std::string> varying_;
 };
 
-// At any moment each file is the old one or the whole new one, and the next run removes what was left.
+// At any moment each file is the complete old one or the complete new one, and the next run removes
+// what was left.
 TEST(Kills, leave_whole_files_and_what_else_is_left_the_next_run_removes) {
   const Workbench bench;
   make_inputs(bench);

@@ -1,13 +1,16 @@
-// A library for LD_PRELOAD that records what a program and the workers that it starts change in a folder.
+// A library for LD_PRELOAD that records the changes that a program, and the workers that it starts,
+// make in a folder.
 //
 //   RHORAY_RECORD_FOLDER    the folder, as an absolute path without symbolic links
 //
-//   RHORAY_RECORD_FILE      the record (recorded_calls.h), an existing file elsewhere; calls are added to it
+//   RHORAY_RECORD_FILE      the record (recorded_calls.h), an existing file elsewhere; calls are
+//                           appended to it
 //
-//   RHORAY_RECORD_MISSING   words for what the folder's file system lacks: anonymous (files), flags (of a renaming)
+//   RHORAY_RECORD_MISSING   words for what the folder's file system lacks: anonymous (files),
+//                           flags (of a rename)
 //
-// A call is recorded when it has succeeded. Calls that the C library makes for itself (stdio) are not seen here: a
-// reader of the record compares its outcome with the folder.
+// A call is recorded when it has succeeded. Calls that the C library makes itself (stdio) are not
+// seen here. Therefore a reader of the record compares its outcome with the folder.
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -67,7 +70,7 @@ class KeptErrno {
   int before_ = errno;
 };
 
-/// The bytes of the record so far.
+/// The number of bytes in the record so far.
 std::uint64_t record_bytes() {
   const KeptErrno kept;
   struct stat status {};
@@ -86,12 +89,13 @@ void record(CallHeader header, std::string_view name = {}, std::string_view seco
                          {const_cast<void*>(bytes), header.byte_count}};
   const auto count = static_cast<long>(sizeof header + name.size() + second_name.size() + header.byte_count);
   const long file = ::syscall(SYS_openat, AT_FDCWD, plan().record, O_WRONLY | O_APPEND | O_CLOEXEC);
-  // In one call, so that those of other threads do not come between.
+  // In one call, so that records of other threads do not interleave.
   if (file < 0 || ::syscall(SYS_writev, file, parts, std::size(parts)) != count) std::abort();
   ::syscall(SYS_close, file);
 }
 
-/// The inode number of an open file that was made in the folder, or of the folder itself; 0 for any other.
+/// The inode number of an open file that was created in the folder, or of the folder itself; 0 for
+/// any other.
 std::uint64_t file_in_folder(int descriptor) {
   const KeptErrno kept;
   if (plan().record == nullptr || descriptor < 0) return 0;
@@ -105,7 +109,7 @@ std::uint64_t file_in_folder(int descriptor) {
   return is_inside ? status.st_ino : 0;
 }
 
-/// The name in the folder that a path stands for; empty when it stands for something elsewhere.
+/// The name in the folder to which a path refers; empty when it refers to something elsewhere.
 std::string_view name_in_folder(int from, std::string_view path) {
   const KeptErrno kept;
   if (plan().record == nullptr || path.size() >= PATH_MAX) return {};
@@ -118,7 +122,7 @@ std::string_view name_in_folder(int from, std::string_view path) {
   return status.st_ino == folder.st_ino && status.st_dev == folder.st_dev ? path.substr(name_begin) : "";
 }
 
-/// 0 when there is none.
+/// The inode number of a named file in the folder; 0 when there is none.
 std::uint64_t file_of_name(int from, const char* path) {
   const KeptErrno kept;
   struct stat status {};
@@ -149,7 +153,7 @@ ssize_t written(int descriptor, const void* bytes, long count, off_t at) {
   return count;
 }
 
-/// Where the next byte without a place of its own is written.
+/// The file position, where the next write without an explicit offset goes.
 off_t position(int descriptor) {
   const KeptErrno kept;
   return ::lseek(descriptor, 0, SEEK_CUR);
