@@ -1,4 +1,4 @@
-// Command lines, one word a line: read, every value taken, nothing run.
+// Fuzzes command lines, one word per line. Parses them and takes every value, but runs nothing.
 #include <cstdio>
 #include <functional>
 #include <string>
@@ -22,7 +22,7 @@ Subcommand (*const makers[])() = {info_subcommand,    import_subcommand,   pack_
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  RHORAY_CHECK(std::freopen("/dev/null", "w", stdout) != nullptr);  // the help
+  RHORAY_CHECK(std::freopen("/dev/null", "w", stdout) != nullptr);  // hides the help
   return 0;
 }
 
@@ -31,15 +31,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const char letter : std::string(reinterpret_cast<const char*>(data), size)) {
     if (letter == '\n')
       words.emplace_back();
-    else if (letter != '\0')  // no word of a command line holds one
+    else if (letter != '\0')  // no word of a command line contains one
       words.back() += letter;
   }
   std::vector<const char*> arguments;
   for (const std::string& word : words) arguments.push_back(word.c_str());
 
-  // Values stay in what a subcommand's rows point to: each command line gets new ones.
+  // Values stay in what a subcommand's rows point to: each command line gets new subcommands.
   std::vector<Subcommand> subcommands;
-  std::vector<std::function<int()>> not_run;  // these own what the rows point to
+  std::vector<std::function<int()>> not_run;  // own what the rows point to
   bool ran = false;
   for (Subcommand (*const make)() : makers) {
     subcommands.push_back(make());

@@ -1,4 +1,4 @@
-// The reader of packed files: seal, header, arrays, checksums.
+// Fuzzes the reader of packed files: seal, header, arrays, checksums.
 #include <algorithm>
 
 #include "formats/base/checks.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace rhoray;
 
-/// What every reader of the library relies on.
+/// Checks what every reader of the library relies on.
 void check_layout(const formats::PackedFile& file) {
   std::uint64_t end = 0;
   for (const formats::ArrayEntry& array : file.arrays()) {
@@ -23,7 +23,7 @@ void check_layout(const formats::PackedFile& file) {
   }
 }
 
-/// Asks for an array as it is, and with a shape that it does not have.
+/// Reads an array with its own shape, and with a shape that it does not have.
 void read_array(const formats::PackedFile& file, const formats::ArrayEntry& array) {
   formats::with_element_type(array.type, [&]<class T>(T) {
     const std::span<const T> values = file.array<T>(array.name, std::span(array.shape));

@@ -21,7 +21,7 @@ GuardedPadding::GuardedPadding(const formats::PackedFile& file) : file_(file) {
   if (file.arrays().empty()) return;
   const formats::ArrayEntry& first = file.arrays().front();
   start_ = file.bytes(first.name).data() - first.first_byte;
-  // The table of checksums stays readable: damaged_blocks compares with it where it is mapped.
+  // The table of checksums stays readable: damaged_blocks uses it in place, where it is mapped.
   for (std::size_t i = 0; i + 1 < file.arrays().size(); ++i) {
     const formats::ArrayEntry& array = file.arrays()[i];
     const std::uint64_t end = array.first_byte + array.byte_count;

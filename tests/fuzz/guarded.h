@@ -7,9 +7,10 @@
 
 namespace rhoray::tests {
 
-/// With the address sanitizer: while this lives, every byte of a mapped packed file that belongs to no array is
-/// forbidden, so that a read beyond an array's end is reported although it stays within the mapping. The mutator leaves
-/// room between arrays for that. Without the sanitizer it does nothing.
+/// Makes padding inaccessible for the address sanitizer. While an object lives, every byte of a
+/// mapped packed file that belongs to no array is poisoned. A read beyond an array's end is then
+/// reported although it stays within the mapping. The mutator leaves room between arrays for this.
+/// Has no effect without the sanitizer.
 class GuardedPadding {
  public:
   explicit GuardedPadding(const formats::PackedFile& file);

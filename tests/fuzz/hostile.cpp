@@ -1,5 +1,6 @@
-// Packed files that are sealed and not sound: what the readers of the library accept is looked at, drawn and exported.
-// RHORAY_MACHINE says for which machine kernels are compiled that draw: scalar or baseline.
+// Fuzzes with packed files that are sealed but not sound. What the readers of the library accept is
+// examined, rendered and exported. RHORAY_MACHINE selects the instruction set of the rendering
+// kernels: scalar or baseline.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +28,7 @@ namespace {
 using namespace rhoray;
 using render::Method;
 
-/// What is refused is well refused; everything else that is thrown ends the program.
+/// Calls act(). Refusals must be well formed; any other exception ends the program.
 template <class Act>
 void attempt(Act&& act) {
   try {
@@ -37,7 +38,7 @@ void attempt(Act&& act) {
   }
 }
 
-/// Between the ends of a field's range, a share of the way; 0 for a field without values.
+/// The value at a fraction of a field's range; 0 for a field without values.
 double value_at(const formats::FieldSummary& field, double share) {
   return field.range.is_empty() ? 0 : (1 - share) * field.range.lo + share * field.range.hi;
 }
@@ -47,7 +48,7 @@ Interval<double> window_of(const formats::FieldSummary& field) {
   return field.range;
 }
 
-/// One file, drawn in several ways.
+/// Renders one file in several ways.
 class Pictures {
  public:
   Pictures(const render::Volume& volume, render::RenderContext& memory) : volume_(volume), memory_(memory) {
@@ -107,7 +108,7 @@ class Pictures {
     });
   }
 
-  /// Shadows of both kinds of light, ambient occlusion and fog.
+  /// Adds shadows of both kinds of light, ambient occlusion and fog.
   void light(render::Scene& scene) const {
     scene.lights = {{.kind = render::Light::Kind::directional, .place = {0.3, -0.8, 0.5}, .casts_shadows = true},
                     {.kind = render::Light::Kind::point,
@@ -135,7 +136,7 @@ class Pictures {
     return layer;
   }
 
-  /// Two clear surfaces in a clip region.
+  /// Renders two transparent surfaces in a clip region.
   void clear(const render::Layer& surface, const formats::FieldSummary& field) {
     render::Layer outer = surface, inner = surface;
     outer.isovalue = value_at(field, 0.25);
@@ -147,7 +148,7 @@ class Pictures {
     });
   }
 
-  /// Coloured by the last field; smooth normals where there are such.
+  /// Renders a surface coloured by the last field, with smooth normals where there are any.
   void colored(render::Layer surface, const formats::FieldSummary& field) {
     const std::vector<std::string> names = volume_.field_names();
     surface.surface.color_by = render::FieldColors{.field = names.back(), .range = window_of(field)};
@@ -174,7 +175,7 @@ class Pictures {
   double size_ = 1;
 };
 
-/// Every field, drawn twice with the memory of the last frame.
+/// Renders every field twice, with the RenderContext of the last frame.
 void draw(const formats::PackedFile& file) {
   render::RenderContext memory;
   const render::Volume first = render::Volume::load(file);
@@ -187,7 +188,7 @@ void draw(const formats::PackedFile& file) {
     });
 }
 
-/// Colours cover a sound surface.
+/// Uses the data as colours on a sound surface.
 void cover(const formats::PackedFile& file) {
   static const render::Volume surface =
       render::Volume::load(std::filesystem::path(RHORAY_RELEASED_FILES) / "1.3-surface.rho");
@@ -214,7 +215,7 @@ void export_to(const char* name, const Write& write) {
   });
 }
 
-/// What needs no process of its own; the processes read by the same functions.
+/// Exports that need no separate process; the separate processes read with the same functions.
 void export_grid(const std::string& path) {
   const preprocess::ExportOptions options{.replace_existing = true};
   export_to("a.npy", [&](const auto& output) { return preprocess::export_npy(path, output, options); });

@@ -1,5 +1,5 @@
-// The importers that are ours, one format at a time: RHORAY_FUZZ_FORMAT names it. An input is the file, or the file and
-// the one that stands beside it, with a line `-- next file --` between them.
+// Fuzzes our own importers, one format at a time, selected by RHORAY_FUZZ_FORMAT. An input is the
+// file, or the file and its companion file, separated by a line `-- next file --`.
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +34,8 @@ void attempt(Act&& act) {
   }
 }
 
-/// Into an anonymous file and back, as from the worker to the verb: what a reader hands over is accepted.
+/// Sends data through an anonymous file, as from the worker to the subcommand: what a reader sends
+/// must be accepted.
 template <class Neutral, class Take>
 void pass_on(const Neutral& found, Take* take) {
   tests::InputFile file;
@@ -66,7 +67,7 @@ void use(const CellMesh& mesh) {
   for (const NeutralField& field : mesh.point_fields)
     RHORAY_CHECK(field.values.size() == mesh.points.size() * static_cast<std::size_t>(field.component_count));
   pass_on(mesh, receive_cell_mesh);
-  (void)subdivide(mesh, {});  // in the process of the verb, not of the worker
+  (void)subdivide(mesh, {});  // in the process of the subcommand, not of the worker
 }
 
 template <auto read>
@@ -94,7 +95,7 @@ void legacy_vtk(const Path& path) {
 void gmsh(const Path& path) {
   use(read_gmsh(path, ""));
 }
-/// Files that only VTK's reader takes are left to it, in its process.
+/// Files that only VTK's reader accepts are left to it, in its process.
 void vti(const Path& path) {
   if (const auto found = stream_vti(path, "")) use(*found);
 }
@@ -118,7 +119,7 @@ void zip(const Path& path) {
 
 struct Format {
   std::string_view name;
-  std::array<const char*, 2> extensions;  ///< of the file and of what stands beside it
+  std::array<const char*, 2> extensions;  ///< of the file and of its companion
   void (*read)(const Path&);
 };
 constexpr Format formats_known[] = {{"nrrd", {".nhdr", ".raw"}, nrrd},
@@ -175,7 +176,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-// Teem loses memory when it refuses a damaged file; in the worker it ends with the process.
+// Teem leaks memory when it refuses a damaged file; in the worker, the process then ends.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libteem\n";

@@ -1,6 +1,6 @@
-// Packs arbitrary numbers. The first byte of an input chooses what is packed and how; the other bytes are the numbers,
-// repeated as often as needed. Every packed file must be proven sound. A refusal, or an end of memory, must leave the
-// old file and no other.
+// Packs arbitrary numbers. The first byte of an input chooses what is packed and how; the other
+// bytes are the numbers, repeated as often as needed. Every packed file must be proven sound. After
+// a refusal, or when memory runs out, the old file and no other must be left.
 #include <cstring>
 #include <filesystem>
 #include <iterator>
@@ -28,7 +28,7 @@ using namespace rhoray;
 using namespace rhoray::preprocess;
 using Path = std::filesystem::path;
 
-/// The bytes of an input, from the first one again behind the last.
+/// The bytes of an input, repeated cyclically.
 class Numbers {
  public:
   Numbers(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -61,7 +61,7 @@ NeutralVolume volume_of(Numbers& numbers, formats::ElementType type) {
   return volume;
 }
 
-/// Values are any numbers; points are moved by up to a cube's edge, or are any numbers, too.
+/// Values are any numbers. Points are moved by up to a cube's edge, or are any numbers, too.
 NeutralMesh mesh_of(Numbers& numbers, bool any_points) {
   NeutralMesh mesh = tests::box_mesh({.cells = {3, 2, 2}, .box = Box3({0, 0, 0}, {3, 2, 2})});
   for (auto& point : mesh.points)

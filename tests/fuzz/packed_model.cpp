@@ -20,7 +20,7 @@ std::size_t type_bytes(std::string_view type) {
 
 namespace {
 
-/// One entry of the header, if it is as SPEC.md says.
+/// Parses one entry of the header; nothing unless it conforms to SPEC.md.
 std::optional<PackedModel::Array> array_of(const std::string& name, const Json& entry, std::string_view data) {
   const auto is_list_of_numbers = [](const Json& list) {
     if (!list.is_array()) return false;

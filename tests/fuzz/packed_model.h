@@ -7,7 +7,8 @@
 #include <string_view>
 #include <vector>
 
-/// A packed file taken apart, for tests that change it and put it together again. Follows SPEC.md with its own code.
+/// A packed file taken apart, for tests that change it and reassemble it. Follows SPEC.md with its
+/// own code.
 namespace rhoray::tests {
 
 struct PackedModel {
@@ -19,18 +20,18 @@ struct PackedModel {
   };
 
   nlohmann::ordered_json metadata;  ///< "__metadata__", an object of texts
-  nlohmann::ordered_json details;   ///< its text "details", read; discarded where that is no JSON
+  nlohmann::ordered_json details;   ///< parsed text "details"; discarded if it is not JSON
   std::vector<Array> arrays;        ///< without padding, checksums and seal
 };
 
-/// Bytes of an element; 0 for a type that there is not.
+/// Bytes of an element; 0 for a type that does not exist.
 std::size_t type_bytes(std::string_view type);
 
-/// Nothing for files that cannot be taken apart, such as damaged ones.
+/// Returns nothing for files that cannot be taken apart, such as damaged ones.
 std::optional<PackedModel> model_of(std::string_view file);
 
-/// The file, sealed. The arrays start at multiples of 64, those of bricks at multiples of 4096, with at least 64 bytes
-/// between one and the next.
+/// Returns the file, sealed. The arrays start at multiples of 64, those of bricks at multiples of
+/// 4096, with at least 64 bytes between one array and the next.
 std::string file_of(const PackedModel& model);
 
 }  // namespace rhoray::tests

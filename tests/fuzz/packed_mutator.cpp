@@ -25,7 +25,7 @@ constexpr std::array<std::uint64_t, 22> odd_counts{
 constexpr std::array<double, 15> odd_numbers{0,     -0.0,   1,      -1,     0.5,  1e-300, 5e-324, 1e-45,
                                              1e300, -1e300, 3.4e38, 3.5e38, 1e15, 1e9,    -1e9};
 
-/// Seeded for each mutation, so that the driver can repeat it.
+/// Random numbers with a seed for each mutation, so that the driver can repeat it.
 class Dice {
  public:
   explicit Dice(unsigned seed) : numbers_(seed) {}
@@ -122,7 +122,7 @@ void change_metadata(Dice& dice, PackedModel& model) {
   if (nodes.empty()) return;
   Json& node = *nodes[dice.below(nodes.size())];
   if (dice.once_in(6))
-    node = *nodes[dice.below(nodes.size())];  // of another place
+    node = *nodes[dice.below(nodes.size())];  // from another position
   else
     change_node(dice, node);
 }
@@ -199,11 +199,12 @@ void change_elements(Dice& dice, Array& array) {
 
 // ---- sizes
 
-/// As many bytes as type and shape ask for, the old ones again and again.
+/// Sets the number of bytes to what type and shape require, by repeating the old ones.
 void fit_bytes(Array& array, std::size_t most) {
   std::uint64_t bytes = type_bytes(array.type);
   for (const std::uint64_t size : array.shape) {
-    if (size != 0 && bytes > most / size) return;  // left as it is: refused by the reader
+    // Left as it is: the reader refuses it.
+    if (size != 0 && bytes > most / size) return;
     bytes *= size;
   }
   const std::string old = array.bytes.empty() ? std::string(8, '\0') : array.bytes;
@@ -219,8 +220,8 @@ void replace_counts(Json& node, std::uint64_t from, std::uint64_t to) {
     for (Json& child : node) replace_counts(child, from, to);
 }
 
-/// Gives an axis of an array another size, and, mostly, everything that has the same number: other arrays, the
-/// metadata, and the last element of lists of offsets.
+/// Gives an axis of an array another size. Mostly also changes everything that has the same number:
+/// other arrays, the metadata, and the last element of lists of offsets.
 void change_size(Dice& dice, PackedModel& model, std::size_t most_bytes) {
   Array& chosen = model.arrays[dice.below(model.arrays.size())];
   if (chosen.shape.empty()) return;
@@ -262,7 +263,7 @@ void change_type(Dice& dice, PackedModel& model, std::size_t most_bytes) {
     }
 }
 
-/// Exchanges the content of two arrays, takes one away, or adds one again under another name.
+/// Exchanges the content of two arrays, removes one, or adds one again under another name.
 void change_arrays(Dice& dice, PackedModel& model) {
   const std::size_t at = dice.below(model.arrays.size());
   if (dice.once_in(3)) {
@@ -277,7 +278,8 @@ void change_arrays(Dice& dice, PackedModel& model) {
   }
 }
 
-/// Bytes of one array, in the driver's way, which knows what led elsewhere before.
+/// Changes bytes of one array with the driver's mutation, which knows which changes reached new
+/// code.
 void change_bytes(Array& array) {
   if (array.bytes.empty()) return;
   const std::size_t size = array.bytes.size();
@@ -310,7 +312,7 @@ void mutate_model(Dice& dice, PackedModel& model, std::size_t most_bytes) {
   }
 }
 
-/// The header's text changed by the driver, in an envelope that is sealed again.
+/// Returns the file with its header text changed by the driver, sealed again.
 std::optional<std::string> with_other_text(const std::string& file) {
   constexpr std::size_t smallest = 4096 + 64;
   std::uint64_t text_bytes = 0;

@@ -1,8 +1,8 @@
-// The driver for compilers without libFuzzer: runs a harness once for every file that is named, and for every file in
-// the folders that are named. With --mutations it also runs that many changed copies of each. With --starve it runs
-// each file again and again while one allocation fails: each of the first N, and N spread over the rest. What was
-// allocated is free again afterwards, and nothing but std::bad_alloc or a refusal comes out. RHORAY_ALLOCATIONS in the
-// environment is another N.
+// The driver for compilers without libFuzzer. Runs a harness once for every named file and for
+// every file in the named folders. With --mutations, it also runs that many mutated copies of each.
+// With --starve, it runs each file again and again while one allocation fails: each of the first N,
+// and N spread over the rest. All memory must be free again afterwards, and only std::bad_alloc or
+// a refusal may result. The environment variable RHORAY_ALLOCATIONS sets another N.
 #include <execinfo.h>
 #include <signal.h>
 #include <sys/time.h>
@@ -27,9 +27,10 @@
 
 namespace {
 
-std::atomic<std::uint64_t> allocations{0}, fails_at{0}, live{0};  ///< calls of new; which one fails, 0: none; not freed
+/// Calls of new; number of the call that fails, 0: none; blocks not freed.
+std::atomic<std::uint64_t> allocations{0}, fails_at{0}, live{0};
 
-void* failing_frames[32];  ///< where the allocation failed that was to fail
+void* failing_frames[32];  ///< where the failing allocation was made
 int failing_frame_count = 0;
 
 void* allocate(std::size_t bytes, std::size_t alignment) {
@@ -61,7 +62,7 @@ void release(void* memory) noexcept {
 
 }  // namespace
 
-// All of them: of new and delete that do not go together, the address sanitizer makes an error.
+// All variants are replaced: the address sanitizer reports mismatched new and delete as an error.
 void* operator new(std::size_t bytes) {
   return allocate(bytes, 1);
 }
@@ -132,11 +133,14 @@ std::size_t below(std::size_t count) {
 }
 
 struct Request {
-  std::size_t mutations = 0;  ///< of each file
-  std::size_t starve = 0;     ///< allocations that fail, from the first on; as many again are spread over the rest
+  std::size_t mutations = 0;  ///< per file
+  /// Number of first allocations that fail; as many again are spread over the rest.
+  std::size_t starve = 0;
   unsigned seed = 1;
-  unsigned seconds_each = 20;  ///< of CPU time; an input that takes more ends the program
-  std::string last;            ///< where each input is kept before it is run, so that it is there after a crash
+  /// CPU time limit per input; an input that takes more ends the program.
+  unsigned seconds_each = 20;
+  /// File in which each input is stored before it is run, so that it is there after a crash.
+  std::string last;
   std::vector<std::string> files;
 };
 
@@ -156,7 +160,8 @@ void add_files(const std::string& path, std::vector<std::string>& files) {
     std::exit(3);
   }
   if (!std::filesystem::is_directory(path)) {
-    files.push_back(std::filesystem::absolute(path).string());  // harnesses may change the working folder
+    // harnesses may change the working directory
+    files.push_back(std::filesystem::absolute(path).string());
     return;
   }
   for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
@@ -216,7 +221,7 @@ void run(const Request& request, const std::vector<std::uint8_t>& bytes) {
     if (::setitimer(ITIMER_PROF, &limit, nullptr) != 0) std::abort();
   };
   limit_cpu_time(request.seconds_each);
-  // A copy of exactly this size, so that the address sanitizer sees what is read beyond its end.
+  // A copy of exactly this size, so that the address sanitizer sees reads beyond its end.
   const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
   LLVMFuzzerTestOneInput(exact.data(), exact.size());
   limit_cpu_time(0);
@@ -224,18 +229,20 @@ void run(const Request& request, const std::vector<std::uint8_t>& bytes) {
 
 constexpr int exit_of_json = 77, exit_not_met = 78;
 
-/// True when it was the JSON library's allocation that failed. Its destructor allocates (json_value::destroy): where
-/// that fails, the program ends. Its constructor from a list loses what it made before.
+/// True when the failed allocation was the JSON library's. Its destructor allocates
+/// (json_value::destroy); if that fails, the program ends. Its constructor from a list leaks what
+/// it made before.
 bool failed_in_json() {
   char** const names = ::backtrace_symbols(failing_frames, failing_frame_count);
   for (int i = 0; names != nullptr && i < failing_frame_count; ++i) {
     if (std::strstr(names[i], "nlohmann") != nullptr) return true;
-    if (std::strstr(names[i], "6rhoray") != nullptr) return false;  // ours, nearer than the library's
+    // ours, nearer than the library's
+    if (std::strstr(names[i], "6rhoray") != nullptr) return false;
   }
   return false;
 }
 
-/// Ends this copy of the process where an allocation failed and that was not borne.
+/// Ends this copy of the process after a failed allocation that was not handled.
 [[noreturn]] void end_unsaved(const std::string& what) {
   if (failed_in_json()) ::_exit(exit_of_json);
   std::fprintf(stderr, "%s\n", what.c_str());
@@ -253,7 +260,8 @@ extern "C" void on_abort(int signal) {
   end_unsaved("the program was ended");
 }
 
-/// One run, in a copy of this process, in which the allocation of this number fails. Returns its exit code.
+/// Runs the harness once, in a copy of this process, while the allocation of this number fails.
+/// Returns its exit code.
 int run_starved(const Request& request, const std::vector<std::uint8_t>& bytes, std::uint64_t number) {
   const pid_t child = ::fork();
   if (child < 0) {
@@ -286,15 +294,15 @@ int run_starved(const Request& request, const std::vector<std::uint8_t>& bytes, 
   ::_exit(was_met ? 0 : exit_not_met);
 }
 
-/// @return  how many allocations failed
+/// @return  number of allocations that failed
 std::size_t starve(const Request& request, const std::string& path, const std::vector<std::uint8_t>& bytes) {
   void* frame = nullptr;
-  ::backtrace(&frame, 1);  // it loads a library when it is first called
-  run(request, bytes);     // what is made once stays
+  ::backtrace(&frame, 1);  // loads a library on the first call
+  run(request, bytes);     // objects that are created once stay
   run(request, bytes);
   const std::uint64_t before = allocations;
   run(request, bytes);
-  const std::uint64_t count = allocations - before;  // the copy of the input is among them
+  const std::uint64_t count = allocations - before;  // includes the copy of the input
   const std::uint64_t first = std::min<std::uint64_t>(request.starve, count), rest = count - first;
   const std::uint64_t step = std::max<std::uint64_t>(1, rest / request.starve);
   std::size_t failures = 0, in_json = 0;
@@ -316,7 +324,7 @@ std::size_t starve(const Request& request, const std::string& path, const std::v
 
 extern "C" {
 
-// Harnesses that need neither leave these.
+// Defaults for harnesses that define neither.
 [[gnu::weak]] int LLVMFuzzerInitialize(int*, char***) {
   return 0;
 }
@@ -366,7 +374,7 @@ int main(int argc, char** argv) {
     random_numbers.seed(request.seed);
     std::vector<std::uint8_t> changed = whole;
     for (std::size_t i = 0; i < request.mutations; ++i, ++changed_count) {
-      constexpr std::size_t generations = 5;  // after which the file itself is taken again
+      constexpr std::size_t generations = 5;  // the copy is reset to the file after this many
       if (i % generations == 0) changed = whole;
       const std::size_t room = std::max(most_bytes, changed.size()), before = changed.size();
       changed.resize(room);

@@ -1,5 +1,5 @@
-// Scene documents: read, written and read again, planned with the packed files of tests/formats/released, and drawn
-// very small.
+// Fuzzes scene documents. They are read, written and read again, planned with the packed files of
+// tests/formats/released, and rendered at a very small size.
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 using namespace rhoray;
 using namespace rhoray::tools;
 
-/// What is written of a document is read again, and says the same.
+/// Checks that a written document can be read again and is the same.
 void check_written(const SceneSpec& scene_spec) {
   const Json written = scene_json(scene_spec);
   RHORAY_CHECK(scene_json(read_scene(dump(written)).scene_spec) == written);
@@ -61,14 +61,14 @@ void show_sweep(const SceneSpec& scene_spec) {
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  RHORAY_CHECK(::chdir(RHORAY_RELEASED_FILES) == 0);  // where documents name files
+  RHORAY_CHECK(::chdir(RHORAY_RELEASED_FILES) == 0);  // folder of the files that documents name
   return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  if (begin == std::string::npos || text[begin] != '{') return 0;  // the name of a file, not a document
+  if (begin == std::string::npos || text[begin] != '{') return 0;  // a file name, not a document
   try {
     const SceneDocument document = read_scene(text);
     check_written(document.scene_spec);
