@@ -9,8 +9,8 @@
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
-// A grid that a mesh was resampled on ends elsewhere than the mesh: what this makes wrong in a picture is counted apart
-// from what the samples make wrong.
+// A grid resampled from a mesh does not end exactly where the mesh ends. Picture errors from this
+// are counted separately from errors of the samples.
 namespace rhoray::tests {
 namespace {
 
@@ -61,7 +61,7 @@ TEST(ResampledBorder, separates_hits_that_only_the_mesh_has_or_only_the_grid) {
   const auto separates = [&](const char* mesh, const Vec3& truth, const Vec3& said) {
     const render::Volume volume = render::Volume::load(folder / mesh);
     const Vec3 origin = formats::TetMesh(volume.file()).description().origin;
-    // A ray through both places, or from 1 above the only one.
+    // A ray through both points, or from a height of 1 above the only one.
     render::Ray ray{.origin = truth - origin - Vec3(0, 0, 1), .direction = {0, 0, 1}, .t_min = 0, .t_max = 9};
     const auto hit = [&](const Vec3& place) {
       render::Hit found;

@@ -171,8 +171,8 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   EXPECT_GT(check(wrong).random.false_hits, 0U);
 }
 
-// The exact answers to which pixels are compared were themselves computed in the host's environment: a certified
-// picture that had changed in it was found right.
+// The exact answers with which pixels are compared were themselves computed in the host's
+// environment. A certified picture that had changed in it was therefore found right.
 TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
   const Workbench bench;
   const Index3 count(13, 13, 13);

@@ -126,7 +126,8 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
     EXPECT_TRUE(read_file(bench / "p.png") == bytes);
     std::filesystem::remove(bench / "p.png");
   }
-  // The levels agree, but for pixels at the outline. (The paper's method loses one pixel of fifteen here.)
+  // The levels agree except for pixels at the outline. (The paper's method loses one pixel of
+  // fifteen here.)
   for (const auto& [picture, counts] : hits)
     for (const int count : counts) EXPECT_NEAR(count, counts[0], 2) << picture;
 }
@@ -166,7 +167,8 @@ TEST(AccuracyCommand, keeps_error_roots_iterations_and_cost_in_an_exr) {
     EXPECT_EQ(std::isinf(depth[pixel]), roots[pixel] == 0);
     if (std::isinf(depth[pixel])) continue;
     ++hits;
-    EXPECT_LE(std::abs(depth[pixel] - truth[pixel]), error[pixel] + 1e-6F * truth[pixel]);  // channels are floats
+    // channels are floats
+    EXPECT_LE(std::abs(depth[pixel] - truth[pixel]), error[pixel] + 1e-6F * truth[pixel]);
     EXPECT_GT(cost[pixel], 0U);
   }
   EXPECT_GT(hits, 100);

@@ -72,13 +72,14 @@ TEST(Flip, is_what_its_formulas_give_for_pictures_of_one_colour) {
   const Picture black = one_color(64, 0, 0, 0), white = one_color(64, 1, 1, 1);
   const Flip flip(8, 8, black);
   EXPECT_EQ(mean_of(flip.against(black)), 0);
-  // Lightness differs by 100, colour by nothing; the largest distance, green to blue, is 41.276 to the power 1/0.7.
+  // Lightness differs by 100, colour by nothing. The largest distance, green to blue, is 41.276 to
+  // the power 1/0.7.
   const double most = 41.2760, knee = 0.4 * most, error = std::pow(100, 0.7);
   EXPECT_NEAR(mean_of(flip.against(white)), 0.95 + (error - knee) / (most - knee) * 0.05, 1e-5);
 }
 
-/// FLIP at the middle of a square picture by the paper's sums over the plane, written without regard to time. The
-/// colours are greys, whose chroma is 0: what is left is brightness, filtered and compared.
+/// FLIP at the centre of a square picture, by the paper's sums over the plane, without regard to
+/// run time. The colours are greys with chroma 0, so only brightness is filtered and compared.
 double flip_of_greys(const std::vector<double>& reference, const std::vector<double>& test, int edge) {
   constexpr double ppd = 67.0206, pi = std::numbers::pi;
   const auto at = [&](const std::vector<double>& picture, int x, int y) {
@@ -161,7 +162,7 @@ struct KnownPixel {
   double flip;
 };
 
-/// A pair of pictures of linear colours, and what the authors' program says of it.
+/// A pair of pictures of linear colours, and the result of the authors' program for it.
 struct KnownPair {
   const char* name;
   int width, height;
@@ -187,7 +188,7 @@ PixelColor disc(float middle_x, float middle_y, float radius) {
   };
 }
 
-/// Each pixel is mixed from its place alone.
+/// A colour for each pixel that depends on its position alone.
 PixelColor noise(std::uint32_t seed) {
   return [=](int x, int y) {
     std::array<float, 3> color{};
@@ -203,10 +204,11 @@ PixelColor noise(std::uint32_t seed) {
   };
 }
 
-// The numbers are those of the authors' program (version 1.6, function `evaluate` for pictures of 8-bit range, at its
-// default of 67.0206 pixels per degree), run once on these pairs. It computes in single precision: its sums of some
-// hundred weights are good to about 1e-6, and the power 0.3 to which a small error is raised makes up to 1e-5 of it
-// (edges of the disc, where nothing differs).
+// The numbers are those of the authors' program (version 1.6, function `evaluate` for pictures of
+// 8-bit range, at its default of 67.0206 pixels per degree), run once on these pairs. It computes
+// in single precision. Its sums of some hundred weights are good to about 1e-6. A small error is
+// raised to the power 0.3, which turns it into up to 1e-5 (edges of the disc, where nothing
+// differs).
 TEST(Flip, says_what_the_authors_program_says) {
   const std::vector<KnownPair> pairs{
       {"waves",
@@ -251,7 +253,7 @@ TEST(PictureErrors, measure_levels_and_angles) {
   for (std::size_t pixel = 0; pixel < 16; ++pixel) {
     black.normal[3 * pixel] = 1;
     grey.normal[3 * pixel] = grey.normal[3 * pixel + 1] = 0.70710678F;
-    if (pixel == 0) grey.color[0] = 1;  // red of one pixel
+    if (pixel == 0) grey.color[0] = 1;  // red channel of one pixel
   }
   const PictureErrors errors = TruePicture(black).against(grey);
   EXPECT_NEAR(errors.rmse, 255 / std::sqrt(48.0), 1e-9);

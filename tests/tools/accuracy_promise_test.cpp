@@ -12,8 +12,8 @@
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/scene/resolve.h"
 
-// What --max-error promises: 99 % of a picture's pixels keep the error, of which the choice has seen a small picture.
-// Here all of them are judged by exact arithmetic.
+// --max-error promises that 99 % of a picture's pixels keep the error, although the choice is based
+// on a small picture. Here exact arithmetic checks all pixels.
 
 namespace rhoray::tests {
 namespace {
@@ -103,8 +103,8 @@ TEST(AccuracyPromise, holds_in_the_whole_picture_of_five_made_data_sets) {
   expect_kept(bench, {.file = "turbulent.rho", .field = {}, .isovalue = {}, .is_projection = true});
 }
 
-// Between methods that are right enough measured time decides, so that nothing may be asserted of them; single
-// precision is some 1e-7 of a cell off in grids.
+// Among methods that are accurate enough, measured time decides, so the test may not assert which
+// one is chosen. In grids, single precision is off by some 1e-7 of a cell.
 TEST(AccuracyPromise, of_a_billionth_of_a_cell_is_not_left_to_single_precision) {
   const Workbench bench;
   pack_grid(bench, "smooth.rho", distance_field({0.1, 0, -0.1}));
@@ -130,7 +130,8 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
         truth, field, plan.scene.layers[0],
         answers({.volume = volume, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
   };
-  // A tetrahedron that is taken for larger than it is hides what lies behind, and shows a surface where there is none.
+  // A tetrahedron that is treated as larger than it is hides what lies behind it, and shows a
+  // surface where there is none.
   std::uint64_t false_hits = 0;
   double largest = 0;
   for (const double slack : {1e-3, 0.1, 0.4, 0.9}) {

@@ -25,7 +25,7 @@ using testing::HasSubstr;
 
 const std::string small = " --size 80x60 --repeat 1 -q";
 
-/// Rows of a CSV file by column; quoted fields hold no line ends here.
+/// Rows of a CSV file, by column. Quoted fields contain no line ends here.
 std::vector<std::map<std::string, std::string>> csv_rows(const std::string& text) {
   std::vector<std::vector<std::string>> lines;
   for (std::size_t at = 0; at < text.size();) {
@@ -127,7 +127,7 @@ TEST(AccuracyReport, is_one_page_that_sends_for_nothing) {
   }
 }
 
-/// bumps.rho: hills that shade one another.
+/// bumps.rho: hills that cast shadows on one another.
 void make_bumps(const Workbench& bench) {
   std::string bumps;
   for (int i = 0; i < 24 * 24 * 24; ++i)
@@ -223,7 +223,8 @@ TEST(AccuracyReport, says_what_its_instruments_cost_and_what_variants_keep_in_me
 TEST(AccuracyReport, measures_what_is_too_slow_for_pictures_on_random_pixels) {
   const Workbench bench;
   bench.make_ball();
-  // 64 samples a cell along 76,800 rays are a hundred million: more than the tenth of a second that there is.
+  // 64 samples per cell along 76,800 rays are a hundred million. They need more than the available
+  // tenth of a second.
   run_well(bench, "ball.rho --iso 60 -o out --size 320x240 --repeat 1 -q --time-limit 3");
   const json results = results_of(bench, "out"), fine = row_named(results, "sampled:0.015625+linear");
   EXPECT_THAT(fine.at("note").get<std::string>(), HasSubstr("too slow for a picture"));
@@ -281,7 +282,7 @@ TEST(AccuracyReport, measures_copies_with_fewer_bits_against_the_data_they_are_m
   const Workbench bench;
   bench.make_ball_raw();
   std::string bytes = read_file(bench / "ball.raw");
-  bytes[0] = '\xff';  // the range is 0 to 255, and both copies hold every whole number of it
+  bytes[0] = '\xff';  // the range is 0 to 255, and both copies contain every whole number of it
   write_file(bench / "ball.raw", bytes);
   ASSERT_EQ(
       bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--type", "F32", "-o", "f.rho", "-q"}).exit_code, 0);
@@ -355,7 +356,8 @@ TEST(AccuracyReport, refuses_what_cannot_be_studied_in_one_line) {
   EXPECT_EQ(read_file(bench / "full/something"), "x");
 }
 
-/// Runs in a process of its own, in the folder, after `prepare`, which says whether it could.
+/// Runs the command in a separate process, in the bench's folder, after `prepare`, which returns
+/// whether it succeeded.
 int exit_code_after(const Workbench& bench, const std::function<bool()>& prepare, const std::string& words) {
   constexpr int not_prepared = 99;
   const pid_t child = ::fork();

@@ -13,7 +13,7 @@
 #include "tests/tools/workbench.h"
 #include "tools/pictures/pictures.h"
 
-/// What is drawn over finished pictures.
+/// Annotations drawn over finished pictures.
 namespace rhoray::tests {
 namespace {
 
@@ -32,7 +32,7 @@ render::Framebuffer blank(int width, int height, float grey = 1) {
   return picture;
 }
 
-/// Letters of 6 x 10, solid.
+/// Solid letters of 6 x 10.
 TextImage blocks(const std::string& text, int pixels) {
   const int width = static_cast<int>(text.size()) * pixels * 6 / 10;
   return {.left = 0,
@@ -219,7 +219,7 @@ TEST(BoxAnnotation, is_hidden_behind_what_is_nearer) {
   const Box3 box{{-1, -1, -1}, {1, 1, 1}};
   const render::Camera camera = render::fit_camera(box, {.azimuth_deg = 30, .elevation_deg = 20, .zoom = 0.75}, 1);
   const Projection projection(camera, 400, 400);
-  // The corner nearest to the eye, and the one behind all.
+  // The corner nearest to the eye, and the farthest one.
   const Seen near = projection.of({1, -1, 0.5}), far = projection.of({-1, 1, 0.5});
   const double between = (near.distance + far.distance) / 2;
   render::Framebuffer picture = blank(400, 400), hidden = blank(400, 400);
@@ -239,7 +239,7 @@ TEST(BoxAnnotation, is_hidden_behind_what_is_nearer) {
 TEST(Text, has_the_letters_of_many_languages) {
   const std::filesystem::path font = find_font(known_fonts());
   const auto image = [&](const std::string& text) { return make_text_image(text, 40, font); };
-  const TextImage missing = image("\U000F1234");  // of private use: the font's empty box
+  const TextImage missing = image("\U000F1234");  // a private-use character: the font's empty box
   for (const char* letter : {"µ", "é", "°", "−", "Ω", "Ж", "²"}) {
     const TextImage drawn = image(letter);
     EXPECT_GT(drawn.coverage.size(), 0U) << letter;
@@ -339,7 +339,8 @@ TEST(AnnotationCommand, shows_the_colours_of_a_projection_beside_it) {
       bench.rhoray({"render", "ball.rho", "--mode", "mip", "--colorbar", "--size", "300x200", "-o", "p.png"}).exit_code,
       0);
   const Picture picture = read(bench / "p.png");
-  // Down through the bar, in the only place right of the ball where a row is all of one grey and the next is darker.
+  // Scan columns for the bar: only there, right of the ball, nearly every row is one grey, darker
+  // than the row above.
   int rows = 0;
   const auto grey = [&](int x, int y) { return picture.values[static_cast<std::size_t>(3 * (y * picture.width + x))]; };
   int best = 0;

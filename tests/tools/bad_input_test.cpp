@@ -16,7 +16,7 @@ struct Case {
   const char* hint = "";  ///< in the second line; empty: any
 };
 
-/// Everything that the cases ask for: good inputs, and inputs with one thing wrong.
+/// Makes all inputs of the cases: good ones, and ones with a single fault.
 void make_inputs(const Workbench& bench) {
   bench.make_ball();
   bench.make_box();
@@ -218,7 +218,8 @@ TEST(BadInput, stays_bad_for_every_cut_of_a_packed_file) {
 TEST(BadInput, that_cannot_be_opened_is_unreadable) {
   const Workbench bench;
   bench.make_ball();
-  std::filesystem::create_symlink("loop.rho", bench / "loop.rho");  // a name that leads nowhere, for root too
+  // a name that leads nowhere, for root too
+  std::filesystem::create_symlink("loop.rho", bench / "loop.rho");
   std::filesystem::permissions(bench / "ball.rho", std::filesystem::perms::none);
   std::vector<std::string> files{"loop.rho"};
   if (::geteuid() != 0) files.push_back("ball.rho");  // root may read every file

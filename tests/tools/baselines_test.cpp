@@ -12,7 +12,8 @@
 #include "formats/base/text.h"
 #include "tests/tools/workbench.h"
 
-/// tests/tools/baselines: small pictures of made data, one for each thing that pictures may show.
+/// tests/tools/baselines: small pictures of synthetic data, one for each feature that pictures may
+/// show.
 namespace rhoray::tests {
 namespace {
 
@@ -20,7 +21,7 @@ const std::filesystem::path baselines = std::filesystem::path(RHORAY_SOURCE_DIR)
 
 struct Baseline {
   std::string name;
-  std::string words;  ///< of `rhoray render`
+  std::string words;  ///< arguments of `rhoray render`
 };
 
 std::vector<Baseline> listed_baselines() {
@@ -34,7 +35,8 @@ std::vector<Baseline> listed_baselines() {
   return listed;
 }
 
-/// cloud.raw: 32^3 floats that fall with the distance from the middle, in waves; without data from 15 samples away.
+/// cloud.raw: 32^3 floats that decrease with the distance from the centre, with waves. No data
+/// beyond 15 samples from the centre.
 void write_cloud(const std::filesystem::path& file) {
   std::string bytes;
   for (int k = 0; k < 32; ++k)
@@ -70,7 +72,7 @@ void make_data(const Workbench& bench) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
 }
 
-/// The largest difference of a channel in each pixel, of 255.
+/// The largest difference of any channel in each pixel, in units of 1/255.
 std::vector<int> differences_of_pixels(const std::filesystem::path& a, const std::filesystem::path& b) {
   const auto bytes_of = [](const std::filesystem::path& file) {
     const auto input = OIIO::ImageInput::open(file.string());
@@ -89,7 +91,7 @@ std::vector<int> differences_of_pixels(const std::filesystem::path& a, const std
   return differences;
 }
 
-/// The numbers of an EXR, as they lie there.
+/// The numbers of an EXR file, unconverted.
 std::vector<float> floats_of(const std::filesystem::path& file) {
   const auto input = OIIO::ImageInput::open(file.string());
   if (!input) throw std::runtime_error(OIIO::geterror());
@@ -109,9 +111,10 @@ TEST(Baselines, are_at_least_40_and_each_has_its_picture) {
   EXPECT_GE(names.size(), 40U);
 }
 
-/// One pixel in 5,000 may differ by more than 1 of 255, none by more than 3: machines differ in the last bit of a
-/// colour where rays graze a surface. What fails lies in BUILD/baselines, with what is expected and where it differs.
-/// RHORAY_WRITE_BASELINES=1 draws the pictures anew instead; look at each before it is committed.
+/// One pixel in 5,000 may differ by more than 1 of 255, none by more than 3: machines differ in the
+/// last bit of a colour where rays graze a surface. Failed pictures are stored in BUILD/baselines,
+/// with the expected picture and the difference. RHORAY_WRITE_BASELINES=1 renders the baselines
+/// anew instead; look at each before it is committed.
 TEST(Baselines, are_drawn_again) {
   const Workbench bench;
   make_data(bench);

@@ -79,7 +79,7 @@ TEST(PictureDifference, is_drawn_black_where_there_is_none_and_brightest_where_i
   EXPECT_THAT(std::vector<float>(map.color.begin() + 12, map.color.begin() + 15), ElementsAre(1, 0, 1));
 }
 
-/// Two pictures of the ball, of isovalues that are a little apart.
+/// Renders two pictures of the ball with slightly different isovalues.
 void draw_two(const Workbench& bench, const std::string& extension) {
   bench.make_ball();
   for (const auto& [name, isovalue] : {std::pair{"a", "100"}, {"b", "104"}}) {
@@ -101,7 +101,8 @@ TEST(CompareCommand, finds_a_picture_equal_to_itself_and_tells_two_apart) {
     const Json json = Json::parse(other.out);
     EXPECT_GT(json["differing"], 50);
     EXPECT_LT(json["differing"], 1200);
-    EXPECT_GT(json["largest"]["size"], 0.2);  // at the rim a surface stands before the background
+    // at the rim, one picture shows the surface, the other the background
+    EXPECT_GT(json["largest"]["size"], 0.2);
     std::filesystem::remove(bench / "ball.rho");
   }
 }

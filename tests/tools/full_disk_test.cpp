@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// A file system of 8 MiB in memory, seen by this process and its children only.
+/// A file system of 8 MiB in memory, visible to this process and its children only.
 class SmallDisk {
  public:
   SmallDisk() {
@@ -36,7 +36,7 @@ class SmallDisk {
   bool is_there() const { return is_there_; }
   const fs::path& path() const { return folder_.path(); }
 
-  /// Leaves no byte free.
+  /// Fills the disk to the last byte.
   void fill() const {
     const int file = ::open((path() / "filler").c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
     const std::vector<char> page(4096);
@@ -69,7 +69,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// One line of fact, and at most a hint.
+/// Expects one line with the fact, and at most one hint.
 void expect_one_line(const RunResult& run) {
   const std::vector<std::string> lines = lines_of(run.err);
   ASSERT_FALSE(lines.empty());
@@ -111,7 +111,7 @@ TEST(FullDisk, every_command_ends_with_5_and_leaves_the_old_file_or_nothing) {
   }
 }
 
-// What a user without the right to mount can meet: a quota, or `ulimit -f`.
+// A user without the right to mount can have the same problem: a quota, or `ulimit -f`.
 TEST(FullDisk, a_limit_of_file_size_is_met_the_same_way) {
   const Workbench bench;
   make_inputs(bench);
@@ -129,7 +129,8 @@ TEST(FullDisk, a_limit_of_file_size_is_met_the_same_way) {
         fs::create_directory(out);
       }
       const auto before = contents_of(out);
-      std::vector<std::string> words{"bash", "-c", "ulimit -f 1; exec \"$@\"", "bash"};  // 1 KiB
+      // 1 KiB
+      std::vector<std::string> words{"bash", "-c", "ulimit -f 1; exec \"$@\"", "bash"};
       const std::vector<std::string> line = command.line(out, has_old);
       words.insert(words.end(), line.begin(), line.end());
       const RunResult run = run_program(words, bench.path());
@@ -141,7 +142,7 @@ TEST(FullDisk, a_limit_of_file_size_is_met_the_same_way) {
   }
 }
 
-/// A file that is held open: as long as it is, no other file gets its number.
+/// A file that is held open: as long as it is, no other file gets its inode number.
 class HeldFile {
  public:
   explicit HeldFile(const fs::path& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {

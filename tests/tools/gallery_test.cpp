@@ -9,7 +9,7 @@
 
 #include "tests/tools/workbench.h"
 
-/// data/gallery: its pictures are what its commands draw.
+/// data/gallery: its pictures are those that its commands draw.
 namespace rhoray::tests {
 namespace {
 
@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 const std::filesystem::path data = std::filesystem::path(RHORAY_SOURCE_DIR) / "data";
 
-/// A picture of the gallery's table and the command beside it, said in `data`.
+/// A picture of the gallery's table and its command, to be run in `data`.
 struct Row {
   std::string picture;
   std::string command;
@@ -32,7 +32,8 @@ std::vector<Row> rows_of_the_gallery() {
     const auto begin = line.find("`rhoray render scenes/");
     if (begin != std::string::npos)
       rows.push_back({picture, line.substr(begin + 1, line.find('`', begin + 1) - begin - 1)});
-    else if (line.find("`tools/setup/first_light` draws it") != std::string::npos)  // where its data lie here
+    // path of its data here
+    else if (line.find("`tools/setup/first_light` draws it") != std::string::npos)
       rows.push_back({picture, "rhoray render made/200000-192x192x256/torso-ct.rho --iso 250 -o gallery/" + picture});
     else
       ADD_FAILURE() << "gallery/README.md says no command for " << picture;
@@ -40,8 +41,8 @@ std::vector<Row> rows_of_the_gallery() {
   return rows;
 }
 
-/// How a file that scenes name is made in the folder where it shall lie; empty where nothing here makes it. $SHARED is
-/// the folder of the shared data.
+/// The command that makes a file named by scenes, in the folder where the file belongs. Empty if
+/// nothing here makes it. $SHARED is the folder of the shared data.
 std::string maker_of(const std::string& file) {
   const std::pair<const char*, const char*> makers[] = {
       {"torso-ct.rho",
@@ -64,9 +65,9 @@ const char* shared_folder() {
   return std::getenv("RHORAY_SHARED_DATA");
 }
 
-/// The data that a row's command names, itself or in a scene document.
+/// The data that a row's command names, directly or in a scene document.
 struct NamedScene {
-  std::vector<std::string> files;  ///< from the folder of the scenes
+  std::vector<std::string> files;  ///< relative to the folder of the scenes
 
   bool needs_shared_data() const {
     return std::any_of(files.begin(), files.end(), [](const std::string& file) {
@@ -86,7 +87,7 @@ NamedScene scene_of(const Row& row) {
   return scene;
 }
 
-/// Makes what a scene needs, beside `scenes`, as `data` has it.
+/// Makes the data that a scene needs, beside `scenes`, with the same layout as `data`.
 void make_data(const Workbench& bench, const NamedScene& scene) {
   for (const std::string& name : scene.files) {
     const std::filesystem::path file = bench.path() / "scenes" / name;
@@ -100,7 +101,8 @@ void make_data(const Workbench& bench, const NamedScene& scene) {
   }
 }
 
-/// Draws the pictures again whose scenes need the shared data, or those whose scenes do not, and compares them.
+/// Renders the pictures whose scenes need the shared data, or those whose scenes do not, and
+/// compares them.
 void expect_the_commands_draw_the_pictures(bool of_shared_data) {
   const Workbench bench;
   std::filesystem::copy(data / "scenes", bench / "scenes");
@@ -113,8 +115,8 @@ void expect_the_commands_draw_the_pictures(bool of_shared_data) {
     if (testing::Test::HasFatalFailure()) return;
     const RunResult drawn = bench.shell(row.command + " -q");
     ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
-    // Machines differ where rays graze a surface or a shadow's edge: in some pixels by much. JPEG loses a little
-    // everywhere, more beside those.
+    // Machines differ where rays graze a surface or a shadow's edge, in some pixels by much. JPEG
+    // loses a little everywhere, and more near such pixels.
     const bool is_jpeg = row.picture.ends_with(".jpg");
     const RunResult compared =
         bench.rhoray({"compare", (data / "gallery" / row.picture).string(), "gallery/" + row.picture, "--fail",

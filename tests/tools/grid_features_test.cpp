@@ -6,7 +6,8 @@
 #include "tests/support/made_grid.h"
 #include "tests/tools/workbench.h"
 
-// What info, verify, pack and render do with grids of several fields, positions along axes and bricks left out.
+// Tests info, verify, pack and render with grids of several fields, positions along axes, and
+// omitted bricks.
 namespace rhoray::tests {
 namespace {
 

@@ -110,7 +110,7 @@ TEST(InfoCommand, says_on_demand_what_may_be_wrong_and_what_packing_does) {
   };
   EXPECT_EQ(counts("box.vtu"),
             (std::map<std::string, std::uint64_t>{{"flipped cells", 1}, {"points without a cell", 1}}));
-  EXPECT_TRUE(counts("box.rho").empty());  // packing has put both right
+  EXPECT_TRUE(counts("box.rho").empty());  // packing has corrected both
 }
 
 TEST(InfoCommand, goes_on_after_a_file_that_it_cannot_read) {
@@ -181,7 +181,7 @@ TEST(Help, of_every_subcommand_ends_with_examples_whose_options_exist) {
     std::string examples = help.out.substr(help.out.find("Example:\n"));
     int count = 0;
     for (std::string line = line_after(examples, start); !line.empty(); line = line_after(examples, start)) {
-      // None of the files is there: the options are read and the first missing file is named.
+      // None of the files exists: the command reads the options and names the first missing file.
       const RunResult run = bench.shell("rhoray " + (subcommand + line));
       EXPECT_EQ(run.exit_code, 3) << line << "\n" << run.err;
       examples = examples.substr(examples.find(start + line) + start.size() + line.size());

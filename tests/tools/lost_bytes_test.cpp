@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-/// How often each command is disturbed; reports state the longer run that the variable asks for.
+/// How often each command is disturbed. Reports state the longer run that the variable requests.
 int round_count(int usual) {
   const char* asked = std::getenv("RHORAY_TRUNCATIONS");
   return asked == nullptr ? usual : std::atoi(asked);
@@ -34,8 +34,8 @@ struct Disturbed {
   int ended_before = 0, refused = 0;
 };
 
-/// Runs the command again and again, and makes its input shorter at another moment each time.
-/// @param longest_ms  after the input was mapped
+/// Runs the command repeatedly, and truncates its input at another moment each time.
+/// @param longest_ms  latest moment, after the input was mapped
 Disturbed disturb(const Workbench& bench, const std::vector<std::string>& words, const char* input,
                   const std::string& output, int rounds, int longest_ms) {
   const std::string content = read_file(bench / input);

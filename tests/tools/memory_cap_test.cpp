@@ -29,7 +29,7 @@ constexpr std::uint64_t large_cap = 512 * mebibyte;
 #define RHORAY_NEEDS_PLAIN_MEMORY() static_cast<void>(0)
 #endif
 
-/// Anonymous memory of a process (RssAnon), 0 when it is gone.
+/// Anonymous memory of a process (RssAnon), 0 when the process has ended.
 std::uint64_t anonymous_bytes(pid_t process) {
   std::ifstream status(concat("/proc/", process, "/status"));
   for (std::string line; std::getline(status, line);)
@@ -49,10 +49,10 @@ std::vector<pid_t> children_of(pid_t process) {
 
 struct Peaks {
   int exit_code = -1;
-  std::uint64_t program = 0, worker = 0;  ///< largest anonymous memory that was seen
+  std::uint64_t program = 0, worker = 0;  ///< largest anonymous memory observed
 };
 
-/// Starts `rhoray` in the folder, its messages in the file "said".
+/// Starts `rhoray` in the folder, with its messages in the file "said".
 pid_t start_rhoray(const fs::path& folder, std::vector<std::string> words) {
   words.insert(words.begin(), RHORAY_PROGRAM);
   const std::string said = (folder / "said").string();
@@ -82,7 +82,8 @@ Peaks watched(const fs::path& folder, const std::vector<std::string>& words) {
   return peaks;
 }
 
-/// Samples of two bytes whose values do not repeat from slice to slice. Returns their sizes, as --raw takes them.
+/// Writes two-byte samples whose values do not repeat from slice to slice. Returns their sizes in
+/// the format of --raw.
 std::string make_large_raw(const fs::path& path, std::uint64_t bytes) {
   constexpr std::size_t nx = 256, ny = 256;
   const std::size_t nz = bytes / (2 * nx * ny) + 1;
@@ -141,8 +142,9 @@ void make_large_vtu(const fs::path& path, std::uint64_t n) {
 
 class MemoryCapOfPack : public testing::Test {
  protected:
-  /// Packs with and without the cap: the same bytes, and no more anonymous memory than it and a tenth.
-  /// @param least_bytes  that the packed file is expected to have
+  /// Packs with and without the cap. Expects the same bytes, and at most a tenth more anonymous
+  /// memory than the cap.
+  /// @param least_bytes  minimum expected size of the packed file
   void expect_the_cap_holds(const std::vector<std::string>& words, std::uint64_t least_bytes = 8 * cap,
                             std::uint64_t limit = cap) {
     std::vector<std::string> command{"pack"};
@@ -199,7 +201,7 @@ TEST_F(MemoryCapOfPack, holds_for_a_volume_eight_times_half_a_gibibyte) {
   expect_the_cap_holds({"large.raw", "--raw", sizes + ":uint16:le"}, 8 * large_cap, large_cap);
 }
 
-/// Small files of every kind that has a way of its own under a cap.
+/// Small files of every kind that is processed in its own way under a cap.
 TEST_F(MemoryCapOfPack, changes_no_byte) {
   RHORAY_NEEDS_PLAIN_MEMORY();
   preprocess::NeutralMesh mesh = box_mesh({.cells = Index3(24, 25, 26), .jitter = 0.1});
@@ -254,10 +256,11 @@ TEST_F(MemoryCapOfPack, changes_no_byte) {
   }
 }
 
-/// The limit is the system's, so that a reader that does not stream is stopped by it.
+/// The operating system enforces the limit, so it stops a reader that does not stream.
 TEST_F(MemoryCapOfPack, stops_a_reader_that_needs_more) {
   RHORAY_NEEDS_PLAIN_MEMORY();
-  constexpr std::uint64_t bytes = 200 * mebibyte;  // packed as only VTK unpacks, which holds all of it
+  // compressed so that only VTK reads it, which holds all of it
+  constexpr std::uint64_t bytes = 200 * mebibyte;
   const std::string head =
       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
       "compressor=\"vtkLZ4DataCompressor\"><ImageData WholeExtent=\"0 1023 0 1023 0 199\" Origin=\"0 0 0\" "

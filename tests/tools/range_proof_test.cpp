@@ -8,8 +8,9 @@
 #include "tests/support/packed_samples.h"
 #include "tests/tools/workbench.h"
 
-// A file whose stored ranges claim less than is true, sealed again: checksums are right, opening finds nothing, and
-// cells that hold the surface are passed by. --verify once compared such a picture with itself and found nothing.
+// A file whose stored ranges are too narrow, sealed again. Its checksums are right and opening it
+// finds nothing, but cells that hold the surface are skipped. --verify once compared such a picture
+// with itself and found nothing.
 
 namespace rhoray::tests {
 namespace {
@@ -69,13 +70,13 @@ const std::vector<std::string> proving_commands{
     "rhoray accuracy x.rho --iso p30 --size 64x48 --time-limit 1 -o out",
     "rhoray validate x.rho --iso p30 --samples 100 --report out"};
 
-/// The command, which writes "out": a picture needs an ending.
+/// Runs the command, which writes "out"; a picture needs a file extension.
 RunResult run(const Workbench& bench, std::string command) {
   if (command.starts_with("rhoray render")) command += ".png";
   return bench.shell(command);
 }
 
-/// Files, without empty folders for reports.
+/// The files, without empty report folders.
 std::map<std::string, std::string> files_of(const Workbench& bench) {
   auto files = bench.contents();
   std::erase_if(files, [](const auto& entry) { return entry.second == "folder"; });

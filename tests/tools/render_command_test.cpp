@@ -35,7 +35,7 @@ ReadPicture read_picture(const std::filesystem::path& path) {
   return picture;
 }
 
-/// The channel 'cell' in whole numbers (read as float, they would be shares of the largest one).
+/// The channel 'cell' in whole numbers. Read as float, they would be fractions of the largest one.
 std::vector<std::uint32_t> read_cells(const std::filesystem::path& path) {
   const auto file = OIIO::ImageInput::open(path.string());
   if (!file) throw std::runtime_error(OIIO::geterror());
@@ -110,7 +110,8 @@ TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keep
   const Workbench bench;
   bench.make_ball();
   bench.make_box();
-  std::filesystem::rename(bench / "box.rho", bench / "a box.rho");  // a name that a shell would split
+  // a name that a shell would split
+  std::filesystem::rename(bench / "box.rho", bench / "a box.rho");
   const std::vector<std::vector<std::string>> choices = {
       {"ball.rho", "-o", "p.png", "--iso", "auto"},
       {"ball.rho", "-o", "p.png", "--iso", "p90", "--view", "-x", "--zoom", "1.7", "--surface-color", "#336699"},
@@ -146,7 +147,8 @@ TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keep
     std::filesystem::remove(picture);
   }
 
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // a time of writing in the file would show
+  // a time of writing in the file would show
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   for (const Drawn& first : drawn) {
     SCOPED_TRACE(first.command);
     const RunResult again = bench.shell(first.command);
@@ -170,7 +172,7 @@ TEST(RenderCommand, keeps_depth_normal_value_and_cell_in_an_exr) {
   EXPECT_EQ(picture.spec.channelformat(picture.spec.channelindex("cell")), OIIO::TypeDesc::UINT32);
   EXPECT_EQ(picture.spec.channelformat(picture.spec.channelindex("Z")), OIIO::TypeDesc::FLOAT);
 
-  // The ray through the middle meets the surface, six samples before the ball's middle, head on.
+  // The centre ray meets the surface, six samples before the ball's centre, at a right angle.
   EXPECT_EQ(picture.at(32, 32, "A"), 1);
   EXPECT_NEAR(picture.at(32, 32, "Z"), 94, 0.1);
   EXPECT_NEAR(picture.at(32, 32, "N.y"), -1, 0.01);

@@ -87,7 +87,8 @@ TEST(ResampleCommand, writes_openvdb_with_the_same_samples) {
   const nlohmann::json direct = field_of("box_grid.rho"), again = field_of("again.rho");
   for (int end = 0; end < 2; ++end)  // OpenVDB holds single precision
     EXPECT_NEAR(direct["range"][end].get<double>(), again["range"][end].get<double>(), 1e-6);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(bench / ""), {}), 4);  // and nothing else
+  // and nothing else
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(bench / ""), {}), 4);
 }
 
 TEST(ResampleCommand, refuses_in_one_sentence) {

@@ -163,19 +163,22 @@ TEST(BenchCommand, fills_its_tables) {
   EXPECT_FALSE(std::filesystem::exists(bench / "rhoray-scratch"));
 }
 
-/// Until the process and the workers that it has waited for have had a third of a second of the processors' time:
-/// however slow the machine, it is in the middle of work that takes many times that.
+/// Waits until the process, with the workers that it has waited for, has used a third of a second
+/// of CPU time. However slow the machine, the process is then in the middle of work that takes many
+/// times as long.
 void wait_until_it_works(pid_t process) {
   const long ticks_wanted = ::sysconf(_SC_CLK_TCK) / 3;
   for (long ticks = 0; ticks < ticks_wanted;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const std::string stat = read_file("/proc/" + std::to_string(process) + "/stat");
-    std::istringstream fields(stat.substr(stat.rfind(')') + 2));  // what follows is the third field, state
+    // what follows is the third field, state
+    std::istringstream fields(stat.substr(stat.rfind(')') + 2));
     std::string field;
     ticks = 0;
     for (int number = 3; fields >> field; ++number) {
       ASSERT_FALSE(number == 3 && field == "Z") << "it has ended";
-      if (number >= 14 && number <= 17) ticks += std::stol(field);  // of itself and of its children
+      // of the process and of its children
+      if (number >= 14 && number <= 17) ticks += std::stol(field);
     }
   }
 }

@@ -30,7 +30,7 @@ std::vector<std::string> words(std::vector<std::string> first, const std::vector
   return first;
 }
 
-/// What --explain says of an effect of the first layer.
+/// Whether --explain reports an effect of the first layer as called for.
 bool is_called_for(const Json& explanation, const std::string& effect) {
   for (const Json& row : explanation["layers"][0]["effects"])
     if (row["effect"] == effect) return row["called_for"];
@@ -267,7 +267,7 @@ TEST(SceneCommand, explains_the_effects_that_are_then_counted) {
   }
 }
 
-/// A document of the ball with these members beside its layer.
+/// A document of the ball with these members in addition to its layer.
 std::string ball_with(const std::string& members) {
   return concat(R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", "isovalue": 100}],
     "image": {"size": [40, 30]}, )",
@@ -289,7 +289,7 @@ TEST(SceneCommand, lights_as_options_do) {
          "intensity": 0.8, "shadows": true, "angular_diameter": 8}, {"type": "head", "intensity": 0.35}])"},
       {{"--ao"}, R"("effects": {"ambient_occlusion": {"samples": 16}})"},
       {{"--fog", "30,90"}, R"("effects": {"fog": {"range": [30, 90]}})"}};
-  /// Bytes of p.png: pixels, and the scene and command that it keeps.
+  /// Bytes of p.png: the pixels, and the scene and command stored in it.
   const auto picture = [&](const std::vector<std::string>& first, const std::vector<std::string>& more = {}) {
     const RunResult result = bench.rhoray(words(words(first, {"-o", "p.png", "--force"}), more));
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -302,10 +302,10 @@ TEST(SceneCommand, lights_as_options_do) {
     EXPECT_TRUE(picture({"render", ball_with(members)}) == by_options) << "the same, byte for byte";
     const std::vector<std::uint8_t> lit = pixels(bench / "p.png");
     picture(plain);
-    const bool shows = options[0] != "--ao";  // a ball hides no part of itself
+    const bool shows = options[0] != "--ao";  // a ball occludes no part of itself
     EXPECT_EQ(lit != pixels(bench / "p.png"), shows);
   }
-  // Beside a document they replace what it says.
+  // Options beside a document override it.
   const std::string other = ball_with(R"("lights": [], "effects": {"fog": {}, "ambient_occlusion": {"radius": 1}})");
   const std::vector<std::string> all{"--shadows", "--ao", "--fog", "30,90"};
   EXPECT_TRUE(picture({"render", other}, all) == picture(plain, all));
@@ -340,13 +340,13 @@ TEST(SceneCommand, clips_and_slices_as_options_do) {
     const std::string by_options = picture(words(plain, options));
     EXPECT_TRUE(by_options == picture({"render", document(layers, more)})) << "the same, byte for byte";
     EXPECT_FALSE(by_options == whole);
-    // The command that the picture keeps makes it again.
+    // The command stored in the picture reproduces it.
     const Json told = Json::parse(
         bench.rhoray(words(words(plain, options), {"--size", "40x30", "-o", "q.png", "--force", "--json"})).out);
     EXPECT_TRUE(read_file(bench / "q.png") != whole);
     EXPECT_TRUE(picture({"render", told["scene"].dump()}) == by_options);
   }
-  // Slices by themselves, and beside a projection.
+  // Slices by themselves, and together with a projection.
   EXPECT_TRUE(picture({"render", "ball.rho", "--slice", "8,0,0,2,0,0"}) ==
               picture({"render", document(R"({"type": "slice", "point": [8, 0, 0], "normal": [2, 0, 0]})")}));
   EXPECT_TRUE(picture({"render", "ball.rho", "--slice", "x", "--mode", "mip", "--range", "10,90"}) ==

@@ -143,7 +143,7 @@ TEST_F(SceneDocument, a_resolved_scene_as_a_spec_is_resolved_to_the_same_scene) 
   EXPECT_TRUE(again.scene.clip->cuts_away);
   EXPECT_FALSE(again.scene.layers.at(2).clipped);
   Json second = tools::scene_json(tools::to_spec(again));
-  second["data"] = first["data"];  // by other ways
+  second["data"] = first["data"];  // by other paths
   EXPECT_EQ(second.dump(), first.dump());
 }
 
@@ -253,7 +253,8 @@ TEST_F(SceneDocument, places_lights_by_directions_and_by_angles_from_world_and_c
     return planned(bench() / "s.json").scene.lights.at(0).place;
   };
   const auto is_near = [](const Vec3& a, const Vec3& b) { return (a - b).length() < 1e-12; };
-  // From its right, from above, and from the eye itself, seen from +x with z up: right is +y.
+  // From the camera's right, from above, and from the eye itself, seen from +x with z up: right is
+  // +y.
   EXPECT_TRUE(is_near(direction(R"("azimuth": 90, "from": "camera")", R"({"view": "+x"})"), {0, 1, 0}));
   EXPECT_TRUE(is_near(direction(R"("elevation": 90, "from": "camera")", R"({"view": "+x"})"), {0, 0, 1}));
   EXPECT_TRUE(is_near(direction(R"("azimuth": 0, "from": "camera")", R"({"view": "+x"})"), {1, 0, 0}));

@@ -10,10 +10,10 @@
 #include "tools/rhoray/scene/document.h"
 #include "tools/rhoray/scene/resolve.h"
 
-/// Scene documents that are read and planned, and what is said of them.
+/// Scene documents that are read and planned, and the messages about them.
 namespace rhoray::tests {
 
-/// What is said of a document; the bench's folder is left out of names.
+/// The messages about a document; the bench's folder is left out of names.
 struct Answer {
   std::string fact, hint;
   int exit_code = 0;
@@ -64,7 +64,7 @@ class SceneDocument : public testing::Test {
   static inline Workbench* bench_ = nullptr;
 };
 
-/// A scene that has nothing wrong, with one member replaced by what is wrong.
+/// A correct scene with one member replaced by a faulty one.
 inline std::string with(const std::string& key, const std::string& value) {
   const auto member = [&](const char* name, const char* good) {
     return concat('"', name, "\": ", key == name ? value : good);

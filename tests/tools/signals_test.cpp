@@ -1,4 +1,4 @@
-// Signals and standard output: how the program ends, what it leaves behind, what it says.
+// Signals and standard output: how the program ends, what it leaves behind, and what it prints.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ const std::vector<std::string> endless_render{"render",         "box.rho",   "--
                                               "--no-hierarchy", "--threads", "1",      "-o",        "x.png"};
 const std::vector<std::string> endless_bench{"bench", "pack", "box.vtu", "--repeat", "10000", "--scratch", "."};
 
-/// True once a scratch folder stands in the folder.
+/// Returns true once the folder contains a scratch folder.
 bool has_scratch(const Workbench& bench) {
   for (const auto& entry : fs::directory_iterator(bench.path()))
     if (entry.path().filename().string().starts_with("rhoray-scratch")) return true;
@@ -88,7 +88,7 @@ TEST(StandardOutput, whose_reader_has_gone_ends_the_program_silently_with_141) {
   const std::vector<std::vector<std::string>> commands{
       {"--help"}, {"--version"}, {"info", "ball.rho"}, {"info", "ball.rho", "--json"}, {"render", "--scene-schema"}};
   for (const std::vector<std::string>& words : commands)
-    for (const bool ignored : {false, true}) {  // as it is for children of Python
+    for (const bool ignored : {false, true}) {  // as for children of Python
       SCOPED_TRACE(testing::PrintToString(words));
       OutputPipe pipe;
       ::fcntl(pipe.writer(), F_SETFD, FD_CLOEXEC);
@@ -116,7 +116,8 @@ TEST(StandardOutput, that_is_full_is_exit_code_5) {
   EXPECT_EQ(damaged.exit_code, 4) << "what was found counts more";
 }
 
-/// Without a guard, the packed file would be opened as descriptor 1, and the summary would go into it.
+/// Without a guard, the packed file would be opened as descriptor 1, and the summary would go into
+/// it.
 TEST(StandardOutput, that_is_closed_is_nobody_elses) {
   const Workbench bench;
   bench.make_ball();

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// `rhoray` with these words; 124 where it does not end by itself.
+/// Runs `rhoray` with these words. The exit code is 124 if it does not end by itself.
 RunResult in_time(const Workbench& bench, const std::string& words) {
   return bench.shell("timeout -k 1 20 rhoray " + words);
 }
@@ -75,7 +75,7 @@ TEST(SpecialFiles, are_refused_by_every_subcommand) {
     expect_refusal(bench, words, ": found a device; expected a file");
 }
 
-/// A pipe that a header, a scene, an option or a folder names.
+/// A header, a scene, an option or a folder names a pipe.
 TEST(SpecialFiles, are_refused_where_another_file_names_them) {
   const Workbench bench;
   bench.make_ball();
@@ -106,7 +106,7 @@ TEST(SpecialFiles, are_refused_where_another_file_names_them) {
     expect_refusal(bench, words, ": found a pipe; expected a file");
 }
 
-/// Folders of slices: what is no file is no slice.
+/// Folders of slices: entries that are not files are not slices.
 TEST(SpecialFiles, in_folders_are_passed_over) {
   const Workbench bench;
   std::filesystem::create_directory(bench / "slices");

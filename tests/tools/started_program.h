@@ -16,8 +16,8 @@
 
 namespace rhoray::tests {
 
-/// `rhoray` with these words in this folder, or another program of the build where the first word is its whole path,
-/// running while the test goes on. What it says on stderr is kept.
+/// `rhoray` with these words, running in this folder while the test goes on. If the first word is a
+/// full path, runs that program of the build instead. Keeps its output on stderr.
 class StartedProgram {
  public:
   struct Streams {
@@ -49,7 +49,7 @@ class StartedProgram {
     wait();
   }
 
-  /// Waits until a file of this name is mapped by it. False when it ended before.
+  /// Waits until the program maps a file of this name. Returns false if the program ended before.
   bool maps(const std::string& name) {
     const std::string maps = concat("/proc/", process_, "/maps");
     while (!has_ended()) {
@@ -63,7 +63,7 @@ class StartedProgram {
     if (!has_ended()) ::kill(process_, signal);
   }
 
-  /// Its exit code, or 128 + signal.
+  /// Returns the exit code, or 128 + signal.
   int wait() {
     if (!ended_) ::waitpid(process_, &status_, 0);
     ended_ = true;

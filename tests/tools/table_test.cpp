@@ -43,7 +43,7 @@ TEST(Measure, counts_the_memory_of_this_process) {
 
 TEST(Measure, counts_the_cpu_time_of_this_process) {
   const double before_s = usage_so_far().cpu_s;
-  const std::clock_t start = std::clock();  // CPU time too, from another function of the system
+  const std::clock_t start = std::clock();  // CPU time too, from another system function
   while (std::clock() - start < CLOCKS_PER_SEC / 10) continue;
   EXPECT_GE(usage_so_far().cpu_s - before_s, 0.099);
 }

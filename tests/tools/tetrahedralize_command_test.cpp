@@ -18,7 +18,7 @@ struct OffBox {
   int facet_count = 12;  ///< fewer leave the box open
 };
 
-/// A cube between two corners on the diagonal as OFF, in triangles.
+/// A cube between two corners on the diagonal, as OFF, in triangles.
 std::string box_off(const OffBox& box) {
   std::string text = concat("OFF\n8 ", box.facet_count, " 0\n");
   for (int i = 0; i < 8; ++i)
@@ -37,7 +37,7 @@ Workbench& with_boxes(Workbench& bench) {
   return bench;
 }
 
-/// Region -> volume and largest volume of a cell.
+/// Volume and largest cell volume of a region.
 struct RegionSize {
   double volume = 0, largest_cell = 0;
 };

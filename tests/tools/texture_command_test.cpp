@@ -151,7 +151,7 @@ TEST(TextureCommand, renders_a_covered_surface_and_says_so) {
   EXPECT_EQ(textured["statistics"]["texture_lookups"], textured["statistics"]["hits"]);
   EXPECT_NE(read_file(bench / "p.png"), read_file(bench / "plain.png"));
 
-  // The command in the picture draws it again.
+  // The command stored in the picture renders it again.
   const std::string command = textured["reproduce"], bytes = read_file(bench / "p.png");
   EXPECT_THAT(command, HasSubstr("--texture photo.rho"));
   std::filesystem::remove(bench / "p.png");

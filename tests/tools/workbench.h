@@ -20,13 +20,13 @@ class Workbench {
   const std::filesystem::path& path() const { return folder_.path(); }
   std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
 
-  /// `rhoray` with these words, in the folder.
+  /// Runs `rhoray` with these words, in the folder.
   RunResult rhoray(std::vector<std::string> words) const {
     words.insert(words.begin(), RHORAY_PROGRAM);
     return run_program(words, path());
   }
 
-  /// A line as a shell reads it, with `rhoray` the program under test.
+  /// Runs a line in a shell, where `rhoray` is the program under test.
   RunResult shell(const std::string& line) const {
     const std::string bin = std::filesystem::path(RHORAY_PROGRAM).parent_path().string();
     return run_program({"sh", "-c", "PATH='" + bin + "':$PATH; " + line}, path());
@@ -43,7 +43,8 @@ class Workbench {
 
   static constexpr int ball_edge = 24;
 
-  /// ball.raw: 24^3 bytes that fall with the distance from the middle, 255 there and 0 from 12 samples away.
+  /// ball.raw: 24^3 bytes that decrease with the distance from the centre: 255 there and 0 from 12
+  /// samples away.
   void make_ball_raw() const {
     std::string bytes;
     for (int k = 0; k < ball_edge; ++k)
@@ -64,7 +65,8 @@ class Workbench {
     if (packed.exit_code != 0) throw std::runtime_error("ball.rho was not made: " + packed.err);
   }
 
-  /// photo.nrrd: 8 x 8 x 8 texels around ball.rho, redder to the right, with blue that rises upward.
+  /// photo.nrrd: 8 x 8 x 8 texels around ball.rho, redder to the right, with blue that increases
+  /// upward.
   void make_photo_nrrd() const {
     std::string text =
         "NRRD0004\ntype: uchar\ndimension: 4\nspace dimension: 3\nsizes: 3 8 8 8\nkinds: RGB-color space space space\n"
@@ -83,7 +85,8 @@ class Workbench {
     if (packed.exit_code != 0) throw std::runtime_error("photo.rho was not made: " + packed.err);
   }
 
-  /// box.vtu: the unit cube in 384 tetrahedra, with fields 'height' (z) and 'length' (distance from 0).
+  /// box.vtu: the unit cube in 384 tetrahedra, with fields 'height' (z) and 'length' (distance from
+  /// 0).
   void make_box_vtu() const {
     preprocess::NeutralMesh mesh = box_mesh({});
     add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });

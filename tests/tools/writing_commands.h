@@ -10,10 +10,11 @@ namespace rhoray::tests {
 /// A command line that writes, to be run in a folder with the inputs of `make_inputs`.
 struct WritingCommand {
   const char* name;
-  std::vector<std::string> words;    ///< the first is a program beside `rhoray`; "OUT/" stands for where to write
+  /// The first word is a program beside `rhoray`. "OUT/" stands for the output folder.
+  std::vector<std::string> words;
   std::vector<std::string> outputs;  ///< files below OUT/, all or the most important ones
 
-  /// The command as it is run: with this folder, and only errors on stderr.
+  /// The words as they are run: with this output folder, and only errors on stderr.
   std::vector<std::string> line(const std::filesystem::path& out, bool replace_existing) const {
     std::vector<std::string> result = words;
     result[0] = (std::filesystem::path(RHORAY_PROGRAM).parent_path() / words[0]).string();
@@ -25,7 +26,8 @@ struct WritingCommand {
   }
 };
 
-/// Inputs of all commands: ball.rho (grid), box.vtu, box.rho (mesh), cube.off, small.png and other.png.
+/// Inputs of all commands: ball.rho (grid), box.vtu, box.rho (mesh), cube.off, small.png and
+/// other.png.
 inline void make_inputs(const Workbench& bench) {
   bench.make_ball();
   bench.make_box();

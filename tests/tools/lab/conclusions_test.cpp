@@ -1,5 +1,6 @@
-// The studies of what methods and forms of data cost run on small data, and their tables say what must be so: errors
-// that shrink, misses that vanish, nothing wrong where nothing can be. How fast anything is is not tested.
+// The studies of the cost of methods and data representations run on small data. Their tables must
+// show what theory demands: errors that shrink, misses that vanish, nothing wrong where nothing can
+// be wrong. Speed is not tested.
 
 #include <gmock/gmock.h>
 
@@ -19,7 +20,7 @@ void must_run(std::vector<std::string> words, const TemporaryFolder& folder) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
 }
 
-/// One of our recipes, packed as NAME.rho.
+/// Packs one of our recipes as NAME.rho.
 void make_grid(const TemporaryFolder& folder, const std::string& recipe, const std::string& size) {
   must_run({RHORAY_RECIPES_PROGRAM, recipe, "-o", recipe + ".nhdr", "--size", size}, folder);
   must_run({RHORAY_PROGRAM, "pack", recipe + ".nhdr", "-o", recipe + ".rho", "-q"}, folder);
@@ -64,7 +65,7 @@ TEST(ResampleOrDirect, errs_less_on_finer_grids_and_not_at_all_in_the_tetrahedra
   for (const json& row : rows["tetrahedra"]) {
     EXPECT_EQ(row["missed"], 0) << row;
     EXPECT_EQ(row["false_hits"], 0) << row;
-    // Single precision is the coarsest level; the surface of linear cells is found by one division.
+    // Single precision is the coarsest level; the surface in linear cells is found by one division.
     EXPECT_LT(row["depth_p99_cells"], 1e-3) << row;
     EXPECT_EQ(row["resample_cpu_s"], 0) << row;
   }
@@ -76,7 +77,7 @@ TEST(ResampleOrDirect, errs_less_on_finer_grids_and_not_at_all_in_the_tetrahedra
     EXPECT_LT(grids[g]["step_in_cells"], grids[g - 1]["step_in_cells"]);
     EXPECT_GT(grids[g]["bytes"], grids[g - 1]["bytes"]);
   }
-  // The three hold the same samples: what they show differs by the method that is each one's default only.
+  // The three hold the same samples: their pictures differ only by the default method of each.
   for (const char* kind : {"grid, whole box", "OpenVDB"}) {
     ASSERT_EQ(rows[kind].size(), 1U);
     const json &other = rows[kind][0], &same = grids[1];
@@ -109,14 +110,16 @@ TEST(Bits, errs_more_with_every_bit_less) {
   // Rounding to 2^-n of the range moves a value by at most half of that.
   for (const char* name : fewer)
     EXPECT_LE(rows[name]["value_max_of_range"], 0.5001 / (std::exp2(int{rows[name]["bits"]}) - 1)) << name;
-  // A half has 11 significant bits, and near half of the range 0 to 1 as many as 11 or 12 bits of it.
+  // A half has 11 significant bits. Near half of the range 0 to 1, it resolves as much as 11 or 12
+  // bits of the range.
   EXPECT_LT(rows["half"]["depth_median_cells"], rows["10 bits"]["depth_median_cells"]);
   EXPECT_GT(rows["half"]["depth_median_cells"], rows["16 bits"]["depth_median_cells"]);
   expect_figure(folder, "bits_depth");
   expect_figure(folder, "bits_normal");
 }
 
-/// What must be so for any data: rays that know their side are right, ones that are moved leak more the farther.
+/// Checks what holds for any data: rays that know their side are right; among moved rays, more leak
+/// the farther they are moved.
 void expect_sane_starts(const json& read) {
   const auto wrong = [&](const std::string& start, const std::string& hits, double epsilon, const char* column) {
     for (const json& row : read["rows"])
@@ -133,7 +136,8 @@ void expect_sane_starts(const json& read) {
   EXPECT_EQ(wrong("knows its side", "double", 0, "acne"), 0);
   EXPECT_EQ(wrong("knows its side", "double", 0, "leaks"), 0);
   for (const char* start : {"moved along the ray", "moved along the normal"}) {
-    // An epsilon far below the rounding of the hits moves nothing: about half of the places lie behind the surface.
+    // An epsilon far below the rounding of the hits moves nothing: about half of the positions lie
+    // behind the surface.
     EXPECT_GT(wrong(start, "float", 1e-9, "acne"), rays / 10) << start;
     EXPECT_GE(wrong(start, "float", 1, "leaks"), wrong(start, "float", 0.01, "leaks")) << start;
     EXPECT_LE(wrong(start, "double", 1e-3, "acne"), wrong(start, "float", 1e-7, "acne")) << start;

@@ -1,4 +1,4 @@
-// The one command that makes the study again, with small data.
+// Tests the single command that repeats the whole study, with small data.
 
 #include <gmock/gmock.h>
 

@@ -12,7 +12,7 @@ namespace {
 
 using Cube = std::array<std::uint32_t, 3>;
 
-/// The cubes of edge^3 of a block, by their positions.
+/// The cubes of edge^3 of a block, by their positions along the curve.
 std::map<std::uint64_t, Cube> block_along_curve(const Cube& low, std::uint32_t edge, std::uint32_t spacing) {
   std::map<std::uint64_t, Cube> block;
   for (std::uint32_t z = 0; z < edge; ++z)

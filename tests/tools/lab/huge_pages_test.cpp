@@ -29,7 +29,7 @@ TEST(HugePages, take_a_mappings_place_without_changing_a_byte) {
   EXPECT_EQ(huge % (2 << 20), 0U);
   EXPECT_LE(huge, size);
   EXPECT_TRUE(std::memcmp(mapped, content.data(), size) == 0);
-  // It is no longer the file's: what is written there later does not show.
+  // The memory no longer belongs to the file: later writes to the file have no effect on it.
   std::fstream(folder / "data", std::ios::in | std::ios::out | std::ios::binary) << "other";
   EXPECT_TRUE(std::memcmp(mapped, content.data(), size) == 0);
   EXPECT_EQ(::munmap(mapped, size), 0);

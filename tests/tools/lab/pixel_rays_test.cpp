@@ -18,7 +18,7 @@ TEST(PixelRays, are_those_that_render_sends) {
   const render::Camera camera{.position = {1, -30, 7}, .target = {2, 3, 5}, .up = {0.1, 0, 1}, .vertical_fov_deg = 40};
   constexpr int width = 7, height = 5;
   const auto rays = render::camera_rays(volume, camera, width, height);
-  // In the frame of the samples: world over spacing.
+  // In the frame of the samples: world coordinates divided by the spacing.
   const study::PixelRays<double> pixels(camera, width, height, {2, 0.5, 1.0 / 3});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

@@ -29,7 +29,7 @@ TEST(PlainGrid, spreads_a_range_over_another_type_and_takes_the_isovalue_along) 
   const Interval<double> range{100, 600};
   const preprocess::NeutralVolume bytes = study::converted(grid, ElementType::U8, {0, 1000});
   EXPECT_EQ(bytes.samples.size(), 9U * 9 * 9);
-  EXPECT_EQ(std::to_integer<int>(bytes.samples[364]), 255);  // the middle
+  EXPECT_EQ(std::to_integer<int>(bytes.samples[364]), 255);  // the centre
   EXPECT_EQ(std::to_integer<int>(bytes.samples[363]), 230);  // 900 of 1000, rounded
   EXPECT_DOUBLE_EQ(study::converted_isovalue(350, ElementType::U8, range), 127.5);
   EXPECT_DOUBLE_EQ(study::converted_isovalue(350, ElementType::F32, range), 350);

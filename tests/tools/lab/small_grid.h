@@ -9,7 +9,7 @@
 
 namespace rhoray::tests {
 
-/// 16-bit samples that fall from 1000 in the middle by 100 for each sample that they are away from it.
+/// 16-bit samples: 1000 at the centre, 100 less for each sample of distance from it.
 inline preprocess::NeutralVolume ball_grid(std::int64_t edge) {
   preprocess::NeutralVolume grid;
   grid.sample_count = Index3(edge);

@@ -27,7 +27,7 @@ TEST(StoredSamples, rounds_to_half_as_binary16_does) {
 }
 
 TEST(StoredSamples, leaves_out_storages_that_hold_every_value) {
-  const preprocess::NeutralVolume grid = tests::ball_grid(8);  // of 16 bits
+  const preprocess::NeutralVolume grid = tests::ball_grid(8);  // 16-bit
   std::vector<std::string> made;
   for (const Storage& storage : storages())
     if (stored_as(storage, grid, {0, 1000})) made.emplace_back(storage.name);

@@ -1,5 +1,5 @@
-// The study's own structures over meshes: every ray gets the library's answer from each of them, and rounding points
-// does to a mesh what is said of it.
+// The study's own structures for meshes: each returns the library's answer for every ray, and
+// rounding points has the stated effects on a mesh.
 
 #include <gmock/gmock.h>
 
@@ -39,8 +39,9 @@ std::vector<NamedMesh> meshes() {
           {"slivers", study::with_slivers(study::warped_box(edge), edge)}};
 }
 
-/// Through the mesh from everywhere, along its axes through points and faces, cut short, and past it. In the frame of
-/// a packed mesh, which begins at the middle or the corner of the unit cube: at `low`.
+/// Rays through the mesh from everywhere, along its axes through points and faces, cut short, and
+/// past it. In the frame of a packed mesh, whose origin is the centre or a corner of the unit cube;
+/// `low` is the cube's low corner there.
 std::vector<Ray> rays_through(const Vec3& low) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> in(0, 1), around(-2, 3);
@@ -142,13 +143,14 @@ TEST(CellSides, touches_every_box_that_holds_a_point_of_the_cell) {
 
 TEST(CellSides, keeps_clear_of_boxes_that_only_a_slanted_direction_tells_apart) {
   const study::CellSides corner({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
-  // By the slanted face x + y + z = 1: the box's nearest corner is at a sum of 3 (c - h).
+  // Separated by the slanted face x + y + z = 1: the box's nearest corner is at a sum of 3 (c - h).
   EXPECT_TRUE(corner.touches(Vec3(0.5), Vec3(0.17)));
   EXPECT_FALSE(corner.touches(Vec3(0.5), Vec3(0.16)));
-  // By the product of z and an edge: x + y = 1, with z around 0, where neither faces nor axes part them.
+  // Separated by the product of z and an edge: x + y = 1, with z around 0, where neither faces nor
+  // axes separate them.
   EXPECT_TRUE(corner.touches({0.6, 0.6, 0}, Vec3(0.11)));
   EXPECT_FALSE(corner.touches({0.6, 0.6, 0}, Vec3(0.09)));
-  // Touching counts, up to rounding: faces that meet.
+  // Touching counts, up to rounding: here two faces meet.
   EXPECT_TRUE(corner.touches({-0.25, 0.1, 0.1}, Vec3(0.25)));
 }
 
@@ -197,8 +199,9 @@ TEST(RoundedPoints, part_only_where_every_cluster_has_its_own_lattice) {
     EXPECT_EQ(ways[0].shape.folded_cells, 0U);
     EXPECT_NEAR(ways[1].way.bytes_per_cell, ways[0].way.bytes_per_cell / 2, 1e-12);
     EXPECT_NEAR(ways[2].way.bytes_per_cell, ways[0].way.bytes_per_cell / 3, 1e-12);
-    // A place is off by half a step at most along each axis: of 65535 or 1023 steps over a cluster, in which an edge of
-    // the cells may be a sixty-fourth of its length (slivers and graded cells: over their longest edge).
+    // A position is off by at most half a step along each axis. There are 65535 or 1023 steps over
+    // a cluster, in which an edge of the cells may be a sixty-fourth of its length (slivers and
+    // graded cells: over their longest edge).
     EXPECT_LT(ways[3].shape.widest_gap_edges, 64 * 2.0 / 65535) << named.name;
     EXPECT_LT(ways[4].shape.widest_gap_edges, 64 * 2.0 / 1023) << named.name;
     EXPECT_LT(ways[3].shape.widest_gap_edges, ways[4].shape.widest_gap_edges) << named.name;

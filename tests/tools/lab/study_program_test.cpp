@@ -1,4 +1,4 @@
-// The studies beside other systems run, and what they say is sane. How fast anything is is not tested.
+// The comparison studies with other systems run, and their results are sane. Speed is not tested.
 
 #include <gmock/gmock.h>
 
@@ -56,7 +56,7 @@ TEST(StudyProgram, shows_every_system_that_is_there_beside_the_exact_answer) {
   for (const char* system : {"Rhoray, preview", "Rhoray, float", "Rhoray, double", "Rhoray, certified", "Rhoray, exact",
                              "NanoVDB, dense", "NanoVDB, narrow", "OpenVDB, level set"})
     EXPECT_EQ(seen[system], 2) << system;
-  // Others are there, or it is said why not.
+  // Other systems are included, or the reason for their absence is given.
   const json& left_out = surface["context"]["left_out"];
   EXPECT_EQ(seen["Embree, packets"], left_out.contains("Embree") ? 0 : 2);
   EXPECT_EQ(seen["Embree, single rays"], left_out.contains("Embree") ? 0 : 2);
@@ -92,7 +92,7 @@ TEST(StudyProgram, shows_the_same_picture_with_every_layout) {
     if (layout == "8 bit") {
       EXPECT_NE(row["picture"], picture[view]);
     } else {
-      EXPECT_EQ(row["picture"], picture[view]) << layout;  // in double precision all are the same bit for bit
+      EXPECT_EQ(row["picture"], picture[view]) << layout;  // bit-identical in double precision
       EXPECT_EQ(row["other_pixels"], 0.0) << layout;
     }
     EXPECT_GT(row["cpu_ms"], 0.0);
@@ -107,7 +107,8 @@ TEST(StudyProgram, asks_every_structure_of_a_mesh_the_same_rays) {
   for (const auto& [name, rows_of_a_mesh] :
        {std::pair("structures", 12U), std::pair("structures_orders", 19U), std::pair("structures_points", 5U)}) {
     const json read = table(folder, name);
-    ASSERT_EQ(read["rows"].size(), 5 * rows_of_a_mesh) << name;  // even, graded in three ways, slivers
+    // even, graded in three ways, slivers
+    ASSERT_EQ(read["rows"].size(), 5 * rows_of_a_mesh) << name;
     std::map<std::string, json> answers;
     for (const json& row : read["rows"]) {
       EXPECT_GT(row["cpu_us_per_ray"], 0.0) << row;
@@ -161,7 +162,8 @@ TEST(StudyProgram, sets_triangles_beside_direct_drawing) {
     const bool is_own = std::string(row["system"]).starts_with("Rhoray");
     EXPECT_EQ(row["triangles"].is_null(), is_own) << row;
     if (!is_own) {
-      // All three divide the same cells, so much alike that they make nearly as many.
+      // All three divide the same cells in such similar ways that they make nearly the same number
+      // of triangles.
       const double triangles = row["triangles"];
       EXPECT_NEAR(triangles, read["rows"][0]["triangles"], 0.1 * triangles);
       EXPECT_GT(row["extraction_ms"], 0.0);

@@ -25,12 +25,12 @@ TEST(StudyViews, show_the_surface_whole_close_up_and_from_within) {
     return static_cast<double>(render::render(volume, scene, {.width = 40, .height = 40}, picture).hits) / 1600;
   };
   for (const StudyView whole : {StudyView::front, StudyView::from_feet}) {
-    EXPECT_GT(covered(whole, 200), 0.1);  // a ball of 8 samples' radius in 24
+    EXPECT_GT(covered(whole, 200), 0.1);  // a ball with a radius of 8 samples in 24
     EXPECT_LT(covered(whole, 200), 0.5);
   }
   EXPECT_GT(covered(StudyView::close_up, 200), 0.8);
   EXPECT_EQ(covered(StudyView::inside, 200), 1);
-  // Of a surface that the front view's middle misses, the close view shows the data's box.
+  // If the centre ray of the front view misses the surface, the close view shows the data's box.
   EXPECT_EQ(covered(StudyView::close_up, 2000), 0);
 }
 

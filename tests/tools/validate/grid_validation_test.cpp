@@ -69,7 +69,7 @@ TEST(GridValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
 }
 
 TEST(GridValidation, measures_the_distance_from_the_surface_also_where_a_ray_grazes_it) {
-  // Down the wave's flanks at a small angle, depth is not distance.
+  // Where rays run down the wave's flanks at a small angle, depth is not distance.
   const auto tracer = shifting_hits(waves().renderer(query.isovalue), 1e-3 * cell_edge());
   const validate::Report report = waves().report(query, tracer);
   const validate::Quantiles distance = quantiles(report, "renderer to surface", "cells");

@@ -22,7 +22,7 @@ namespace rhoray::tests {
 
 namespace validate = tools::validate;
 
-/// A packed file of the test's own, and the renderer on it.
+/// A packed file made by the test, and the renderer on it.
 class ValidatedFile {
  public:
   explicit ValidatedFile(const preprocess::NeutralMesh& mesh) : volume_(packed(mesh)) {}
@@ -63,7 +63,7 @@ class ValidatedFile {
   render::Volume volume_;
 };
 
-/// Another tracer, with every hit changed by `spoil`, which is told the hit's number.
+/// Wraps a tracer and changes every hit with `spoil`, which receives the number of the hit.
 inline validate::Tracer spoiled(validate::Tracer tracer,
                                 std::function<void(std::size_t, const render::Ray&, render::Hit&)> spoil) {
   return [tracer = std::move(tracer), spoil = std::move(spoil)](std::span<const render::Ray> rays,
@@ -75,7 +75,8 @@ inline validate::Tracer spoiled(validate::Tracer tracer,
   };
 }
 
-/// What a renderer that is wrong made of the checks; `test_validate --gtest_output=xml:FILE` tells it under `what`.
+/// Expects that the checks catch a faulty renderer. `test_validate --gtest_output=xml:FILE` reports
+/// the checks under `what`.
 inline void expect_caught(const std::string& what, const validate::Report& report) {
   std::string outside;
   for (const validate::Check& check : report.checks)
@@ -84,7 +85,7 @@ inline void expect_caught(const std::string& what, const validate::Report& repor
   testing::Test::RecordProperty(what, concat("of ", report.total().rays, " rays: ", outside));
 }
 
-// Renderers that are wrong.
+// Faulty renderers.
 
 inline validate::Tracer dropping_one_hit_in_a_thousand(const validate::Tracer& tracer) {
   return spoiled(tracer, [](std::size_t number, const render::Ray&, render::Hit& hit) {
@@ -97,7 +98,7 @@ inline validate::Tracer shifting_hits(const validate::Tracer& tracer, double dis
   return spoiled(tracer, [=](std::size_t, const render::Ray&, render::Hit& hit) { hit.t += distance; });
 }
 
-/// Hits of a proving method, said to be exact.
+/// Hits of a proving method that claim to be exact.
 inline validate::Tracer understating_bounds(const validate::Tracer& tracer) {
   return spoiled(tracer, [](std::size_t, const render::Ray&, render::Hit& hit) { hit.error = 0; });
 }
@@ -120,7 +121,7 @@ inline validate::Tracer turning_normals(const validate::Tracer& tracer) {
   });
 }
 
-/// A hit where the data's box begins, on some rays that meet nothing.
+/// Adds a hit where the data's box begins, on some rays that miss everything.
 inline validate::Tracer inventing_hits(validate::Tracer tracer, double t) {
   return [tracer = std::move(tracer), t](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
     tracer(rays, hits);

@@ -57,7 +57,8 @@ TEST(TetValidation, holds_a_proving_method_against_the_bounds_that_it_states) {
   EXPECT_TRUE(honest.holds());
   EXPECT_GT(honest.largest("bound stated by the method", "box"), 0);
   EXPECT_GT(honest.largest("bound, surface to renderer", "box"), 0);
-  // Its own errors are far below the limits for all methods: some that are not, and that no bound tells of.
+  // For all methods, the renderer's own errors are far below the limits. These are not, and no
+  // bound covers them.
   const validate::Report boastful = ball().report(
       query, understating_bounds(shifting_hits(ball().renderer(query.isovalue, certified), 1e-4 * cell_edge())));
   expect_caught("bounds_said_to_be_0", boastful);
@@ -161,7 +162,7 @@ TEST(TetJudge, knows_where_a_plane_is_also_along_edges_and_through_vertices) {
 }
 
 TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
-  // A ridge: 1/2 - |z - 1/2|, which is 1/2 where z is.
+  // A ridge: 1/2 - |z - 1/2|, with its crest of 1/2 at z = 1/2.
   const ValidatedFile file(box_mesh({.cells = {2, 2, 2}}, [](const Vec3& p) { return 0.5 - std::abs(p.z - 0.5); }));
   const validate::TetField field = file.tets();
   const auto crossing_at = [&](double iso, const render::Ray& ray) {
@@ -176,8 +177,8 @@ TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
 }
 
 TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
-  // A flat cell on top of another: at the corners of its square the field is 0 and 1 in turn, so that it is cut along
-  // one diagonal seen from above, and along the other from below.
+  // A flat cell on top of another. At the corners of its square the field is 0 and 1 alternately.
+  // The square is therefore cut along one diagonal seen from above, and along the other from below.
   preprocess::NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, -1}};
   mesh.cells = {{0, 1, 2, 3}, {0, 2, 1, 4}};
@@ -190,7 +191,7 @@ TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
   const auto surface = extract_surface(field, 0.5);
   ASSERT_EQ(surface.straddling.size(), 2U);
   const validate::TetJudge judge(field, surface.straddling, 0.5);
-  // Over the half of the square without a cell below, only the flat one is there.
+  // Over the half of the square without a cell below, there is only the flat cell.
   const auto crossing = judge.first_crossing({{0.375, 0.5, 3}, {0, 0, -1}});
   ASSERT_TRUE(crossing);
   EXPECT_EQ(formats::TetMesh(file.volume().file()).cell_id(crossing->cell), 0U);
