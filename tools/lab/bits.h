@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// What an isosurface loses when the field's samples are stored in fewer bits.
+/// Studies how an isosurface degrades when the field's samples are stored in fewer bits.
 tools::Subcommand bits();
 
 }  // namespace rhoray::study

@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// Many rays at closed isosurfaces: float, double and certified against the truth.
+/// Many rays at closed isosurfaces: compares float, double and certified answers with the truth.
 tools::Subcommand closed_surfaces();
 
 }  // namespace rhoray::study

@@ -4,7 +4,8 @@
 
 namespace rhoray::study {
 
-/// What distances chosen by hand miss: those by which rays to a light are moved off the surface, and steps of samples.
+/// Studies the errors of distances chosen by hand: offsets of shadow rays from the surface, and
+/// sampling steps.
 tools::Subcommand epsilon();
 
 }  // namespace rhoray::study

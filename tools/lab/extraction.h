@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// The paper's Table 6: isosurfaces of a grid as triangles, beside drawing them directly.
+/// The paper's Table 6: isosurfaces of a grid as triangles, compared with drawing them directly.
 tools::Subcommand extraction();
 
 }  // namespace rhoray::study

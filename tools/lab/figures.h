@@ -12,7 +12,8 @@ namespace rhoray::study {
 struct Axis {
   std::string label;
   bool is_logarithmic = true;
-  /// Of a logarithmic axis: where values at or below it are drawn, labelled "0"; 0: such points are left out.
+  /// For a logarithmic axis: values at or below this are drawn here, labelled "0". 0: such points
+  /// are left out.
   double least = 0;
 };
 
@@ -25,19 +26,19 @@ struct Curve {
 
 /// A figure of a study: one SVG, drawn by gnuplot.
 struct Figure {
-  std::string name;  ///< of its file, without the extension
+  std::string name;  ///< file name without the extension
   Axis x, y;
   std::vector<Curve> curves;
 };
 
 std::string script_of(const Figure& figure);
 
-/// Writes NAME.svg for each into the output folder, if one is given; without gnuplot says on stderr which package has
-/// it. Figures without a point are left out.
+/// Writes NAME.svg for each figure into the output folder, if one is given. Without gnuplot, prints
+/// to stderr which package contains it. Leaves out figures without a point.
 void publish(const std::vector<Figure>& figures, const tools::CommonOptions& common);
 
-/// Refuses, before the work, an output folder in which these figures could not be published after it
-/// (ErrorCode::usage).
+/// Refuses, before the work, an output folder in which these figures could not be published after
+/// it (ErrorCode::usage).
 void require_publishable_figures(const tools::CommonOptions& common, const std::vector<std::string>& names);
 
 }  // namespace rhoray::study

@@ -29,7 +29,7 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-/// A way to make cells that are hard in one respect.
+/// A method to make cells that are hard in one respect.
 struct CellClass {
   const char* name;
   const char* story;

@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// Methods for the first crossing in a trilinear cell against the exact judge.
+/// Compares methods for the first crossing in a trilinear cell with exact arithmetic.
 tools::Subcommand judge_cells();
 
 }  // namespace rhoray::study

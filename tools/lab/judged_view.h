@@ -15,44 +15,48 @@
 
 namespace rhoray::study {
 
-/// Which isosurface is seen from where, and how long the judge may work.
+/// An isosurface, its view, and the time limit for exact arithmetic.
 struct ViewSpec {
   double isovalue = 0;
   render::Camera camera{};
   tools::PictureSize size{512, 512};
-  double judge_seconds = 60;  ///< pixels are judged in random order until this time is over
+  double judge_seconds = 60;  ///< pixels are decided in random order until this time is over
   std::uint64_t seed = 1;
 };
 
-/// What is drawn instead: other data in the same place of the world, another method, or both.
+/// An alternative to draw: other data at the same position in the world, another method, or both.
 struct Shown {
   const render::Volume& volume;
   double isovalue = 0;  ///< in this volume's own unit
   render::Method method{};
-  const tools::ResampledBorder* border = nullptr;  ///< of a mesh that was resampled
+  const tools::ResampledBorder* border = nullptr;  ///< of a resampled mesh
 };
 
-/// An isosurface of some data, of which the exact judge decides every pixel or a random sample, and how far other forms
-/// of the data and other methods are from it.
+/// An isosurface of some data. Exact arithmetic decides every pixel or a random sample. Measures
+/// how far other data representations and methods deviate from the exact picture.
 class JudgedView {
  public:
-  /// Refuses a view of which no judged pixel shows the surface (ErrorCode::usage).
+  /// Refuses a view in which no decided pixel shows the surface (ErrorCode::usage).
   JudgedView(const render::Volume& volume, const ViewSpec& setting);
   ~JudgedView();
 
   const tools::Truth& truth() const { return truth_; }
-  /// The median length in the world of the cells that the hits lie in, along the rays.
+  /// The median length, in the world and along the rays, of the cells that contain the hits.
   double cell_length() const;
 
-  /// Columns of a table: rays and hits, missed and false hits, hits that lie more than a cell elsewhere (behind a sheet
-  /// that was not seen), all three of a million; of a resampled mesh how many of them its border makes and how many the
-  /// samples; errors of depth in cells and in the world's unit, those at the border left out; in a
-  /// grid also of the value at the place that was found, against the isovalue, in shares of the field's range.
+  /// Columns of a table:
+  ///   - numbers of rays and hits;
+  ///   - missed hits, false hits, and hits more than a cell away (behind a sheet that was missed),
+  ///     all three per million rays;
+  ///   - for a resampled mesh, how many of them come from its border and how many from the samples;
+  ///   - errors of depth in cells and in the world's unit, without those at the border;
+  ///   - in a grid, also errors of the value at the found position against the isovalue, as
+  ///     fractions of the field's range.
   tools::Json ray_errors(const Shown& shown) const;
-  /// Columns: angles between normals, and how the picture differs.
+  /// Columns: angles between normals, and differences of the pictures.
   tools::Json picture_errors(const Shown& shown) const;
 
-  /// Draws the picture on one thread, as it is timed.
+  /// Draws the picture on one thread, for timing.
   void draw(const Shown& shown);
 
  private:
@@ -62,7 +66,7 @@ class JudgedView {
   render::Volume volume_;
   ViewSpec wish_;
   tools::FieldTruth field_;
-  render::Scene scene_;  ///< of one layer
+  render::Scene scene_;  ///< with one layer
   tools::Truth truth_;
   std::unique_ptr<const tools::TruePicture> picture_;
   render::Framebuffer timed_;

@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// The largest value along rays through grids: every method against the exact judge.
+/// The largest value along rays through grids: compares every method with exact arithmetic.
 tools::Subcommand largest_values();
 
 }  // namespace rhoray::study

@@ -4,10 +4,11 @@
 
 namespace rhoray::study {
 
-/// How samples lie in memory, and what that costs: the paper's Table 3 with rows of today.
+/// Studies the cost of memory layouts of samples: the paper's Table 3 with rows for today's
+/// systems.
 tools::Subcommand layouts();
 
-/// One picture of a packed grid, for whoever counts its instructions from outside.
+/// Draws one picture of a packed grid, so that its instructions can be counted from outside.
 tools::Subcommand one_frame();
 
 }  // namespace rhoray::study

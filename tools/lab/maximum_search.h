@@ -4,7 +4,8 @@
 
 namespace rhoray::study {
 
-/// In which order to look for the largest value along rays through a grid: what each order has to look at.
+/// Studies the search order for the largest value along rays through a grid: the work that each
+/// order needs.
 tools::Subcommand maximum_search();
 
 }  // namespace rhoray::study

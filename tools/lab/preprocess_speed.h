@@ -4,7 +4,7 @@
 
 namespace rhoray::study {
 
-/// `rhoray-study preprocess-speed`: what reading, packing and resampling cost.
+/// `rhoray-study preprocess-speed`: the cost of reading, packing and resampling.
 tools::Subcommand preprocess_speed();
 
 }  // namespace rhoray::study

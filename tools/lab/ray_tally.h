@@ -8,21 +8,23 @@
 
 namespace rhoray::study {
 
-/// What some rays of a scene were told by the methods, counted against the truth. Parts add up in any order.
+/// The methods' answers for some rays of a scene, counted against the truth. Parts add up in any
+/// order.
 ///
-/// The truth for a ray is what the certified method says, or the judge where the ray was decided again. Decided again
-/// is every ray
-///   - for which double decides otherwise than certified, or finds another place by 1e-6 cells beyond the certified
-///     bound;
-///   - that changes side an odd number of times, though it begins and ends outside a closed surface: behind the
-///     certified first change further ones are looked for in double, each from 0.001 cells behind the last. Along such
-///     a ray all changes that certified finds are then compared with the judge's from the same places;
-///   - of a random sample, whatever was said.
-/// So a wrong certified answer goes unnoticed only where double precision, which shares nothing with it but the order
-/// of the cells, is wrong in the same way, the changes stay even, and the sample passes the ray by: the sample bounds
-/// how many such rays there can be.
+/// The truth for a ray is the certified answer, or the exact answer where the ray was decided
+/// again. Decided again is every ray
+///   - for which double decides otherwise than certified, or finds a position more than 1e-6 cells
+///     beyond the certified bound;
+///   - that changes side an odd number of times, although it begins and ends outside a closed
+///     surface. Behind the certified first change, further changes are searched in double, each
+///     from 0.001 cells behind the last. Along such a ray, all changes that certified finds are
+///     then compared with the exact ones from the same positions;
+///   - of a random sample, whatever the answers.
+/// A wrong certified answer stays unnoticed only under three conditions. Double precision, which
+/// shares nothing with it but the order of the cells, is wrong in the same way; the number of
+/// changes stays even; and the ray is not in the sample. The sample bounds the number of such rays.
 ///
-/// Float is asked for one ray in eight, and only counted: what it says makes no ray suspicious.
+/// Float is run for one ray in eight, and only counted: its answers make no ray suspicious.
 struct RayTally {
   struct OfMethod {
     std::uint64_t rays = 0;
@@ -34,15 +36,19 @@ struct RayTally {
 
   std::uint64_t rays = 0, hits = 0;
   OfMethod single, float64, certified;
-  std::uint64_t touches = 0;              ///< hits, by the judge, that only touch; not counted as missed
-  std::uint64_t redone = 0;               ///< certified: what single precision did not decide
-  std::uint64_t judged = 0;               ///< certified: what double precision did not decide
+  std::uint64_t touches = 0;              ///< hits that only touch by exact arithmetic; not counted
+                                          ///< as missed
+  std::uint64_t redone = 0;               ///< certified: not decided by single precision
+  std::uint64_t judged = 0;               ///< certified: not decided by double precision
   std::uint64_t odd = 0;                  ///< rays that changed side an odd number of times
-  std::uint64_t miscounted = 0;           ///< of these, where the judge's changes are not the certified method's
-  std::uint64_t redecided = 0;            ///< by the judge, to check
-  std::uint64_t bound_broken = 0;         ///< certified and judge lie farther apart than their bounds allow
+  std::uint64_t miscounted = 0;           ///< of these, rays whose certified changes are not the
+                                          ///< exact ones
+  std::uint64_t redecided = 0;            ///< checked by exact arithmetic
+  std::uint64_t bound_broken = 0;         ///< certified and exact hits farther apart than their
+                                          ///< bounds allow
   double largest_bound = 0;               ///< of certified hits, cells
-  std::vector<std::string> complaints{};  ///< rays for which certified was wrong, with all digits; some of them
+  std::vector<std::string> complaints{};  ///< some of the rays for which certified was wrong, with
+                                          ///< all digits
 
   void add(const RayTally& other);
 };

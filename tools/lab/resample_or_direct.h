@@ -4,7 +4,8 @@
 
 namespace rhoray::study {
 
-/// What is lost and won when a mesh's field is resampled on a grid instead of being drawn from its tetrahedra.
+/// Studies the benefits and losses of resampling a mesh's field on a grid instead of drawing its
+/// tetrahedra.
 tools::Subcommand resample_or_direct();
 
 }  // namespace rhoray::study

@@ -9,12 +9,13 @@
 
 namespace rhoray::study {
 
-/// One thing to be timed, and what it took each time.
+/// One action to be timed, and its cost each time.
 struct TimedRow {
   std::string name;
   std::function<void()> act;
   std::vector<tools::Cost> costs{};
-  std::vector<double> cycles{};  ///< of each: counted, or CPU time times the frequency measured in that round
+  std::vector<double> cycles{};  ///< per run: counted, or CPU time times the frequency measured in
+                                 ///< that round
 
   tools::Spread cpu_ms() const;
   double median_cycles() const;
@@ -24,16 +25,18 @@ struct TimedRow {
 
 struct RoundsOptions {
   int rounds = 5;
-  double row_seconds = 8;  ///< a row that has taken this much CPU time is not timed again
+  /// CPU time after which a row is not timed again.
+  double row_seconds = 8;
 };
 
-/// Times every row once in every round, one after the other, so that what else runs on the machine meets all of them.
-/// A round before is not counted, except for rows that then use up their seconds: these are timed that once.
-/// @param tell  is told the round and the row before it is timed
+/// Times every row once in every round, one after the other, so that other load on the machine
+/// affects all of them. A first round is not counted, except for rows that use up their seconds in
+/// it: these are timed only once.
+/// @param tell  receives the round and the row before the row is timed
 void run_rounds(std::vector<TimedRow>& rows, const RoundsOptions& options,
                 const std::function<void(const std::string&)>& tell);
 
-/// "counted" or "CPU time x measured frequency": where cycles come from on this machine.
+/// "counted" or "CPU time x measured frequency": the source of cycles on this machine.
 std::string cycles_source();
 
 }  // namespace rhoray::study

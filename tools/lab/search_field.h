@@ -12,8 +12,8 @@
 
 #include "formats/base/vector.h"
 
-/// A field and its hierarchy as plain arrays, and the ways of rays through them: what the study of orders of search
-/// needs.
+/// A field and its hierarchy as plain arrays, and the traversal of rays through them, for the study
+/// of search orders.
 namespace rhoray::study {
 
 /// Largest values of cubes of 1, 4 and 16 cells per axis, x fastest.
@@ -45,14 +45,14 @@ struct Line {
   Vec3 origin, direction;
 };
 
-/// A part of a ray inside one cell of a level.
+/// The part of a ray inside one cell of a level.
 struct Passage {
   Index3 cell;
   float bound;
   double t_in, t_out;
 };
 
-/// The passages through cells of one level on a part of a ray, front to back.
+/// Visits the passages through cells of one level on a part of a ray, front to back.
 template <class Visit>
 void walk(const Level& level, const Line& ray, double t_in, double t_out, Visit&& visit) {
   const double edge = static_cast<double>(level.edge);

@@ -7,17 +7,17 @@
 
 #include "tools/lab/search_field.h"
 
-/// Orders in which to look for the largest value on rays, each counting what it looks at.
+/// Search orders for the largest value on rays. Each counts its work.
 namespace rhoray::study {
 
-/// What a search looked at. Of groups: regions count once for all rays.
+/// The work of a search. For groups, a region counts once for all rays.
 struct Work {
   double regions = 0;    ///< bounds of cubes of 16 and of 4 cells that were read
   double blocks = 0;     ///< cubes of 4 cells that were opened
-  double in_blocks = 0;  ///< (ray, cube of 4 cells) in which cells were walked
-  double cells = 0;      ///< (ray, cell) whose bound was looked at
-  double cubics = 0;     ///< formed
-  double solved = 0;     ///< of these, those whose critical points were looked for
+  double in_blocks = 0;  ///< pairs (ray, cube of 4 cells) whose cells were traversed
+  double cells = 0;      ///< pairs (ray, cell) whose bound was examined
+  double cubics = 0;     ///< cubics formed
+  double solved = 0;     ///< cubics whose critical points were computed
 
   void add(const Work& other) {
     regions += other.regions, blocks += other.blocks, in_blocks += other.in_blocks;
@@ -29,25 +29,25 @@ struct Best {
   double value = -std::numeric_limits<double>::infinity();
   double t = std::numeric_limits<double>::infinity();
 
-  /// False where a region that begins at t_in can change nothing.
+  /// False if a region that begins at t_in cannot change the result.
   bool may_improve(double bound, double t_in) const { return bound > value || (bound == value && t_in < t); }
   void offer(double found, double at) {
     if (found > value || (found == value && at < t)) value = found, t = at;
   }
 };
 
-/// A value that the ray reaches at t.
+/// Offers the field's value on the ray at t.
 void guess(const Field& field, const Line& ray, double t, Best& best);
 
-// Of rays alone.
+// For single rays.
 
 /// The paper's queue: the region with the largest bound first, down to cells.
 void queue(const Field& field, const Line& ray, double t_in, double t_out, Best& best, Work& work);
 void front_to_back(const Field& field, const Line& ray, double t_in, double t_out, Best& best, Work& work);
 
-// Of groups.
+// For groups.
 
-/// A region that rays of a group pass, and which.
+/// A region that rays of a group pass, and these rays.
 struct Shared {
   Index3 cell;
   float bound;
@@ -64,11 +64,12 @@ std::vector<Shared> shared_regions(const Field& field, const Group& group, int l
 
 enum class Order { bound, bound_of_node, front_to_back };
 
-/// Regions of the group in one order for all rays; nodes are read first, then the blocks of those that may improve.
+/// Searches the regions of the group in one order for all rays. Reads the nodes first, then the
+/// blocks of nodes that may improve the result.
 void in_group(const Field& field, const Group& group, const std::vector<Shared>& nodes,
               const std::vector<Shared>& blocks, Order order, std::vector<Best>& best, Work& work);
 
-/// For each ray first the block with the largest bound among those it passes.
+/// Searches for each ray first the block with the largest bound among those it passes.
 void dive(const Field& field, const Group& group, const std::vector<Shared>& blocks, std::vector<Best>& best,
           Work& work);
 

@@ -9,34 +9,35 @@
 
 namespace rhoray::study {
 
-/// How a ray towards a light is kept from meeting the surface that it starts in.
+/// How a shadow ray avoids hitting the surface in which it starts.
 enum class Start {
-  along_ray,     ///< it starts a distance further on its own way
-  along_normal,  ///< it starts a distance off the surface, on the eye's side
-  knows_side     ///< it starts in the hit and knows on which side of the surface, as `render` sends it
+  along_ray,     ///< starts a distance further along the ray
+  along_normal,  ///< starts a distance off the surface, on the eye's side
+  knows_side     ///< starts at the hit and knows its side of the surface, as in `render`
 };
 const char* name_of(Start start);
 
 struct StartSettings {
   Start start = Start::knows_side;
-  double epsilon_cells = 0;  ///< that distance
-  /// Of the hits and, where the side is known, of the rays to the light. Rays that start at a distance are asked about
-  /// in double precision, so that nothing but their start is to blame.
+  double epsilon_cells = 0;  ///< the distance
+  /// For the hits and, where the side is known, for the shadow rays. Rays that start at a distance
+  /// are traced in double precision, so that only their start can cause errors.
   render::Method method{};
-  bool is_rounded =
-      false;  ///< the hits' places are rounded to single precision, as systems hold them that compute in it
+  /// Whether positions of hits are rounded to single precision, as in systems that compute in it.
+  bool is_rounded = false;
 };
 
-/// Rays from hits to a light, counted against the exact answer.
+/// Shadow rays from hits, counted against the exact answer.
 struct StartCounts {
-  std::uint64_t rays = 0, dark = 0;  ///< of those asked: all, and those whose light is held back
-  std::uint64_t acne = 0;            ///< dark, but should be lit
-  std::uint64_t leaks = 0;           ///< lit, but should be dark
+  /// Numbers of all traced rays, and of those whose light is blocked.
+  std::uint64_t rays = 0, dark = 0;
+  std::uint64_t acne = 0;   ///< dark, but should be lit
+  std::uint64_t leaks = 0;  ///< lit, but should be dark
 };
 
-/// The judged pixels of a view whose light stands on the side that the eye sees, and of which is known whether the
-/// surface holds it back: exact answers for rays that start 1e-7 and 1e-5 cells off the exact hit, on the eye's side,
-/// agree.
+/// The exactly decided pixels of a view whose light stands on the side that the eye sees, if it is
+/// known whether the surface blocks the light. This is known if two exact answers agree: for rays
+/// that start 1e-7 and 1e-5 cells off the exact hit, on the eye's side.
 class ShadowStarts {
  public:
   /// @param towards_light  world axes, any length
@@ -44,17 +45,20 @@ class ShadowStarts {
 
   std::uint64_t known() const { return cases_.size(); }
   std::uint64_t dark() const;
-  std::uint64_t undecided() const { return undecided_; }  ///< where the two differ: they are asked nothing
+  /// Number of pixels where the two answers differ: they are not tested.
+  std::uint64_t undecided() const { return undecided_; }
 
-  /// Of the pixels that the method hits within a hundredth of a cell of the exact hit.
+  /// Counts the pixels that the method hits within a hundredth of a cell of the exact hit.
   StartCounts count(const StartSettings& setting) const;
 
  private:
   struct Case {
     render::Ray seen;               ///< from the eye
     double t = 0, cells_per_t = 0;  ///< of its exact hit
-    Vec3 normal{};                  ///< of unit length in the world, towards the eye; in the volume's frame
-    double cells_along_normal = 0, cells_along_light = 0;  ///< in one unit of the world's length
+    Vec3 normal{};                  ///< unit length in the world, towards the eye; in the volume's
+                                    ///< frame
+    /// per unit of length in the world
+    double cells_along_normal = 0, cells_along_light = 0;
     render::StartSide side{};
     bool is_dark = false;
   };
@@ -64,7 +68,7 @@ class ShadowStarts {
 
   render::Volume volume_;
   double isovalue_;
-  Vec3 light_{};  ///< a world's unit towards it, in the volume's frame
+  Vec3 light_{};  ///< one world unit towards the light, in the volume's frame
   std::vector<Case> cases_;
   std::uint64_t undecided_ = 0;
 };

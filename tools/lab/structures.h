@@ -4,8 +4,8 @@
 
 namespace rhoray::study {
 
-/// How rays find tetrahedra, and what that costs: leaf lists of several resolutions beside clusters of several sizes,
-/// on uniform, graded and sliver-rich meshes.
+/// Studies the cost of structures in which rays find tetrahedra. Compares leaf lists of several
+/// resolutions with clusters of several sizes, on uniform, graded and sliver-rich meshes.
 tools::Subcommand structures();
 
 }  // namespace rhoray::study

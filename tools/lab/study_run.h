@@ -10,10 +10,10 @@
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 
-/// What the studies have in common: where they ran, and how their tables come out.
+/// Common parts of the studies: the machine on which they ran, and the output of their tables.
 namespace rhoray::study {
 
-/// Machine, version and compiler, and what is peculiar to the study.
+/// Machine, version and compiler, and the context of this study alone.
 inline tools::Json context_with(const tools::Json& peculiar) {
   const tools::Machine machine = tools::this_machine();
   tools::Json context{{"processor", machine.processor}, {"cores", machine.core_count}, {"system", machine.system},
@@ -22,7 +22,8 @@ inline tools::Json context_with(const tools::Json& peculiar) {
   return context;
 }
 
-/// Refuses, before the work, an output folder in which these tables could not be published after it (ErrorCode::usage).
+/// Refuses, before the work, an output folder in which these tables could not be published after it
+/// (ErrorCode::usage).
 inline void require_publishable(const tools::CommonOptions& common, const std::vector<std::string>& tables) {
   if (common.output.empty()) return;
   for (const std::string& table : tables)
@@ -30,7 +31,7 @@ inline void require_publishable(const tools::CommonOptions& common, const std::v
       tools::require_writable(common, common.output / concat(table, extension), {});
 }
 
-/// To stdout, and as CSV and JSON into the output folder, if one is given.
+/// Writes to stdout, and as CSV and JSON into the output folder, if one is given.
 inline void publish(const tools::Table& table, const tools::CommonOptions& common) {
   std::fputs(tools::text_of(table).c_str(), stdout);
   if (common.output.empty()) return;

@@ -10,7 +10,7 @@
 
 namespace rhoray::study {
 
-/// What Embree traces; shared by the two ways of tracing it.
+/// The scene that Embree traces; shared by the two ways of tracing it.
 class EmbreeScene {
  public:
   EmbreeScene();
@@ -20,17 +20,19 @@ class EmbreeScene {
 
   virtual std::string named(const std::string& way) const = 0;  ///< "Embree, packets"
   virtual std::string shows() const = 0;                        ///< "triangles of FlyingEdges"
-  virtual Vec3 middle() const { return Vec3(0); }               ///< what its positions are relative to
+  virtual Vec3 middle() const { return Vec3(0); }               ///< origin of its positions
 
-  Preparation prepare(const PeerData& data, double isovalue);  ///< unless it is this isovalue's already
+  /// Does nothing if the scene is for this isovalue already.
+  Preparation prepare(const PeerData& data, double isovalue);
   RTCScene scene() const { return scene_; }
   double memory_mb() const;  ///< as Embree counts it
 
  protected:
   virtual Preparation build(const PeerData& data, double isovalue) = 0;
 
-  void start();                       ///< an empty scene instead of the last one
-  void finish(RTCGeometry geometry);  ///< the scene's only geometry, which is given away; null: it stays empty
+  void start();  ///< replaces the last scene by an empty one
+  /// Adds the scene's only geometry and takes ownership of it. Null: the scene stays empty.
+  void finish(RTCGeometry geometry);
 
   RTCDevice device() const { return device_; }
 
@@ -42,7 +44,8 @@ class EmbreeScene {
   Preparation preparation_;
 };
 
-PeerPointer embree_packets(std::shared_ptr<EmbreeScene> scene);  ///< coherent packets of 16 rays, 4 x 4 pixels
+/// Coherent packets of 16 rays, 4 x 4 pixels.
+PeerPointer embree_packets(std::shared_ptr<EmbreeScene> scene);
 PeerPointer embree_single_rays(std::shared_ptr<EmbreeScene> scene);
 
 }  // namespace rhoray::study

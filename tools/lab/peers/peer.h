@@ -14,14 +14,15 @@
 
 namespace rhoray::study {
 
-/// What every system is given.
+/// The input of every system.
 struct PeerData {
   const preprocess::NeutralVolume* grid = nullptr;  ///< plain samples (plain_grid.h)
   const preprocess::NeutralMesh* mesh = nullptr;    ///< or tetrahedra with one field
   Box3 bounds;                                      ///< in the world, as the cameras see it
   Interval<double> range;                           ///< of the values
-  std::filesystem::path packed_file;                ///< the same, packed as `rhoray pack` does without options
-  std::string field;                                ///< which of that file's; empty: the first
+  /// The same data, packed by `rhoray pack` without options
+  std::filesystem::path packed_file;
+  std::string field;  ///< the field of that file; empty: the first
 };
 
 struct PeerView {
@@ -46,20 +47,22 @@ class Peer {
   virtual std::string name() const = 0;
   virtual std::string does() const = 0;  ///< in a few words
 
-  /// Called once for every isovalue; for largest values once, with any.
+  /// Called once for every isovalue; for largest values once, with any isovalue.
   virtual Preparation prepare(const PeerData& data, double isovalue) = 0;
 
-  /// Makes the rays of the view and a shaded picture. This is what is timed.
+  /// Makes the rays of the view and a shaded picture. This is timed.
   virtual void draw(const PeerView& view) = 0;
 
-  /// What the pixels of the view answer, rows from the top: for an isosurface the distance along the ray (infinity:
-  /// nothing; NaN: a hit at an unknown distance), for a largest value that value (NaN: no data). Not timed.
+  /// The answers for the pixels of the view, rows from the top. For an isosurface, the distance
+  /// along the ray (infinity: nothing; NaN: a hit at an unknown distance). For largest values, the
+  /// value (NaN: no data). Not timed.
   virtual std::vector<double> answers(const PeerView& view) = 0;
 
-  /// Megabytes of what was prepared, as the library counts them; nothing where it does not.
+  /// Megabytes of the prepared data, as the library counts them; nothing where it does not count
+  /// them.
   virtual std::optional<double> prepared_mb() const { return std::nullopt; }
 
-  /// Of the last picture, where the same program always makes the same one; else empty.
+  /// Hash of the last picture, if the same program always makes the same one; otherwise empty.
   virtual std::string picture_hash() const { return {}; }
 };
 using PeerPointer = std::unique_ptr<Peer>;

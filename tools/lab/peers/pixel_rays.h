@@ -7,8 +7,8 @@
 
 namespace rhoray::study {
 
-/// The rays through the middles of the pixels of a perspective camera, as `render` makes them: for systems that are
-/// handed rays. In a frame whose axes are the world's, stretched.
+/// The rays through the pixel centres of a perspective camera, as `render` makes them, for systems
+/// that take rays as input. The axes of their frame are those of the world, stretched.
 template <class Real>
 class PixelRays {
  public:
@@ -52,8 +52,8 @@ class PixelRays {
   Direction origin_, forward_, across_, down_;
 };
 
-/// A pixel lit from the eye, with the numbers of render::Surface, without gloss, as own_isosurface lights it: what
-/// systems that only give hits are made to compute as well.
+/// Shades a pixel lit from the eye, with the numbers of render::Surface, without gloss, as
+/// own_isosurface does. Systems that only return hits must compute this as well.
 /// @param cosine  between normal and ray
 inline void light_pixel(float* rgba, float cosine) {
   const float brightness = 0.12F + 0.88F * std::abs(cosine);

@@ -7,7 +7,7 @@
 
 namespace rhoray::study {
 
-/// The samples as VTK's image, without a copy: the grid must outlive it.
+/// The samples as a VTK image, without a copy: the grid must outlive it.
 vtkSmartPointer<vtkImageData> vtk_image(const preprocess::NeutralVolume& grid);
 
 }  // namespace rhoray::study

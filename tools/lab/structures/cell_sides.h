@@ -7,24 +7,25 @@
 
 namespace rhoray::study {
 
-/// Which boxes a tetrahedron touches: all of those that it does, and none that stays clear of it by more than 1e-6 of
-/// the box's edge.
+/// Tests which boxes a tetrahedron touches. Finds all boxes that it touches, and none that is
+/// farther away than 1e-6 of the box's edge.
 ///
-/// A box and a tetrahedron are apart exactly when they are apart along a box axis, a face's normal, or a box axis times
-/// an edge. What the tetrahedron spans along these 25 directions is kept, so that a box costs a product with each. A
-/// direction is only a witness: its own rounding does no harm.
+/// A box and a tetrahedron are disjoint exactly when they are separated along a box axis, a face's
+/// normal, or a box axis times an edge. The tetrahedron's extent along these 25 directions is kept,
+/// so a box costs a product with each. A direction is only a witness: its own rounding does no
+/// harm.
 class CellSides {
  public:
   explicit CellSides(const std::array<std::array<double, 3>, 4>& points);
 
-  /// @param half  of the box's edges
+  /// @param half  half the box's edges
   bool touches(const Vec3& center, const Vec3& half) const;
 
  private:
   static constexpr std::size_t count = 25;
   std::array<double, count> x_, y_, z_;                 ///< directions
   std::array<double, count> size_x_, size_y_, size_z_;  ///< without signs
-  std::array<double, count> lo_, hi_;                   ///< of the tetrahedron along them
+  std::array<double, count> lo_, hi_;                   ///< extent of the tetrahedron along them
 };
 
 }  // namespace rhoray::study

@@ -8,8 +8,8 @@
 
 namespace rhoray::study {
 
-/// Boxes and ranges over the cells of a mesh as they stand, as a packed file has them of its own order: what the scalar
-/// walk through clusters asks for (render/mesh_search.h).
+/// Boxes and ranges over the cells of a mesh in their given order, as a packed file has them for
+/// its own order. The scalar traversal of clusters uses them (render/mesh_search.h).
 class ClusterTree {
  public:
   ClusterTree(const PlainMesh& mesh, std::uint64_t cluster_size);

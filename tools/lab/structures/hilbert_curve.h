@@ -9,8 +9,8 @@ namespace rhoray::study {
 
 namespace hilbert {
 
-/// One state of the curve's recursion: which octant it begins in, and along which axis it leaves (C. H. Hamilton,
-/// Compact Hilbert indices, 2006, for three dimensions).
+/// One state of the curve's recursion: the octant in which it begins, and the axis along which it
+/// leaves (C. H. Hamilton, Compact Hilbert indices, 2006, for three dimensions).
 struct State {
   unsigned entry = 0, axis = 0;
 
@@ -27,20 +27,24 @@ constexpr unsigned gray_code(unsigned rank) {
   return rank ^ (rank >> 1);
 }
 
-/// The octant's rank along the curve in this state; the state becomes that of the octant's own part of the curve.
+/// Returns the octant's rank along the curve in this state. The state becomes that of the octant's
+/// own part of the curve.
 constexpr unsigned step(State& state, unsigned octant) {
-  const unsigned code = rotated_left(octant ^ state.entry, 2 - state.axis);  // to the right by axis + 1
-  const unsigned rank = code ^ (code >> 1) ^ (code >> 2);                    // whose Gray code it is
+  // Rotates to the right by axis + 1.
+  const unsigned code = rotated_left(octant ^ state.entry, 2 - state.axis);
+  // The number whose Gray code is `code`.
+  const unsigned rank = code ^ (code >> 1) ^ (code >> 2);
   const unsigned entry = rank == 0 ? 0 : gray_code((rank - 1) & ~1U);
   const auto turns =
-      static_cast<unsigned>(rank == 0 ? 0 : std::countr_one(rank % 2 == 0 ? rank - 1 : rank));  // of the axis
+      // Turns of the axis.
+      static_cast<unsigned>(rank == 0 ? 0 : std::countr_one(rank % 2 == 0 ? rank - 1 : rank));
   state.entry ^= rotated_left(entry, state.axis + 1);
   state.axis = (state.axis + turns + 1) % 3;
   return rank;
 }
 
-/// Three levels of the recursion at once: for a state and three bits of each coordinate, 9 bits of the position and
-/// above them the state that follows.
+/// Three levels of the recursion at once. For a state and three bits of each coordinate, an entry
+/// has 9 bits of the position and, above them, the next state.
 constexpr auto make_three_levels() {
   std::array<std::uint16_t, std::size_t{state_count} << 9> table{};
   for (unsigned from = 0; from < state_count; ++from)
@@ -59,8 +63,8 @@ inline constexpr auto three_levels = make_three_levels();
 
 }  // namespace hilbert
 
-/// Where a small cube stands on a Hilbert curve through a large one of 2^21 x 2^21 x 2^21: from 0 to 2^63 - 1, and
-/// cubes whose positions follow each other share a face.
+/// The position of a small cube on a Hilbert curve through a large one of 2^21 x 2^21 x 2^21, from
+/// 0 to 2^63 - 1. Cubes at consecutive positions share a face.
 /// @param x, y, z  below 2^21
 constexpr std::uint64_t hilbert_position(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint64_t position = 0;

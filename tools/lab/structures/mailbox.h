@@ -8,16 +8,16 @@
 
 #include "formats/base/checks.h"
 
-/// What keeps a ray from being held against a cell again that an earlier list has named.
+/// Mailboxes: they avoid testing a ray again against a cell that an earlier list contained.
 namespace rhoray::study {
 
-/// Nothing does: as the scalar kernel, which looks into every list from its beginning.
+/// No mailbox, as in the scalar kernel, which reads every list from its beginning.
 struct NoMailbox {
   void begin_ray() {}
   RHORAY_INLINE bool is_new(std::uint32_t) { return true; }
 };
 
-/// The number of the last ray that was held against each cell. 4 bytes a cell and thread.
+/// The number of the last ray that was tested against each cell. 4 bytes per cell and thread.
 class ExactMailbox {
  public:
   explicit ExactMailbox(std::size_t cell_count) : last_ray_(cell_count, 0) {}
@@ -38,7 +38,8 @@ class ExactMailbox {
   std::uint32_t ray_ = 0;
 };
 
-/// The last cells, one for each remainder of their positions by 64: a cell comes again where another took its place.
+/// The last cells, one for each remainder of their positions by 64. A cell is tested again if
+/// another has replaced it.
 class SmallMailbox {
  public:
   void begin_ray() { last_.fill(std::numeric_limits<std::uint32_t>::max()); }

@@ -11,18 +11,19 @@
 
 namespace rhoray::study {
 
-/// An adaptive grid: boxes halved along each axis where many cells touch them, with lists at the leaves and ranges of
-/// eight children side by side.
+/// An adaptive grid: boxes are halved along each axis where many cells touch them. Leaves have
+/// lists, and nodes have the ranges of eight children side by side.
 class Octree {
  public:
-  /// A box is divided that holds the middles of more cells than this. How many cells touch it would be no measure:
-  /// around a point of the mesh two dozen do, however small it is.
+  /// Divides a box that contains the centres of more cells than this. The number of cells that
+  /// touch it would be no measure: around a point of the mesh two dozen cells touch it, however
+  /// small it is.
   Octree(const PlainMesh& mesh, std::size_t most_middles);
 
   std::uint64_t bytes() const;  ///< without the mesh's
   std::uint64_t item_count() const { return items_.size(); }
 
-  /// As TwoLevelGrid::walk.
+  /// Like TwoLevelGrid::walk.
   template <class Begins, class List, class Ends>
   void walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
             List&& list, Ends&& ends) const;
@@ -31,9 +32,9 @@ class Octree {
   static constexpr std::uint32_t leaf_bit = 0x80000000;
   static constexpr int most_levels = 20;
 
-  /// Child 0 lies low on all axes; bit 0 of its number says x, bit 1 y, bit 2 z.
+  /// Child 0 is low on all axes; bits 0, 1 and 2 of a child's number are for x, y and z.
   struct Node {
-    std::array<std::uint32_t, 8> child{};  ///< a node, or leaf_bit and a leaf
+    std::array<std::uint32_t, 8> child{};  ///< index of a node, or leaf_bit and index of a leaf
     std::array<float, 8> lo, hi;           ///< of values
   };
   /// A node's cube in the frame in which the root is the unit cube.
@@ -47,10 +48,10 @@ class Octree {
               half};
     }
   };
-  /// Cells on the way to their leaves, as they touch a node.
+  /// Cells that touch a node, on the way to their leaves.
   struct Touching {
     std::vector<std::uint32_t> cells;
-    std::size_t middle_count = 0;  ///< of those that have their middles in it
+    std::size_t middle_count = 0;  ///< number of cells with their centre in the node
   };
   struct Built {
     std::uint32_t node;
@@ -85,7 +86,8 @@ void Octree::walk(const render::RayQuery& query, const render::Ray& ray, render:
     Cube cube;
     double t_in, t_out;
   };
-  std::array<Waiting, 4 * (most_levels + 1)> waiting;  // a ray meets four children of a node at most
+  // A ray meets at most four children of a node.
+  std::array<Waiting, 4 * (most_levels + 1)> waiting;
   std::size_t count = 0;
   waiting[count++] = {0, {}, segment->t_in, segment->t_out};
   while (count > 0) {
@@ -102,7 +104,7 @@ void Octree::walk(const render::RayQuery& query, const render::Ray& ray, render:
     const Node& node = nodes_[at.node];
     const double half = 0.5 * at.cube.edge;
     constexpr double never = std::numeric_limits<double>::infinity();
-    std::array<double, 3> passes;  // when the plane between two halves is still to be passed
+    std::array<double, 3> passes;  // t of the plane between two halves, if still ahead
     unsigned child = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double middle = at.cube.low[axis] + half;

@@ -12,10 +12,10 @@ namespace rhoray::study {
 /// The leaf lists of a packed mesh with their items in another order.
 class OrderedLists {
  public:
-  /// @param reorder  is given each list once; may rename its items
+  /// @param reorder  called once for each list; may rename its items
   OrderedLists(const render::TetVolume<float>& packed, const std::function<void(std::span<std::uint32_t>)>& reorder);
 
-  // As walk_active_leaves asks a view.
+  // The interface that walk_active_leaves expects of a view.
   render::WalkLattice lattice() const { return packed_.lattice(); }
   RHORAY_INLINE render::Ray on_lattice(const render::Ray& ray) const { return packed_.on_lattice(ray); }
   int level_count() const { return packed_.level_count(); }
@@ -25,7 +25,7 @@ class OrderedLists {
     return {items_.data() + (packed.data() - first_packed_), packed.size()};
   }
 
-  /// As TwoLevelGrid::walk.
+  /// Like TwoLevelGrid::walk.
   template <class Begins, class List, class Ends>
   void walk(const render::RayQuery& query, const render::Ray& ray, render::KernelCounters& counters, Begins&& begins,
             List&& list, Ends&& ends) const {

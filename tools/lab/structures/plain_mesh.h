@@ -13,15 +13,17 @@
 
 namespace rhoray::study {
 
-/// A mesh as plain arrays, four positions of points for each cell, as the scalar search asks for it
-/// (render/mesh_search.h). Points and values stay those of the packed mesh, which must outlive it.
+/// A mesh as plain arrays, with four point indices for each cell, in the form that the scalar
+/// search expects (render/mesh_search.h). Points and values remain those of the packed mesh, which
+/// must outlive it.
 class PlainMesh {
  public:
-  /// The mesh's first field; its values are floats.
+  /// Takes the mesh's first field; its values are floats.
   explicit PlainMesh(const formats::TetMesh& packed);
 
-  /// The same cells in another order; points keep their numbers, so that each cell answers with the same bits.
-  /// @param order  order[n] is the position here of the cell that stands at n there; every position once
+  /// The same cells in another order. Points keep their numbers, so each cell gives the same bits.
+  /// @param order  order[n] is the index here of the cell at position n in the result; each index
+  ///   once
   PlainMesh reordered(std::span<const std::uint32_t> order) const;
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(cells_.size()); }
@@ -29,7 +31,7 @@ class PlainMesh {
   std::span<const float> values() const { return values_; }
   std::uint64_t cell_id(std::uint32_t cell) const { return ids_[cell]; }
 
-  /// Point positions of a cell, rising.
+  /// Point indices of a cell, ascending.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const { return rising(cells_[cell]); }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
     return {values_[v[0]], values_[v[1]], values_[v[2]], values_[v[3]]};
@@ -38,10 +40,11 @@ class PlainMesh {
     return {points_[v[0]], points_[v[1]], points_[v[2]], points_[v[3]]};
   }
 
-  /// Of the values at its vertices; empty (lo > hi) where one of them is not a finite number.
+  /// Range of the values at its vertices; empty (lo > hi) where one of them is not a finite number.
   Interval<float> range(std::uint32_t cell) const;
   Box3 box(std::uint32_t cell) const;
-  Vec3 center(std::uint32_t cell) const;  ///< of gravity: cells of one box have centers of their own
+  Vec3 center(std::uint32_t cell) const;  ///< centre of gravity: cells of one box have different
+                                          ///< ones
   Box3 bounds() const;                    ///< of all cells
 
   static constexpr double cell_bytes = sizeof(std::array<std::uint32_t, 4>);

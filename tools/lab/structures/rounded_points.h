@@ -9,16 +9,16 @@
 #include "formats/tet_mesh.h"
 #include "tools/lab/structures/plain_mesh.h"
 
-/// Meshes whose points take fewer bytes, as the scalar search asks for them (render/mesh_search.h). Cells are those of
-/// the packed mesh's clusters, four bytes each.
+/// Meshes whose points take fewer bytes, in the form that the scalar search expects
+/// (render/mesh_search.h). Cells are those of the packed mesh's clusters, four bytes each.
 namespace rhoray::study {
 
-/// What they have in common: cells and values of a packed mesh with clusters.
+/// The common part: cells and values of a packed mesh with clusters.
 class ClusteredCells {
  public:
   explicit ClusteredCells(const formats::TetMesh& packed) : packed_(packed), values_(packed.values<float>(0)) {}
 
-  /// Places in the clusters' tables, rising; in a table points rise too.
+  /// Indices in the clusters' tables, ascending; in a table, point indices ascend too.
   struct Vertices {
     std::uint64_t cluster;
     std::array<std::uint64_t, 4> entry;
@@ -42,7 +42,7 @@ class ClusteredCells {
   std::span<const float> values_;
 };
 
-/// Points as they are packed: 24 bytes each.
+/// Points as packed: 24 bytes each.
 class DoublePoints : public ClusteredCells {
  public:
   explicit DoublePoints(const formats::TetMesh& packed) : ClusteredCells(packed), points_(packed.points()) {}
@@ -77,7 +77,7 @@ class FloatPoints : public ClusteredCells {
   std::vector<std::array<float, 3>> points_;
 };
 
-/// Points on one lattice of 2^21 steps an axis over the mesh: 8 bytes each.
+/// Points on one lattice with 2^21 steps per axis over the mesh: 8 bytes each.
 class LatticePoints : public ClusteredCells {
  public:
   explicit LatticePoints(const formats::TetMesh& packed);
@@ -100,7 +100,8 @@ class LatticePoints : public ClusteredCells {
   std::vector<std::uint64_t> points_;
 };
 
-/// How a place inside a cluster's box is kept: 16 bits an axis in 6 bytes, or 11, 11 and 10 in 4.
+/// Formats of a position inside a cluster's box: 16 bits per axis in 6 bytes, or 11, 11 and 10 bits
+/// in 4.
 struct SixteenBits {
   using Stored = std::array<std::uint16_t, 3>;
   static constexpr std::array<std::uint32_t, 3> largest{65535, 65535, 65535};
@@ -122,8 +123,8 @@ struct ElevenBits {
   }
 };
 
-/// Points of each cluster on a lattice over its own box, once for each cluster that has them: places of one point
-/// differ from cluster to cluster.
+/// Points of each cluster on a lattice over its own box, stored once for each cluster that has
+/// them. The positions of one point differ from cluster to cluster.
 template <class Bits>
 class ClusterPoints : public ClusteredCells {
  public:
@@ -135,7 +136,8 @@ class ClusterPoints : public ClusteredCells {
         std::array<std::uint32_t, 3> steps{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const double place = (packed.points()[point][axis] - box.low[axis]) / box.step[axis];
-          const double nearest = box.step[axis] > 0 ? place + 0.5 : 0;  // a flat cluster has one place
+          // a flat cluster has one position
+          const double nearest = box.step[axis] > 0 ? place + 0.5 : 0;
           steps[axis] = std::min(static_cast<std::uint32_t>(nearest), Bits::largest[axis]);
         }
         stored_.push_back(Bits::packed(steps));
@@ -155,7 +157,7 @@ class ClusterPoints : public ClusteredCells {
   struct Box {
     std::array<double, 3> low, step;
   };
-  /// From the tree's, rounded outwards: nothing is stored for it.
+  /// Computed from the tree's box, rounded outwards: needs no storage.
   RHORAY_INLINE Box box_of(std::uint64_t cluster) const {
     const formats::CellClustersView& clusters = packed().clusters();
     const formats::BoxBlock& block = clusters.boxes[0][cluster / formats::ClusterShape::width];
@@ -177,11 +179,13 @@ class ClusterPoints : public ClusteredCells {
   std::vector<typename Bits::Stored> stored_;
 };
 
-/// What rounding does to a mesh.
+/// The effect of rounding on a mesh.
 struct RoundedShape {
-  std::uint64_t folded_cells = 0;  ///< of another orientation than before, or flat
-  std::uint64_t split_points = 0;  ///< that have several places
-  double widest_gap_edges = 0;     ///< between two places of one point, over the longest edge of a cell of one of them
+  std::uint64_t folded_cells = 0;  ///< cells that changed orientation or became flat
+  std::uint64_t split_points = 0;  ///< points with several positions
+  /// Largest distance of two positions of one point, over the longest edge of a cell of one of
+  /// them.
+  double widest_gap_edges = 0;
 };
 template <class Mesh>
 RoundedShape shape_of(const Mesh& rounded);

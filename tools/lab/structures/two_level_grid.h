@@ -19,17 +19,18 @@ struct RangeLevels {
   std::uint64_t bytes() const;
 };
 
-/// A uniform lattice whose cells are divided again, each into a lattice of its own with about one leaf cell for each
-/// tetrahedron that has its middle there.
+/// A uniform lattice whose cells are divided again. Each cell has its own lattice, with about one
+/// leaf cell for each tetrahedron whose centre is in it.
 class TwoLevelGrid {
  public:
-  /// @param cells_per_top_cell  on average; as many tetrahedra stand for one cell of the upper lattice
+  /// @param cells_per_top_cell  average number of tetrahedra for one cell of the upper lattice
   TwoLevelGrid(const PlainMesh& mesh, double cells_per_top_cell);
 
   std::uint64_t bytes() const;  ///< without the mesh's
   std::uint64_t item_count() const { return items_.size(); }
 
-  /// Shows the lists of the leaf cells along the ray that may hold the isosurface, front to back.
+  /// Passes on the lists of the leaf cells along the ray that may hold the isosurface, front to
+  /// back.
   /// @param begins  (t_in): false to stop
   /// @param list    (the tetrahedra that a leaf cell lists)
   /// @param ends    (t_out): false to stop
