@@ -76,7 +76,7 @@ TEST(LinearField, has_its_maximum_where_the_ray_enters_or_leaves_the_box) {
     const bool hit_grid = from_grid.cell[pixel] != render::Framebuffer::no_cell;
     differ += hit_grid != (from_mesh.cell[pixel] != render::Framebuffer::no_cell);
     if (!hit_grid || from_mesh.cell[pixel] == render::Framebuffer::no_cell) continue;
-    // a few roundings of values near 3
+    // A few roundings of values near 3.
     ASSERT_NEAR(from_grid.value[pixel], from_mesh.value[pixel], 1e-12);
   }
   EXPECT_EQ(differ, 0u);

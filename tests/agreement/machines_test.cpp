@@ -190,7 +190,7 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (std::size_t k = 0; k < first_ones; ++k) {
       hits.push_back(k < list.count[r] ? list.hits(k)[r] : Hit{});
-      // not written: this level proves no bound
+      // Not written: this level proves no bound.
       hits.back().error = std::numeric_limits<double>::quiet_NaN();
     }
   return hits;
@@ -396,7 +396,7 @@ TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
       for (std::size_t r = 0; r < rays.size(); ++r) {
         wrong += found[r].is_miss() != truth[r].is_miss();
         if (found[r].is_miss() || truth[r].is_miss()) continue;
-        // of t itself, which the bounds leave out
+        // The rounding of t itself, which the bounds leave out.
         const double rounding = 0x1p-51 * std::abs(found[r].t);
         beyond += !(std::abs(found[r].t - truth[r].t) <= found[r].error + truth[r].error + rounding);
       }

@@ -173,7 +173,7 @@ TEST(Maximum, of_packed_meshes_equals_brute_force) {
       const bool is_hit = found.cell[pixel] != render::Framebuffer::no_cell;
       mask_differs += expected.has_value() != is_hit;
       if (!expected || !is_hit) continue;
-      // planes of cells seen edge-on amplify rounding
+      // Planes of cells seen edge-on amplify rounding.
       ASSERT_NEAR(found.value[pixel], *expected, 1e-9 * 1000);
       ++checked;
     }

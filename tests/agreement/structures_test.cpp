@@ -42,10 +42,10 @@ std::vector<MeshCase> mesh_cases() {
   const Field distance = distance_field({0.4, 0.5, 0.6});
   const Field waves = [](const Vec3& p) { return std::sin(31 * p.x) + std::sin(27 * p.y + 1) + std::sin(29 * p.z); };
   const Field holed = [](const Vec3& p) { return p.x < 0.3 && p.y < 0.4 ? nan : p.x + p.y - p.z; };
-  // equal values
+  // A field with many equal values.
   const Field steps = [](const Vec3& p) { return std::floor(3 * p.x) + std::floor(3 * p.z); };
   auto cut = box_mesh({.cells = {5, 5, 5}, .jitter = 0.1}, distance);
-  // six tetrahedra cut from one cell
+  // Six tetrahedra are cut from one cell.
   for (std::uint64_t c = 0; c < cut.cells.size(); ++c) cut.cell_ids.push_back(c / 6);
   std::vector<MeshCase> cases;
   cases.push_back({"uniform", box_mesh({.cells = {5, 4, 6}}, distance), 0.3});
@@ -61,7 +61,7 @@ std::vector<MeshCase> mesh_cases() {
 /// Rays that graze edges and the mesh's border, run in faces, or start far away.
 std::vector<Ray> stressful_rays_through_cube(std::size_t count) {
   std::vector<Ray> rays = stressful_rays({4, 4, 4}, count, 11);
-  // planes and lattice points at quarters
+  // Planes and lattice points are at quarters.
   for (Ray& ray : rays) ray.origin /= 4, ray.direction /= 4;
   return rays;
 }

@@ -182,7 +182,7 @@ FolderContents CrashModel::state(const IsThere& is_there) const {
     File& file = files[change.file];
     if (change.what == Change::What::size) {
       file.size = change.at;
-      // what is cut off is gone
+      // What is cut off is gone.
       file.bytes.resize(std::min<std::size_t>(file.bytes.size(), change.at));
       continue;
     }

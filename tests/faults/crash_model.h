@@ -67,7 +67,7 @@ class CrashModel {
     std::size_t file = 0;          ///< index in files_; for bytes and size
     std::uint64_t at = 0;          ///< first byte, or the size
     std::string bytes = {};
-    /// with their files or none
+    /// Names with their files, or none.
     std::vector<std::pair<std::string, std::optional<std::size_t>>> names = {};
   };
   class Reader;

@@ -160,7 +160,7 @@ void add_files(const std::string& path, std::vector<std::string>& files) {
     std::exit(3);
   }
   if (!std::filesystem::is_directory(path)) {
-    // harnesses may change the working directory
+    // Harnesses may change the working directory.
     files.push_back(std::filesystem::absolute(path).string());
     return;
   }
@@ -236,7 +236,7 @@ bool failed_in_json() {
   char** const names = ::backtrace_symbols(failing_frames, failing_frame_count);
   for (int i = 0; names != nullptr && i < failing_frame_count; ++i) {
     if (std::strstr(names[i], "nlohmann") != nullptr) return true;
-    // ours, nearer than the library's
+    // A frame of ours, nearer than the library's.
     if (std::strstr(names[i], "6rhoray") != nullptr) return false;
   }
   return false;

@@ -59,7 +59,7 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
         ASSERT_NEAR(ray.direction.z, static_cast<double>(exact.z), rounding);
         if (y > 0) {
           const Vec3 before = rays[static_cast<std::size_t>((y - 1) * width + x)].direction;
-          // a component of the direction after the view axis is added in single precision
+          // A component of the direction after the view axis is added in single precision.
           const auto single = [](const Vec3& v) { return static_cast<float>(1 + v.z); };
           same += before == ray.direction;
           same_in_single += single(before) == single(ray.direction);

@@ -27,7 +27,7 @@ TEST(OddSizes, show_the_volume_and_nothing_of_its_padding) {
     for (int trial = 0; trial < 1000; ++trial) {
       Vec3 direction = dice.direction();
       if (dice.below(4) == 0) direction = {1, 0, 0};
-      // rays beside the volume too, where the padding would be
+      // Rays pass beside the volume too, where the padding would be.
       const double reach = 0.2 * size.length();
       const Vec3 target = dice.point(Vec3(-reach, -reach, -reach), size + Vec3(reach, reach, reach));
       const render::Ray ray{.origin = target - 200.0 * direction, .direction = direction};

@@ -29,7 +29,7 @@ TEST(TangentRoots, are_found_as_long_as_the_values_tell_them_apart) {
     lost_by_ends += 0 < iso;  // both ends of the chord are 0: outside
   }
   EXPECT_EQ(lost_by_ends, dips) << "the ends of the chord tell: is this case still the hard one?";
-  // either answer is right; a hit must be at the touching point
+  // Either answer is right; a hit must be at the touching point.
   const render::Hit touch = traced.first_crossing(ray, 0.25);
   EXPECT_TRUE(touch.is_miss() || std::abs(touch.t - 1) < 1e-7);
 }

@@ -25,7 +25,7 @@ TEST(ThinPlate, is_hit_by_every_ray_through_it) {
     const render::Hit hit = traced.first_crossing(ray, 80);
     missed += hit.is_miss();
     if (!hit.is_miss()) {
-      // value 80: a fifth of a cell before the plate
+      // The value 80 is a fifth of a cell before the plate.
       EXPECT_NEAR(hit.t, 30 - 0.2 / std::abs(direction.y), 1e-12);
     }
     const auto part = part_in_box(ray, {0, 0, 0}, {23, 23, 23});

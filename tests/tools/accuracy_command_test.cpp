@@ -167,7 +167,7 @@ TEST(AccuracyCommand, keeps_error_roots_iterations_and_cost_in_an_exr) {
     EXPECT_EQ(std::isinf(depth[pixel]), roots[pixel] == 0);
     if (std::isinf(depth[pixel])) continue;
     ++hits;
-    // channels are floats
+    // Channels are floats.
     EXPECT_LE(std::abs(depth[pixel] - truth[pixel]), error[pixel] + 1e-6F * truth[pixel]);
     EXPECT_GT(cost[pixel], 0U);
   }

@@ -218,7 +218,7 @@ TEST(BadInput, stays_bad_for_every_cut_of_a_packed_file) {
 TEST(BadInput, that_cannot_be_opened_is_unreadable) {
   const Workbench bench;
   bench.make_ball();
-  // a name that leads nowhere, for root too
+  // A name that leads nowhere, for root too.
   std::filesystem::create_symlink("loop.rho", bench / "loop.rho");
   std::filesystem::permissions(bench / "ball.rho", std::filesystem::perms::none);
   std::vector<std::string> files{"loop.rho"};

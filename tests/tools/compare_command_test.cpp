@@ -101,7 +101,7 @@ TEST(CompareCommand, finds_a_picture_equal_to_itself_and_tells_two_apart) {
     const Json json = Json::parse(other.out);
     EXPECT_GT(json["differing"], 50);
     EXPECT_LT(json["differing"], 1200);
-    // at the rim, one picture shows the surface, the other the background
+    // At the rim, one picture shows the surface, the other the background.
     EXPECT_GT(json["largest"]["size"], 0.2);
     std::filesystem::remove(bench / "ball.rho");
   }

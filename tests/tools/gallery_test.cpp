@@ -32,7 +32,7 @@ std::vector<Row> rows_of_the_gallery() {
     const auto begin = line.find("`rhoray render scenes/");
     if (begin != std::string::npos)
       rows.push_back({picture, line.substr(begin + 1, line.find('`', begin + 1) - begin - 1)});
-    // path of its data here
+    // The path of its data here.
     else if (line.find("`tools/setup/first_light` draws it") != std::string::npos)
       rows.push_back({picture, "rhoray render made/200000-192x192x256/torso-ct.rho --iso 250 -o gallery/" + picture});
     else

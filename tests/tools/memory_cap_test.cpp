@@ -259,7 +259,7 @@ TEST_F(MemoryCapOfPack, changes_no_byte) {
 /// The operating system enforces the limit, so it stops a reader that does not stream.
 TEST_F(MemoryCapOfPack, stops_a_reader_that_needs_more) {
   RHORAY_NEEDS_PLAIN_MEMORY();
-  // compressed so that only VTK reads it, which holds all of it
+  // Compressed so that only VTK reads it, which holds all of it.
   constexpr std::uint64_t bytes = 200 * mebibyte;
   const std::string head =
       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "

@@ -110,7 +110,7 @@ TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keep
   const Workbench bench;
   bench.make_ball();
   bench.make_box();
-  // a name that a shell would split
+  // A name that a shell would split.
   std::filesystem::rename(bench / "box.rho", bench / "a box.rho");
   const std::vector<std::vector<std::string>> choices = {
       {"ball.rho", "-o", "p.png", "--iso", "auto"},
@@ -147,7 +147,7 @@ TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keep
     std::filesystem::remove(picture);
   }
 
-  // a time of writing in the file would show
+  // A time of writing in the file would show.
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   for (const Drawn& first : drawn) {
     SCOPED_TRACE(first.command);

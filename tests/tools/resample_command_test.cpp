@@ -87,7 +87,7 @@ TEST(ResampleCommand, writes_openvdb_with_the_same_samples) {
   const nlohmann::json direct = field_of("box_grid.rho"), again = field_of("again.rho");
   for (int end = 0; end < 2; ++end)  // OpenVDB holds single precision
     EXPECT_NEAR(direct["range"][end].get<double>(), again["range"][end].get<double>(), 1e-6);
-  // and nothing else
+  // No other files are left.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(bench / ""), {}), 4);
 }
 

@@ -171,13 +171,13 @@ void wait_until_it_works(pid_t process) {
   for (long ticks = 0; ticks < ticks_wanted;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const std::string stat = read_file("/proc/" + std::to_string(process) + "/stat");
-    // what follows is the third field, state
+    // What follows is the third field, state.
     std::istringstream fields(stat.substr(stat.rfind(')') + 2));
     std::string field;
     ticks = 0;
     for (int number = 3; fields >> field; ++number) {
       ASSERT_FALSE(number == 3 && field == "Z") << "it has ended";
-      // of the process and of its children
+      // Ticks of the process and of its children.
       if (number >= 14 && number <= 17) ticks += std::stol(field);
     }
   }

@@ -47,7 +47,7 @@ std::optional<double> first_of_three_planes(const render::Ray& ray, double) {
   std::sort(times.begin(), times.end());
   const auto part = part_in_box(ray, {0, 0, 0}, size);
   if (!part || !(times[0] > (*part)[0] + 1e-9) || !(times[0] < (*part)[1] - 1e-9)) return std::nullopt;
-  // returns to its side
+  // The ray returns to its side.
   if (times[1] - times[0] < 1e-9 && times[2] - times[1] > 1e-9) return std::nullopt;
   return times[0];
 }

@@ -107,7 +107,7 @@ TEST(StudyProgram, asks_every_structure_of_a_mesh_the_same_rays) {
   for (const auto& [name, rows_of_a_mesh] :
        {std::pair("structures", 12U), std::pair("structures_orders", 19U), std::pair("structures_points", 5U)}) {
     const json read = table(folder, name);
-    // even, graded in three ways, slivers
+    // Meshes: even, graded in three ways, slivers.
     ASSERT_EQ(read["rows"].size(), 5 * rows_of_a_mesh) << name;
     std::map<std::string, json> answers;
     for (const json& row : read["rows"]) {

@@ -136,7 +136,7 @@ class ClusterPoints : public ClusteredCells {
         std::array<std::uint32_t, 3> steps{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const double place = (packed.points()[point][axis] - box.low[axis]) / box.step[axis];
-          // a flat cluster has one position
+          // A flat cluster has one position.
           const double nearest = box.step[axis] > 0 ? place + 0.5 : 0;
           steps[axis] = std::min(static_cast<std::uint32_t>(nearest), Bits::largest[axis]);
         }
