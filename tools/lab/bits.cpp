@@ -1,5 +1,5 @@
-// The same field stored in 64 to 8 bits a sample: how far its isosurface moves, how many pixels it wins or loses, how
-// its normals turn, what a picture takes and how large the file is.
+// Stores the same field in 64 to 8 bits per sample. Measures how far the isosurface moves, how many
+// pixels it gains or loses, how its normals turn, the time of a picture, and the size of the file.
 
 #include "tools/lab/bits.h"
 
@@ -41,7 +41,7 @@ struct Settings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
-/// The field in one storage, packed.
+/// The field in one storage format, packed.
 struct Form {
   std::string name;
   int bits = 0;
@@ -57,7 +57,7 @@ class Forms {
  public:
   explicit Forms(const std::filesystem::path& folder) : folder_(folder) {}
 
-  /// The first is the field as it is.
+  /// Adds the original field; it comes first.
   void add_original(const preprocess::NeutralVolume& grid) {
     add(concat("as it is, ", formats::element_name(grid.type)), 8 * static_cast<int>(formats::element_bytes(grid.type)),
         grid);
@@ -119,7 +119,8 @@ std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double i
   return rows;
 }
 
-/// A curve for each isovalue, of whole numbers at the last level, which is the most exact one.
+/// Curves for each isovalue. Only for storage in whole numbers, at the last level, which is the
+/// most exact one.
 Figure figure_of(const std::vector<Json>& rows, const std::string& name, const char* column, const Axis& y) {
   Figure figure{.name = name, .x = {.label = "bits of a sample", .is_logarithmic = false}, .y = y, .curves = {}};
   std::vector<double> isovalues;

@@ -14,13 +14,13 @@ namespace rhoray::study {
 
 namespace {
 
-/// Positive inside; of a ball of radius 0.3 with waves, in the unit cube.
+/// Field of a ball of radius 0.3 with waves, in the unit cube. Positive inside.
 double wavy_ball(const Vec3& p) {
   const double waves = 0.05 * std::sin(11 * p.x) * std::sin(9 * p.y + 1) + 0.03 * std::cos(17 * p.z);
   return 0.3 + waves - (p - Vec3(0.5)).length();
 }
 
-/// In [-1, 1], the same for the same place.
+/// A value in [-1, 1], always the same for the same position.
 double noise(const Index3& at) {
   const auto hash = static_cast<std::uint64_t>((at.z * 1009 + at.y) * 1013 + at.x + 1) * 0x9e3779b97f4a7c15U;
   return static_cast<double>((hash ^ hash >> 29) >> 40) * 0x1p-23 - 1;
@@ -123,7 +123,7 @@ const T& any_of(const std::vector<T>& list, Dice& dice) {
   return list[static_cast<std::size_t>(dice.below(static_cast<int>(list.size())))];
 }
 
-/// One of the 26 to the neighbours in a lattice.
+/// One of the 26 directions to the neighbours in a lattice.
 Vec3 lattice_direction(Dice& dice) {
   for (;;) {
     const Vec3 d(dice.below(3) - 1, dice.below(3) - 1, dice.below(3) - 1);
@@ -141,7 +141,7 @@ Vec3 direction_of(const ClosedScene& scene, Aim aim, Dice& dice) {
   return any_direction(dice);
 }
 
-/// A place on an edge: its middle, anywhere, or where the surface passes.
+/// A point on an edge: its midpoint, any point, or where the surface passes.
 Vec3 place_on(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edge, Dice& dice) {
   const Vec3 a = scene.vertices[edge[0]], b = scene.vertices[edge[1]];
   const double f = scene.values[edge[0]] - scene.isovalue, g = scene.values[edge[1]] - scene.isovalue;
@@ -190,7 +190,7 @@ Vec3 target_at(const ClosedScene& scene, const std::array<std::uint32_t, 2>& edg
     case Aim::anywhere:
       break;
   }
-  // Near the surface, so that many graze it.
+  // Near the surface, so that many rays graze it.
   return scene.vertices[edge[0]] + 4 * scene.cell_edge * dice.unit() * any_direction(dice);
 }
 

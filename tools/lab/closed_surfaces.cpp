@@ -1,5 +1,5 @@
-// Many rays at closed isosurfaces of grids and meshes, of many sizes and in many places: what float, double and
-// certified answers get wrong.
+// Traces many rays at closed isosurfaces of grids and meshes, of many sizes and at many positions.
+// Counts the errors of float, double and certified answers.
 
 #include "tools/lab/closed_surfaces.h"
 
@@ -49,7 +49,8 @@ std::vector<Row> all_rows() {
 
 constexpr std::uint64_t chunk_size = 2048;
 
-/// Rays are made from a seed for each chunk, so that the result does not depend on who works on which.
+/// Makes rays from one seed per chunk, so that the result does not depend on which thread works on
+/// which chunk.
 void fill(Row& row, const ClosedScene& scene, std::uint64_t first_seed, std::uint64_t ray_count,
           std::uint64_t sample_every, const std::function<void(std::uint64_t)>& tell_done) {
   const std::uint64_t chunks = (ray_count + chunk_size - 1) / chunk_size;
@@ -78,7 +79,7 @@ void measure(std::vector<Row>& rows, const Settings& settings) {
   }
 }
 
-/// The columns of a tally; `what` says which rays it is of.
+/// The columns of a tally; `what` describes its rays.
 Json columns(const RayTally& tally, Json what) {
   const auto rate = [&](const RayTally::OfMethod& method) {
     return method.cpu_s == 0 ? 0.0 : static_cast<double>(method.rays) / method.cpu_s;
@@ -112,7 +113,7 @@ std::string text_of(const Vec3& centre) {
                                                       : concat(centre.x, " ", centre.y, " ", centre.z);
 }
 
-/// Every row, or the sums for each kind of scene and way to aim, and of all.
+/// Every row, or the sums for each kind of scene and way to aim, and for all.
 std::vector<Json> table_rows(const std::vector<Row>& rows, bool by_row) {
   std::vector<Json> out;
   if (by_row) {

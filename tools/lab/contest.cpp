@@ -35,7 +35,8 @@ std::string listed(const std::vector<std::string>& words) {
   return list;
 }
 
-/// Anonymous memory of this process: what is neither a mapped file nor given back to the system.
+/// Anonymous memory of this process: neither mapped files nor memory returned to the operating
+/// system.
 double anonymous_mb() {
   std::ifstream lines("/proc/self/status");
   for (std::string line; std::getline(lines, line);)
@@ -43,17 +44,18 @@ double anonymous_mb() {
   return 0;
 }
 
-/// While it lives, the other systems (on oneTBB) and our own loops have one thread.
+/// Limits the other systems (on oneTBB) and our own loops to one thread during its lifetime.
 struct OneThread {
   tbb::global_control of_peers{tbb::global_control::max_allowed_parallelism, 1};
   ThreadLimit ours{1};
 };
 
-/// One system with what preparing it took.
+/// One system with the cost of its preparation.
 struct Entrant {
   Peer& peer;
   Preparation preparation;
-  double memory_mb;  ///< of what was prepared: as the library counts it, or by how much the process has grown
+  /// Memory of the prepared data: as the library counts it, or the growth of the process.
+  double memory_mb;
 };
 
 std::vector<Entrant> prepare(const Contest& contest, const Subject& subject, double isovalue,
@@ -78,7 +80,7 @@ double ms_of(const std::vector<TimedRow>& rows, const std::string& name) {
   return 0;
 }
 
-/// @param own_ms  of the level that others are compared with
+/// @param own_ms  of the level with which others are compared
 Json speed_of(const TimedRow& row, double own_ms, const PeerView& view, const Entrant& entrant) {
   const tools::Spread ms = row.cpu_ms();
   const double rays = static_cast<double>(view.pixel_count());
@@ -117,7 +119,7 @@ Json json_of(const LevelErrors& errors) {
           {"share_above_1_level", errors.share_above_1}};
 }
 
-/// @param truth  the level that errors are measured against
+/// @param truth  the level against which errors are measured
 Json context_of(const ContestSettings& settings, const Subject& subject, const Contest& contest,
                 const std::string& truth) {
   Json systems = Json::object();
@@ -146,14 +148,14 @@ PeerView view_of(const Subject& subject, tools::StudyView view, std::optional<do
           .height = size.height};
 }
 
-/// One question, asked of all contestants from every view.
+/// One query, answered by all contestants from every view.
 struct Heat {
   const ContestSettings& settings;
   const Subject& subject;
   const Tell& tell;
   std::optional<double> isovalue;  ///< nothing: largest values
   PeerPointer judge;
-  std::string own_level;  ///< its time is what others are compared with
+  std::string own_level;  ///< the time of this level is the reference for others
 
   /// Appends a row for each contestant and view.
   void run(const Contest& contest, tools::Table& table) {
@@ -179,7 +181,8 @@ struct Heat {
         if (isovalue) row["isovalue"] = concat(*isovalue);
         row.update({{"view", name_of(named)}, {"system", peer.name()}});
         row.update(speed_of(rows[r], ms_of(rows, own_level), view, entrants[r]));
-        const std::string picture = peer.picture_hash();  // of the timed picture, before answers() makes another
+        // Of the timed picture: answers() makes another afterwards.
+        const std::string picture = peer.picture_hash();
         row.update(errors_of(truth, peer.name() == judge->name() ? truth : peer.answers(view)));
         row["picture"] = picture.empty() ? Json() : Json(picture);
         table.rows.push_back(std::move(row));
@@ -217,7 +220,8 @@ tools::Table isosurface_table(const ContestSettings& settings, const Subject& su
 
 tools::Table largest_value_table(const ContestSettings& settings, const Subject& subject, const std::string& name,
                                  const std::function<Contest()>& contestants, const Tell& tell) {
-  // The judge takes hours for large data; what is certified carries a bound far below what is compared here.
+  // Exact arithmetic takes hours for large data. Certified answers carry a bound far below the
+  // compared errors.
   const std::string truth = "certified";
   tools::Table table{name + "_mip", "Largest values along rays: CPU time of one thread, and errors", {}, {}};
   const Contest contest = contestants();

@@ -1,6 +1,7 @@
-// Two distances that other renderers let their users choose: how far off the surface a ray towards a light starts, and
-// how far apart the field is sampled along a ray. What each of them misses, from far too small to far too large, beside
-// rays that know on which side they start, and beside roots that are solved for.
+// Two distances that other renderers let their users choose: how far off the surface a shadow ray
+// starts, and how far apart the field is sampled along a ray. Measures the errors of each, from far
+// too small to far too large distances. Compares them with rays that know on which side they start,
+// and with roots that are solved for.
 
 #include "tools/lab/epsilon.h"
 
@@ -82,7 +83,7 @@ std::vector<Json> shadow_rows(const ShadowStarts& starts, double isovalue) {
   return rows;
 }
 
-/// Samples at a step, and methods that solve for the root.
+/// Sampling at a step, and methods that solve for the root.
 std::vector<std::string> method_words() {
   std::vector<std::string> words{"float", "double"};
   for (const char* refinement : {"linear", "bisect"})

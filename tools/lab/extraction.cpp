@@ -1,5 +1,5 @@
-// What it takes to see another isovalue of a grid: by triangles that are extracted, and directly. The paper's Table 6
-// with systems of today.
+// The cost of showing another isovalue of a grid: with extracted triangles, and directly. The
+// paper's Table 6 with systems of today.
 
 #include "tools/lab/extraction.h"
 
@@ -36,7 +36,7 @@ struct Settings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
-/// Milliseconds of CPU, repetition by repetition.
+/// Milliseconds of CPU time, one entry per repetition.
 struct Times {
   std::vector<double> extraction, build, frame;
 };
@@ -46,7 +46,7 @@ Json median_of(const std::vector<double>& times) {
 }
 
 /// One row: a system that shows an isovalue.
-/// @param picture_ms  until its first picture: what is paid for an isovalue, and a frame
+/// @param picture_ms  until its first picture: the cost of an isovalue, and a frame
 Json row_of(const std::string& system, double isovalue, const Times& times, const Json& triangles, const Json& mb) {
   std::vector<double> picture;
   for (std::size_t i = 0; i < times.frame.size(); ++i)
@@ -95,7 +95,7 @@ class Study {
   }
 
  private:
-  /// Triangles, and where Embree is there its scene of them, made anew each time.
+  /// Triangles and, where Embree is available, its scene of them, made anew each time.
   template <class Make>
   Json row_of_triangles(const Make& make, double isovalue, [[maybe_unused]] const PeerView& view) const {
     Times times;

@@ -12,7 +12,7 @@ namespace rhoray::study {
 
 namespace {
 
-/// Where a value is drawn; not finite where it is not.
+/// The position of a value on the axis; not finite if the value is not drawn.
 double on_axis(const Axis& axis, double value) {
   if (!axis.is_logarithmic || value > axis.least) return value;
   return axis.least > 0 ? axis.least : std::nan("");
@@ -31,10 +31,10 @@ std::vector<tools::PlotSeries> series_of(const Figure& figure) {
   return all;
 }
 
-/// @param drawn  between which values points lie
+/// @param drawn  range of the points' values
 std::string axis_lines(const char* letter, const Axis& axis, const Interval<double>& drawn) {
   if (!axis.is_logarithmic) return {};
-  // gnuplot would go on to whole powers of ten.
+  // gnuplot would extend the range to whole powers of ten.
   return concat("set logscale ", letter, "\nset format ", letter, " '10^{%L}'\nset ", letter, "range [", drawn.lo / 1.5,
                 ":", drawn.hi * 2, "]\n",
                 axis.least > 0 ? concat("set ", letter, "tics add ('0' ", axis.least, ")\n") : "");

@@ -19,7 +19,7 @@ Vec3 point_on_face(Dice& dice, int axis, bool upper) {
   return p;
 }
 
-/// From one face to another.
+/// Chooses a chord from one face to another.
 void choose_chord(Dice& dice, CellCase& made) {
   const int first = dice.below(6), second = (first + 1 + dice.below(5)) % 6;
   made.p0 = point_on_face(dice, first / 2, first % 2 == 1);
@@ -34,7 +34,8 @@ CellCase any_cell(Dice& dice) {
   return made;
 }
 
-/// The isovalue beside an extremum inside the chord, by 1 ulp to 1e-6 of the value, on either side, or on it.
+/// The isovalue differs from an extremum inside the chord by 1 ulp to 1e-6 of the value, on either
+/// side, or equals it.
 CellCase near_tangent(Dice& dice) {
   for (;;) {
     CellCase made = any_cell(dice);
@@ -48,7 +49,8 @@ CellCase near_tangent(Dice& dice) {
   }
 }
 
-/// b 2 s (1 - s) along the diagonal of a face, in any orientation, with its top b / 2 as isovalue.
+/// The field b 2 s (1 - s) along the diagonal of a face, in any orientation, with its maximum b / 2
+/// as isovalue.
 CellCase double_root(Dice& dice) {
   CellCase made;
   const int u = dice.below(3), v = (u + 1 + dice.below(2)) % 3, w = 3 - u - v;
@@ -91,7 +93,8 @@ CellCase large_offset(Dice& dice) {
   return made;
 }
 
-/// Values of an 8-bit scan, the isovalue one of them; now and then the chord meets edges and corners.
+/// Values of an 8-bit scan, with the isovalue one of them. Sometimes the chord meets edges and
+/// corners.
 CellCase whole_values(Dice& dice) {
   CellCase made;
   const int base = dice.below(250);

@@ -22,7 +22,7 @@ struct Range {
   std::size_t size() const { return end - begin; }
 };
 
-/// "7f00-7fff ..." as /proc/self/maps and smaps begin the lines of mappings.
+/// Reads "7f00-7fff ...", the format in which lines of mappings begin in /proc/self/maps and smaps.
 bool read_range(const std::string& line, Range& out) {
   const char* const last = line.data() + line.size();
   const auto [dash, error] = std::from_chars(line.data(), last, out.begin, 16);
@@ -54,7 +54,8 @@ std::size_t huge_bytes_in(const Range& wanted) {
 
 std::size_t move_to_huge_pages(std::span<const std::byte> bytes) {
   const Range range = mapping_around(reinterpret_cast<std::uintptr_t>(bytes.data()));
-  // Where the copy first lies, it is as far from a huge page's start as where it goes: so that whole pages move.
+  // The copy's first address has the same offset in a huge page as its final address, so that whole
+  // pages move.
   void* const spare = ::mmap(nullptr, range.size() + huge_page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (spare == MAP_FAILED) throw Error(ErrorCode::resource, "huge pages: no addresses left");
   const auto first = reinterpret_cast<std::uintptr_t>(spare);

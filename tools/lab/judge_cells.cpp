@@ -1,4 +1,5 @@
-// What methods for the first crossing in a trilinear cell get wrong, on many random and hard cells, by the judge.
+// Counts the errors of methods for the first crossing in a trilinear cell, on many random and hard
+// cells, by exact arithmetic.
 
 #include "tools/lab/judge_cells.h"
 
@@ -20,14 +21,15 @@ namespace {
 
 using tools::Json;
 
-/// Who gave an answer; certified methods ask one after the other.
+/// The arithmetic that decided an answer. Certified methods try them in this order.
 enum class Decider { single, float64, judge };
 constexpr std::array<const char*, 3> decider_names{"float", "double", "judge"};
 
 struct MethodAnswer {
   bool crosses = false;
   double s = 0;
-  double s_error = std::numeric_limits<double>::infinity();  ///< claimed; infinite when nothing is claimed
+  /// Claimed bound; infinite when nothing is claimed.
+  double s_error = std::numeric_limits<double>::infinity();
   Decider by = Decider::float64;
 };
 
@@ -42,17 +44,17 @@ struct Method {
 
 template <render::CrossingMethod method, class Real>
 MethodAnswer named_method(const CellCase& made, bool starts_inside) {
-  // The ray begins where it enters the cell, which is where the paper's expansion is at its best.
+  // The ray begins where it enters the cell, where the paper's expansion is at its best.
   const render::CellPassage way{
       .in = made.p0, .out = made.p1, .origin = made.p0, .direction = made.p1 - made.p0, .t_in = 0, .t_out = 1};
   const render::CellCrossing found = render::find_crossing<Real>(method, made.cell, way, made.isovalue, starts_inside);
   return {.crosses = found.crosses, .s = found.s, .by = decider_of<Real>};
 }
 
-/// Nothing when the arithmetic leaves it in doubt, or the place too uncertain.
+/// Returns nothing when the arithmetic leaves the answer in doubt, or the position too uncertain.
 template <class Real>
 std::optional<MethodAnswer> proven(const CellCase& made, bool starts_inside) {
-  constexpr double point_error = 0x1p-52;  // the least that kernels reckon with
+  constexpr double point_error = 0x1p-52;  // the smallest that kernels assume
   const render::CertifiedCrossing found =
       render::certify_crossing<Real>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside);
   if (found.decision == render::Decision::none) return MethodAnswer{.by = decider_of<Real>};
@@ -94,19 +96,19 @@ constexpr std::size_t method_count = std::size(methods);
 
 struct Settings {
   tools::CommonOptions common;
-  std::uint64_t cells = 100'000;  ///< of each class
+  std::uint64_t cells = 100'000;  ///< per class
   std::vector<std::string> classes;
   std::vector<std::string> methods;
   double width = 1e-13;
   std::uint64_t seed = 1;
 };
 
-/// What came out for some cells of one class. Sums and largest ones, so that parts add up in any order.
+/// The results for some cells of one class. Sums and maxima, so that parts add up in any order.
 struct Tally {
   /// The answers of one decider; lengths in cell edges.
   struct OfDecider {
     std::uint64_t answers = 0;
-    double largest_error = 0;  ///< of right roots: that which the width of the judge's enclosure allows
+    double largest_error = 0;  ///< of right roots; limited by the width of the exact enclosure
     double largest_bound = 0;  ///< claimed
   };
 
@@ -138,7 +140,7 @@ struct ClassTally {
   }
 };
 
-/// The judge's verdict, and its cost in the tally.
+/// Computes the exact verdict and adds its cost to the tally.
 render::CellVerdict judged(const CellCase& made, bool starts_inside, double width, ClassTally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   const render::CellVerdict verdict =
@@ -154,7 +156,7 @@ double distance(double s, const render::Enclosure& enclosure) {
   return std::max({0.0, enclosure.lo - s, s - enclosure.hi});
 }
 
-/// True when another root than the one at which the side changes lies nearest.
+/// True when a root other than the one at which the side changes is nearest.
 bool is_another_root(const CellCase& made, double s, const render::Enclosure& right, double width) {
   for (const render::Enclosure& root : render::judge_roots(made.cell, made.p0, made.p1, made.isovalue, width))
     if (distance(s, root) < distance(s, right)) return true;
@@ -184,12 +186,12 @@ void compare(const MethodAnswer& answer, const CellCase& made, const render::Cel
   by.largest_error = std::max(by.largest_error, farthest * chord);
 }
 
-/// Which methods are looked at.
+/// The methods to test.
 using Chosen = std::array<bool, method_count>;
 
 void judge_one(const CellCase& made, const Chosen& chosen, double width, ClassTally& tally) {
   ++tally.cells;
-  // The side at the start is the exact one, as a ray that lost no crossing before would have it.
+  // The side at the start is the exact one, as for a ray that lost no crossing before.
   bool starts_inside = false;
   render::CellVerdict truth = judged(made, false, width, tally);
   if (truth.changes && truth.s.hi == 0) {
@@ -204,7 +206,8 @@ void judge_one(const CellCase& made, const Chosen& chosen, double width, ClassTa
 
 constexpr std::uint64_t chunk_size = 4096;
 
-/// Cells are made from a seed for each chunk, so that the result does not depend on who works on which.
+/// Makes cells from one seed per chunk, so that the result does not depend on which thread works on
+/// which chunk.
 ClassTally judge_class(const CellClass& of, const Chosen& chosen, const Settings& settings,
                        tools::ProgressDisplay& display) {
   const std::uint64_t chunks = (settings.cells + chunk_size - 1) / chunk_size;

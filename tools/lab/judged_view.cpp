@@ -11,7 +11,8 @@ namespace {
 
 using tools::Json;
 
-constexpr float elsewhere_cells = 1;  ///< a hit that lies farther away is one of another part of the surface
+/// A hit farther away than this is on another part of the surface.
+constexpr float elsewhere_cells = 1;
 
 void put(Json& row, const std::string& name, const std::string& unit,
          const std::optional<tools::Quantiles>& quantiles) {
@@ -42,7 +43,7 @@ JudgedView::JudgedView(const render::Volume& volume, const ViewSpec& setting)
                               .seconds = wish_.judge_seconds});
   if (truth_.hit_count() == 0)
     throw Error(ErrorCode::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
-  // Where not all pixels could be judged in time, their picture is the certified one.
+  // If exact arithmetic could not decide all pixels in time, their picture is the certified one.
   const render::Accuracy level = truth_.are_all() ? render::Accuracy::exact : render::Accuracy::certified;
   render::Framebuffer picture;
   draw({.volume = volume_, .isovalue = wish_.isovalue, .method = render::method_of(level)}, {.normal = true}, 0,

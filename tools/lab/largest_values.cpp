@@ -1,5 +1,6 @@
-// The largest value along rays through grids: the exact method and the certified one against the judge, and by how much
-// the values on the cells' faces (Parker et al. 1999, 4.3) and sampling fall short.
+// The largest value along rays through grids. Compares the exact method and the certified one with
+// exact arithmetic. Measures how far the values on the cells' faces (Parker et al. 1999, 4.3) and
+// sampling fall short.
 
 #include "tools/lab/largest_values.h"
 
@@ -30,12 +31,12 @@ using tools::Json;
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
-  std::uint64_t rays = 100'000;  ///< for each field
+  std::uint64_t rays = 100'000;  ///< per field
   std::int64_t samples = 64;
   std::uint64_t seed = 1;
 };
 
-/// In the cube [-1, 1]^3.
+/// A field in the cube [-1, 1]^3.
 struct FieldToShow {
   const char* name;
   double (*at)(const Vec3& p, Dice& dice);
@@ -93,7 +94,8 @@ render::Volume packed(const FieldToShow& field, const Settings& settings, const 
   return render::Volume::load(file);
 }
 
-/// Through the box: half anywhere, a quarter through samples, a quarter through edges; some along axes and diagonals.
+/// A ray through the box: half of them anywhere, a quarter through samples, a quarter through
+/// edges. Some run along axes and diagonals.
 render::Ray any_ray(std::int64_t samples, Dice& dice) {
   const double size = static_cast<double>(samples - 1);
   Vec3 target(size * dice.unit(), size * dice.unit(), size * dice.unit());
@@ -109,7 +111,8 @@ render::Ray any_ray(std::int64_t samples, Dice& dice) {
   return {.origin = target - 2 * size / direction.length() * direction, .direction = direction};
 }
 
-/// How a method's values lie below the judge's, in parts of the field's range. Parts add up in order.
+/// How far a method's values are below the exact ones, as fractions of the field's range. Parts add
+/// up in order.
 struct Tally {
   std::uint64_t rays = 0, wrong = 0, above = 0, short_by_1e9 = 0, short_by_1_percent = 0, missed = 0;
   double sum = 0, largest = 0, largest_difference = 0, largest_bound = 0;
@@ -147,7 +150,8 @@ using Tallies = std::array<Tally, std::size(methods)>;
 
 constexpr std::uint64_t chunk_size = 1024;
 
-/// Rays are made from a seed for each chunk, so that the result does not depend on who works on which.
+/// Makes rays from one seed per chunk, so that the result does not depend on which thread works on
+/// which chunk.
 Tallies tally(const render::Volume& volume, const Settings& settings,
               const std::function<void(std::uint64_t)>& tell_done) {
   const double range = volume.field().range.hi - volume.field().range.lo;

@@ -1,5 +1,6 @@
-// How samples lie in memory, and what that costs: the paper's Table 3 (initial; bricking; hierarchy and bricking, from
-// four views), with rows of today: edges of bricks, superbricks, factors of levels, types of samples, huge pages.
+// The cost of memory layouts of samples. The paper's Table 3 (initial; bricking; hierarchy and
+// bricking, from four views), with rows for today's systems: edges of bricks, superbricks, factors
+// of levels, types of samples, huge pages.
 
 #include "tools/lab/layouts.h"
 
@@ -32,7 +33,7 @@ using preprocess::PackVolumeOptions;
 using preprocess::SampleOrder;
 using tools::Json;
 
-/// What a picture is asked for; the same for every layout.
+/// The settings of a picture; the same for every layout.
 struct Shown {
   std::string isovalue = "auto";
   std::string accuracy = "double";
@@ -51,12 +52,12 @@ struct Settings {
   tools::PictureSize count_size{96, 96};
 };
 
-/// One way to lay the samples out and to walk them.
+/// One memory layout of the samples and a way to traverse them.
 struct Layout {
   const char* name;
   PackVolumeOptions pack{};
   bool use_hierarchy = true;
-  std::optional<ElementType> type{};  ///< of the samples, when not the data's own
+  std::optional<ElementType> type{};  ///< of the samples, if not the data's own type
   bool huge_pages = false;
 };
 
@@ -107,7 +108,7 @@ std::vector<Entrant> pack_all(const Settings& settings, const std::filesystem::p
   double isovalue = 0;
   Interval<double> range;
   for (const Layout& layout : all_layouts()) {
-    // A row in the data's own type would repeat the one that it is compared with.
+    // A row in the data's own type would repeat the one with which it is compared.
     if (layout.type == grid.type) continue;
     tell(concat("packing ", layout.name));
     const std::filesystem::path file = folder / concat(entrants.size(), ".rho");
@@ -127,7 +128,8 @@ std::vector<Entrant> pack_all(const Settings& settings, const std::filesystem::p
   return entrants;
 }
 
-/// Instructions of one picture of the layout, counted by callgrind, and its cells; nothing when that cannot be had.
+/// Instructions of one picture of the layout, counted by callgrind, and its cells; nothing when
+/// they cannot be counted.
 std::optional<double> counted_by_callgrind(const Settings& settings, const Entrant& entrant, const char* view,
                                            const std::filesystem::path& folder) {
   const std::filesystem::path out = folder / "callgrind.out", program = std::filesystem::read_symlink("/proc/self/exe");
@@ -155,7 +157,7 @@ std::optional<double> counted_by_callgrind(const Settings& settings, const Entra
   return std::nullopt;
 }
 
-/// Instructions of a picture, and the work in it that they are divided by.
+/// Instructions of a picture, and the work in it by which they are divided.
 struct Count {
   double instructions;
   render::FrameStatistics statistics;
@@ -165,7 +167,7 @@ std::optional<Count> count_of(const Settings& settings, const Entrant& entrant, 
                               const render::FrameStatistics& statistics, tools::StudyView view,
                               const std::filesystem::path& folder) {
   if (const auto counted = row.median_instructions()) return Count{*counted, statistics};
-  // Valgrind's processor lacks what wide kernels need: other kernels would answer.
+  // Valgrind's processor lacks instructions that wide kernels need: other kernels would answer.
   if (!settings.count_instructions || statistics.machine != "scalar") return std::nullopt;
   const auto counted = counted_by_callgrind(settings, entrant, tools::name_of(view), folder);
   if (!counted) return std::nullopt;
@@ -176,8 +178,9 @@ std::optional<Count> count_of(const Settings& settings, const Entrant& entrant, 
                                         frame_of(small.size, entrant.layout.use_hierarchy), picture)};
 }
 
-/// Share of the pixels whose colours differ by more than a level of 255. In single precision kernels for different
-/// machines round differently, so that pictures of the same samples need not be the same bit for bit.
+/// Fraction of the pixels whose colours differ by more than a level of 255. In single precision,
+/// kernels for different instruction sets round differently, so pictures of the same samples need
+/// not be bit-identical.
 double share_of_other_pixels(const render::Framebuffer& a, const render::Framebuffer& b) {
   std::size_t others = 0;
   for (std::size_t pixel = 0; pixel < a.pixel_count(); ++pixel) {
@@ -224,7 +227,7 @@ std::string instructions_source(const Settings& settings) {
                 settings.count_size.height);
 }
 
-/// The layout that all others are compared with.
+/// The layout with which all others are compared.
 constexpr std::size_t usual = 2;
 
 int run(const Settings& settings) {

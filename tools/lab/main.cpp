@@ -1,4 +1,4 @@
-// Measurements beside other programs' libraries and against the exact judge, one subcommand each.
+// Measurements against other programs' libraries and against exact arithmetic, one subcommand each.
 
 #include "tools/lab/bits.h"
 #include "tools/lab/closed_surfaces.h"

@@ -1,5 +1,5 @@
-// In which order to look for the largest values along the rays of a picture: regions, cells and cubics that each order
-// looks at, for rays alone and for groups of 8 x 8 pixels.
+// The search order for the largest values along the rays of a picture. Counts the regions, cells
+// and cubics that each order examines, for single rays and for groups of 8 x 8 pixels.
 
 #include "tools/lab/maximum_search.h"
 
@@ -19,14 +19,16 @@ using tools::Json;
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path file;
-  std::uint64_t groups = 400;  ///< of each view
+  std::uint64_t groups = 400;  ///< per view
 };
 
 struct View {
   const char* name;
   Vec3 towards;
-  double zoom;    ///< share of the volume's diagonal that the picture's side shows
-  double eye_at;  ///< distance of the eye from the middle, diagonals
+  /// Side of the picture as a fraction of the volume's diagonal.
+  double zoom;
+  /// Distance of the eye from the centre, in diagonals.
+  double eye_at;
 };
 constexpr View views[] = {{"front", {0.02, 1, 0.03}, 0.9, 2},
                           {"oblique", {0.5, 0.7, -0.4}, 0.9, 2},
@@ -59,7 +61,7 @@ class Study {
  public:
   explicit Study(const Field& field) : field_(field) {}
 
-  /// One group, after its left neighbour.
+  /// Adds one group, after its left neighbour.
   void add(const View& view, int column, int row) {
     const Group before = group_at(field_, view, column - 1, row), group = group_at(field_, view, column, row);
     if (group.rays.size() < 64 || before.rays.size() < 64) return;
@@ -103,7 +105,7 @@ class Study {
     };
     const auto neighbour_t = [&](std::vector<Best>& best, std::size_t r) {
       guess(field_, group.rays[r], known_before[r].t, best[r]);
-      // The nearest column of the group before, too.
+      // Also try the nearest column of the group before.
       guess(field_, group.rays[r], known_before[r / 8 * 8 + 7].t, best[r]);
     };
     together("group, largest bound first", Order::bound, none_first);
@@ -157,7 +159,7 @@ int run(const Settings& settings) {
   std::uint64_t wrong = 0;
   for (const View& view : views) {
     Study study(field);
-    // Evenly over the picture.
+    // Spread the groups evenly over the picture.
     const int stride = std::max(1, static_cast<int>(std::sqrt(128.0 * 128.0 / static_cast<double>(settings.groups))));
     for (int row = stride / 2; row < 128; row += stride)
       for (int column = 1 + stride / 2; column < 128; column += stride) study.add(view, column, row);

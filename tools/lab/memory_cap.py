@@ -210,7 +210,8 @@ def main():
                   folder)
             os.remove(os.path.join(folder, "large.raw"))
         if options.only != "volume":
-            # 41 bytes of cells and 20 / 6 of points for each tetrahedron; as arrays in memory they are twice as large.
+            # 41 bytes of cells and 20 / 6 of points for each tetrahedron; as arrays in memory they
+            # are twice as large.
             n = max(8, round((8 * cap / 2 / (6 * 41 + 20)) ** (1 / 3)))
             size = write_mesh(os.path.join(folder, "large.vtu"), n, options.packed)
             study("mesh", rhoray, ["large.vtu"], size, options.cap, cap, folder)

@@ -1,4 +1,4 @@
-// How packing, a new isovalue and a frame grow with the number of tetrahedra, at a fixed picture.
+// How packing, a new isovalue and a frame scale with the number of tetrahedra, for a fixed picture.
 
 #include "tools/lab/mesh_scale.h"
 
@@ -36,12 +36,12 @@ struct Settings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
-/// What packing took.
+/// The result and the cost of packing.
 struct Packed {
   std::uint64_t cells = 0, points = 0, bytes = 0, peak_bytes = 0;
   double cpu_s = 0, wall_s = 0;
 
-  /// Beyond coordinates in double and one value in single precision for every point.
+  /// Without coordinates in double and one value in single precision for every point.
   double structure_bytes_per_cell() const {
     return (static_cast<double>(bytes) - 28.0 * static_cast<double>(points)) / static_cast<double>(cells);
   }
@@ -61,7 +61,7 @@ Packed pack_box(std::uint64_t cell_count, const std::filesystem::path& file, con
           .wall_s = watch.seconds()};
 }
 
-/// CPU milliseconds of one thread for isovalues that were not shown before: what their first pictures take longer.
+/// CPU milliseconds of one thread for new isovalues: the additional time of their first pictures.
 double new_isovalue_ms(Peer& peer, const PeerData& data, const Interval<double>& range) {
   std::vector<double> times;
   for (const double share : {0.35, 0.45, 0.55, 0.65, 0.75})

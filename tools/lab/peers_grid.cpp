@@ -1,5 +1,6 @@
-// Isosurfaces and largest values of one grid, by this renderer and by other programs' libraries, in one run: the same
-// samples, cameras and pixels, one thread, and every picture against the exact answer.
+// Isosurfaces and largest values of one grid, by this renderer and by other programs' libraries, in
+// one run: the same samples, cameras and pixels, one thread, and every picture compared with the
+// exact answer.
 
 #include "tools/lab/peers_grid.h"
 

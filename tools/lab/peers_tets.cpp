@@ -1,5 +1,6 @@
-// Isosurfaces of one mesh of tetrahedra, by this renderer and by other programs' libraries, in one run: the same cells,
-// cameras and pixels, one thread, and every picture against the exact answer.
+// Isosurfaces of one mesh of tetrahedra, by this renderer and by other programs' libraries, in one
+// run: the same cells, cameras and pixels, one thread, and every picture compared with the exact
+// answer.
 
 #include "tools/lab/peers_tets.h"
 
@@ -55,7 +56,8 @@ Contest isosurface_contest(const ContestSettings& settings) {
   return contest;
 }
 
-/// Nobody else's library offers it for tetrahedra: VTK's unstructured ray caster shows something else when asked.
+/// No other library offers largest values for tetrahedra: VTK's unstructured ray caster shows
+/// something else.
 Contest largest_value_contest(const ContestSettings& settings) {
   Contest contest;
   if (settings.wants("ours"))

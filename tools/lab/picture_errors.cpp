@@ -11,7 +11,8 @@ namespace rhoray::study {
 
 namespace {
 
-/// The value that the share lies at or below; of no values 0.
+/// The value such that the fraction `share` of all values is at or below it; 0 if there are no
+/// values.
 double quantile(const std::vector<double>& sorted, double share) {
   if (sorted.empty()) return 0;
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];

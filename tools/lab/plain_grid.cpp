@@ -34,7 +34,7 @@ std::size_t field_of(const formats::BrickGrid& grid, const std::string& name) {
   return *field;
 }
 
-/// Values from 0 to 1 within the range, or as they are where floats are kept.
+/// Maps the range from 0 up to the type's largest value, or keeps the values where they are floats.
 struct Spread {
   double lo, scale;
 

@@ -1,4 +1,5 @@
-// What reading, packing and resampling cost beside VTK and beside a plain copy of the bytes, in one run.
+// The cost of reading, packing and resampling, compared with VTK and with a plain copy of the
+// bytes, in one run.
 
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
@@ -50,7 +51,7 @@ struct Taken {
 };
 using Steps = std::map<std::string, Taken>;
 
-/// Adds what passed since the last call to a step.
+/// Adds the time since the last call to a step.
 class Clock {
  public:
   void add_to(Steps& steps, const std::string& step) {
@@ -66,7 +67,7 @@ class Clock {
   double cpu_ = tools::usage_so_far().cpu_s, wall_ = 0;
 };
 
-/// A verb's phases become steps.
+/// Turns the phases of a subcommand into steps.
 class PhaseClock {
  public:
   explicit PhaseClock(Steps& steps) : steps_(steps) {}
@@ -86,11 +87,12 @@ class PhaseClock {
   std::string phase_;
 };
 
-/// One row of the table: what is done, on what, and the steps that it takes.
+/// One row of the table: the action, its input, and the steps that it takes.
 struct Row {
   std::string what, input, size;
   std::function<void(Steps&)> act;
-  std::map<std::string, std::vector<Taken>> taken{};  ///< by step, and "total"; one for each repetition
+  /// By step, and "total"; one entry for each repetition.
+  std::map<std::string, std::vector<Taken>> taken{};
 };
 
 Row pack_row(const std::filesystem::path& mesh, const std::filesystem::path& scratch) {
@@ -201,7 +203,7 @@ std::vector<Row> rows_of(const Settings& settings, const std::filesystem::path& 
   return rows;
 }
 
-/// Every row once, then again, so that what else runs on the machine meets all of them.
+/// Runs every row once, then again, so that other load on the machine affects all of them.
 void measure(std::vector<Row>& rows, int repeat) {
   for (int round = 0; round < repeat; ++round)
     for (Row& row : rows) {

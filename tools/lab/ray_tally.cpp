@@ -20,7 +20,7 @@ constexpr double suspicious_cells = 1e-6;
 constexpr double gap_cells = 1e-3;
 constexpr std::size_t rays_per_float_ray = 8;
 
-/// Of this thread, so that what else runs does not count.
+/// CPU time of this thread, so that other work does not count.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -36,7 +36,7 @@ std::vector<Hit> answers(RayCaster& asked, std::span<const Ray> rays, RayTally::
   return hits;
 }
 
-/// All that is asked about the rays of one scene.
+/// All queries for the rays of one scene.
 class Inquiry {
  public:
   explicit Inquiry(const ClosedScene& scene)
@@ -53,7 +53,8 @@ class Inquiry {
  private:
   double cells(const Ray& ray, double t) const { return t * ray.direction.length() / scene_.cell_edge; }
 
-  /// For each ray, whether it changes side an odd number of times: first as given, then as double sees it.
+  /// For each ray, whether it changes side an odd number of times. The first change is given;
+  /// double finds the others.
   std::vector<bool> odd_ones(std::vector<Ray> rays, const std::vector<Hit>& first);
   Ray behind(Ray ray, const Hit& hit) const {
     ray.t_min = hit.t + hit.error + gap_cells * scene_.cell_edge / ray.direction.length();
@@ -117,7 +118,7 @@ bool Inquiry::agree(const Hit& certified, const Hit& judged) {
   return std::abs(certified.t - judged.t) <= certified.error + judged.error;
 }
 
-/// True when the judge finds the same changes of side all along.
+/// True when exact arithmetic finds the same changes of side along the whole ray.
 bool Inquiry::follows_judge(Ray ray) {
   for (;;) {
     const Hit hit = follower_.first_crossing(ray);

@@ -1,5 +1,6 @@
-// Isosurfaces of a mesh drawn from its tetrahedra, and from grids and OpenVDB files that its field was resampled on:
-// the error against the exact answer of the mesh, the time of a picture, the time to resample, and the bytes.
+// Draws isosurfaces of a mesh from its tetrahedra, and from grids and OpenVDB files on which its
+// field was resampled. Measures the error against the exact answer of the mesh, the time of a
+// picture, the time to resample, and the bytes.
 
 #include "tools/lab/resample_or_direct.h"
 
@@ -52,10 +53,10 @@ struct Settings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
 
-/// Data that the surface is drawn from.
+/// Data from which the surface is drawn.
 struct Form {
   std::string kind;
-  int size = 0;  ///< samples on the longest axis; 0 of the mesh itself
+  int size = 0;  ///< samples on the longest axis; 0 for the mesh itself
   render::Volume volume;
   render::Method method{};
   double resample_cpu_s = 0;
@@ -75,7 +76,7 @@ std::vector<int> sizes_of(const std::string& option, const std::vector<std::stri
   return sizes;
 }
 
-/// All samples of the box, NaN where the mesh is not, as systems hold them that know no sparse grids.
+/// All samples of the box, NaN outside the mesh, as in systems without sparse grids.
 preprocess::NeutralVolume whole_samples(const render::Volume& bricks) {
   const formats::BrickGrid grid(bricks.file());
   const formats::GridDescription& description = grid.description();
@@ -107,7 +108,8 @@ class Forms {
                       .volume = mesh,
                       .method = render::method_of(tools::accuracy_named(level)),
                       .bytes = mesh.file().file_bytes()});
-    copies_.get({.kind = DataForm::Kind::resampled, .size = 2}, options_);  // brings the mesh into memory, untimed
+    // Brings the mesh into memory, untimed.
+    copies_.get({.kind = DataForm::Kind::resampled, .size = 2}, options_);
   }
 
   const std::vector<Form>& all() const { return all_; }
@@ -126,7 +128,7 @@ class Forms {
                                if (kind == whole_grid) drawn = whole(copy.volume, size, bytes);
                              })
                              .cpu_s;
-    // The samples of the others are those of the bricks, which may be there already.
+    // The samples of the others are those of the bricks, which may exist already.
     const auto bricks = std::find_if(all_.begin(), all_.end(), [&](const Form& form) {
       return kind != grid_of_bricks && form.kind == grid_of_bricks && form.size == size;
     });
@@ -206,7 +208,7 @@ std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double i
     rows[r]["cpu_ms_min"] = ms.smallest;
     rows[r]["cpu_ms_max"] = ms.largest;
     rows[r]["over_direct"] = ms.median / direct_ms;
-    // After so many pictures the time to resample has been won back.
+    // After this many pictures, the time to resample has been recovered.
     const double won_ms = direct_ms - ms.median;
     const bool pays = forms.all()[r].size != 0 && won_ms > 0;
     rows[r]["pictures_to_pay"] = pays ? Json(1e3 * forms.all()[r].resample_cpu_s / won_ms) : Json(nullptr);
@@ -214,8 +216,8 @@ std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double i
   return rows;
 }
 
-/// Errors of all isovalues by the grid's size, which is all that they depend on: of the grids that keep the mesh's
-/// bricks. Differences and times of the first isovalue.
+/// Errors of all isovalues over the grid's size, on which alone they depend, for the grids that
+/// keep the mesh's bricks. Differences and times of the first isovalue.
 std::vector<Figure> figures_of(const std::vector<Json>& rows) {
   const double first_isovalue = rows[0]["isovalue"];
   Figure error{.name = error_figure,

@@ -23,7 +23,8 @@ Vec3 in_cell(const Line& ray, const Index3& cell, double t) {
   return p;
 }
 
-/// The largest value in a cell, by the critical points of the cubic where its control points lie above what is known.
+/// Computes the largest value in a cell. Evaluates the critical points of the cubic only if its
+/// control points exceed the best value so far.
 void look_into_cell(const Field& field, const Line& ray, const Passage& cell, Best& best, Work& work) {
   ++work.cubics;
   const Vec3 p = in_cell(ray, cell.cell, cell.t_in), q = in_cell(ray, cell.cell, cell.t_out);
@@ -161,7 +162,7 @@ void in_group(const Field& field, const Group& group, const std::vector<Shared>&
   };
   work.regions += static_cast<double>(nodes.size());
   const std::vector<const Shared*> in_order = sorted(blocks);
-  if (order == Order::bound) {  // as a queue would: a node comes before its blocks
+  if (order == Order::bound) {  // as in a queue: a node comes before its blocks
     std::vector<bool> is_read(nodes.size());
     for (const Shared* block : in_order) {
       if (!any_may_improve(*block, best)) continue;

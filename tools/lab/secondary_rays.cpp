@@ -1,5 +1,5 @@
-// What rays that start at a surface cost beside camera rays: towards one light, and into all directions, in the order
-// of the picture and sorted by direction.
+// The cost of rays that start at a surface, compared with camera rays. The rays go towards one
+// light, and in all directions, in the order of the picture and sorted by direction.
 
 #include "tools/lab/secondary_rays.h"
 
@@ -51,7 +51,7 @@ std::vector<Ray> in_tiles(const std::vector<Ray>& rays, int width, int height) {
   return tiled;
 }
 
-/// The hit's place, a little on the eye's side of the surface, and its normal there.
+/// The position of a hit, slightly on the eye's side of the surface, and the normal there.
 struct Place {
   Vec3 point, normal;
 };
@@ -68,7 +68,7 @@ std::vector<Place> places_of(const std::vector<Ray>& rays, const std::vector<Hit
   return places;
 }
 
-/// Directions about a normal, more of them along it (cosine-weighted): what ambient occlusion sends.
+/// Cosine-weighted directions about a normal, as ambient occlusion uses them.
 Vec3 around(const Vec3& normal, std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0, 1);
   const double angle = 2 * std::numbers::pi * share(random), z = 2 * share(random) - 1;
@@ -80,7 +80,8 @@ int octant_of(const Vec3& d) {
   return (d.x < 0 ? 1 : 0) | (d.y < 0 ? 2 : 0) | (d.z < 0 ? 4 : 0);
 }
 
-/// Sorted by the signs of their directions among so many neighbours; the order stays otherwise.
+/// Sorts rays by the signs of their directions, within runs of `among` neighbours. Otherwise the
+/// order stays.
 std::vector<Ray> sorted_by_octant(std::vector<Ray> rays, std::size_t among) {
   for (std::size_t first = 0; first < rays.size(); first += among) {
     const auto begin = rays.begin() + static_cast<std::ptrdiff_t>(first);

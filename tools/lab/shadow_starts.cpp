@@ -99,7 +99,8 @@ StartCounts ShadowStarts::count(const StartSettings& setting) const {
   for (std::size_t i = 0; i < cases_.size(); ++i) {
     const Case& at = cases_[i];
     constexpr double same_place_cells = 0.01;
-    if (!(std::abs(hits[i].t - at.t) * at.cells_per_t < same_place_cells)) continue;  // also where nothing was hit
+    // This also skips rays that hit nothing.
+    if (!(std::abs(hits[i].t - at.t) * at.cells_per_t < same_place_cells)) continue;
     const Vec3 place = at.seen.at(hits[i].t);
     Ray ray{.origin = setting.is_rounded ? in_single_precision(place) : place, .direction = light_};
     if (setting.start == Start::along_ray)

@@ -14,11 +14,11 @@ namespace {
 
 using formats::ElementType;
 
-constexpr Storage all_storages[] = {
-    {"double", 64, ElementType::F64, false}, {"float", 32, ElementType::F32, false},
-    {"half", 16, ElementType::F32, false},  // packed files hold no half: its values, in single precision
-    {"16 bits", 16, ElementType::U16, true}, {"12 bits", 12, ElementType::U16, true},
-    {"10 bits", 10, ElementType::U16, true}, {"8 bits", 8, ElementType::U8, true}};
+// Packed files hold no half: its values are stored in single precision.
+constexpr Storage all_storages[] = {{"double", 64, ElementType::F64, false}, {"float", 32, ElementType::F32, false},
+                                    {"half", 16, ElementType::F32, false},   {"16 bits", 16, ElementType::U16, true},
+                                    {"12 bits", 12, ElementType::U16, true}, {"10 bits", 10, ElementType::U16, true},
+                                    {"8 bits", 8, ElementType::U8, true}};
 
 bool is_floating(ElementType type) {
   return type == ElementType::F32 || type == ElementType::F64;
@@ -36,7 +36,8 @@ bool holds_all(const Storage& storage, ElementType type) {
 double rounded_to_half(double value) {
   int exponent = 0;
   std::frexp(value, &exponent);
-  // 11 significant bits; below the smallest normal number, 2^-14, steps stay those of its own.
+  // 11 significant bits. Below the smallest normal number, 2^-14, the steps remain those of that
+  // number.
   const int step_exponent = std::max(exponent, -13) - 11;
   const double nearest = std::ldexp(std::nearbyint(std::ldexp(value, -step_exponent)), step_exponent);
   constexpr double largest = 65504;

@@ -63,7 +63,7 @@ double per(double amount, std::uint64_t count) {
   return amount / static_cast<double>(count);
 }
 
-/// Of t, cell and gradient of every hit, and of misses; 16 hexadecimal digits (XXH3).
+/// Hash of t, cell and gradient of every hit, and of misses; 16 hexadecimal digits (XXH3).
 std::string hash_of(std::span<const Hit> hits) {
   std::vector<double> numbers;
   for (const Hit& hit : hits)
@@ -75,7 +75,7 @@ std::string hash_of(std::span<const Hit> hits) {
   return text;
 }
 
-/// The rays of one mesh, and what the library answers.
+/// The rays of one mesh, and the library's answers.
 struct Asked {
   std::string mesh;
   double isovalue;
@@ -94,7 +94,7 @@ Asked ask_library(const Settings& settings, const std::string& mesh, const rende
   return asked;
 }
 
-/// What a way answers, and how much it looks at for it.
+/// The answers of one way, and its work.
 struct Answered {
   std::vector<Hit> hits;
   render::KernelCounters counters;
@@ -106,7 +106,7 @@ Answered answer(const Way& way, const Asked& asked) {
   return answered;
 }
 
-/// CPU microseconds a ray: the median of rounds in which all ways are timed one after the other.
+/// CPU microseconds per ray: the median of rounds in which all ways are timed one after the other.
 std::vector<double> times_of(const Settings& settings, const std::vector<Way>& ways, const Asked& asked,
                              tools::ProgressDisplay& display) {
   std::vector<TimedRow> rows;
@@ -137,7 +137,7 @@ Json row_of(const Way& way, const Asked& asked, const Answered& answered, double
           {"answers", hash_of(answered.hits)}};
 }
 
-/// Rows of ways that must all answer as the library does.
+/// Adds rows of ways that must all give the library's answers.
 /// @return  whether they do
 bool add_rows(const Settings& settings, const std::vector<Way>& ways, const Asked& asked,
               tools::ProgressDisplay& display, tools::Table& table) {
@@ -160,8 +160,9 @@ double longest_edge(const formats::TetMesh& mesh, std::uint32_t cell) {
   return longest;
 }
 
-/// How far answers are from those of the points as they are, in longest edges of the cell that was hit. More than one
-/// is another sheet of the surface; where the ray does not graze it (10 times as steep as along it), a hole.
+/// Deviations of the answers from those for the original points, in longest edges of the hit cell.
+/// A deviation of more than one edge is another sheet of the surface. Where the ray does not graze
+/// the surface (sine of the angle between them above 0.1), it is a hole.
 Json errors_of(const Asked& asked, const std::vector<Hit>& rounded, const formats::TetMesh& mesh) {
   std::uint64_t lost = 0, gained = 0, elsewhere = 0, holes = 0;
   std::vector<double> off_edges{0};

@@ -30,7 +30,7 @@ preprocess::NeutralMesh warped_box(std::int64_t edge) {
       }
   mesh.point_fields.push_back(std::move(field));
 
-  // Each cube along its diagonal: one tetrahedron for each order of the three axes.
+  // Divide each cube along its diagonal: one tetrahedron for each order of the three axes.
   constexpr std::array<std::array<std::size_t, 3>, 6> orders{
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};
   const std::array<std::int64_t, 3> step{1, edge + 1, (edge + 1) * (edge + 1)};

@@ -14,7 +14,8 @@ using Vec3f = Imath::V3f;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// Embree asks that numbers too small for the normal format count as zero while rays are traced.
+/// Embree requires that numbers too small for the normal format count as zero while rays are
+/// traced.
 class TinyIsZero {
  public:
   TinyIsZero() : before_(__builtin_ia32_stmxcsr()) { __builtin_ia32_ldmxcsr(before_ | 0x8040); }
@@ -26,7 +27,7 @@ class TinyIsZero {
   unsigned before_;
 };
 
-/// Embree tells what it allocates and, as a negative number, what it gives back.
+/// Embree reports what it allocates and, as a negative number, what it frees.
 bool count_bytes(void* total, ssize_t bytes, bool) {
   *static_cast<std::atomic<std::int64_t>*>(total) += bytes;
   return true;
@@ -39,7 +40,8 @@ void refuse(void*, RTCError, const char* reason) {
 }  // namespace
 
 EmbreeScene::EmbreeScene()
-    // With "simd512" packets of 16 use AVX-512 where the processor has it; the default stays at AVX2.
+    // With "simd512", packets of 16 use AVX-512 where the processor has it; the default stays at
+    // AVX2.
     : device_(rtcNewDevice("threads=1,frequency_level=simd512")) {
   if (device_ == nullptr) throw Error(ErrorCode::internal, "Embree: no device");
   rtcSetDeviceErrorFunction(device_, refuse, nullptr);
@@ -103,7 +105,7 @@ class EmbreePeer : public Peer {
  protected:
   virtual void trace(const PeerView& view, RTCScene scene) = 0;
 
-  /// The camera as the scene's positions see it.
+  /// The camera in the frame of the scene's positions.
   render::Camera moved(render::Camera camera) const {
     camera.position -= scene_->middle();
     camera.target -= scene_->middle();

@@ -10,10 +10,10 @@ namespace rhoray::study {
 
 namespace {
 
-/// A cell as linear functions of the position: the field and the four barycentric weights; relative to the middle of
-/// the mesh, so that floats suffice.
+/// A cell as linear functions of the position: the field and the four barycentric weights. The
+/// position is relative to the mesh's centre, so that floats suffice.
 struct Cell {
-  float field[4];      ///< x, y, z, 1
+  float field[4];      ///< coefficients of x, y, z, 1
   float weight[4][4];  ///< the same for each weight
   float lo, hi;        ///< of the field's values
   float box[6];        ///< smallest x, y, z, largest x, y, z
@@ -37,7 +37,8 @@ Cell cell_of(const Vec3 (&p)[4], const double (&f)[4]) {
   double at_middle = 0;
   for (int v = 0; v < 4; ++v) {
     const Vec3 &a = p[(v + 1) % 4], &b = p[(v + 2) % 4], &c = p[(v + 3) % 4];
-    const Vec3 across = (b - a).cross(c - a) * ((v % 2 == 0 ? -1 : 1) / volume);  // 1 at vertex v, 0 on the face
+    // 1 at vertex v, 0 on the face.
+    const Vec3 across = (b - a).cross(c - a) * ((v % 2 == 0 ? -1 : 1) / volume);
     const double offset = -across.dot(a);
     put(cell.weight[v], across, offset);
     gradient += across * f[v];
@@ -48,7 +49,8 @@ Cell cell_of(const Vec3 (&p)[4], const double (&f)[4]) {
   cell.hi = static_cast<float>(*std::max_element(f, f + 4));
   for (int a = 0; a < 3; ++a) {
     const auto [lo, hi] = std::minmax({p[0][a], p[1][a], p[2][a], p[3][a]});
-    const double reach = 1e-6 * std::max(std::abs(lo), std::abs(hi));  // the rounding to float, and to spare
+    // More than the rounding to float.
+    const double reach = 1e-6 * std::max(std::abs(lo), std::abs(hi));
     cell.box[a] = static_cast<float>(lo - reach);
     cell.box[a + 3] = static_cast<float>(hi + reach);
   }
@@ -60,9 +62,10 @@ void bounds_of_cell(const RTCBoundsFunctionArguments* asked) {
   *asked->bounds_o = {cell.box[0], cell.box[1], cell.box[2], 0, cell.box[3], cell.box[4], cell.box[5], 0};
 }
 
-constexpr float slack = 1e-6F;  ///< weights may be so much below 0: neighbours overlap by more than the rounding
+/// Weights may be below 0 by this much: neighbours overlap by more than the rounding.
+constexpr float slack = 1e-6F;
 
-// clang 14 takes each word of such a list for a machine of its own.
+// clang 14 takes each word of such a list for a target of its own.
 #if !defined(__clang__)
 __attribute__((target_clones("arch=skylake-avx512", "avx2,fma", "default")))
 #endif
@@ -91,7 +94,7 @@ void meet_16(
   }
 }
 
-/// One ray of N, as Embree's own examples of user geometry go through them.
+/// Intersects one ray of N, in the style of Embree's own examples of user geometry.
 template <unsigned N>
 void meet_ray(const Cell& cell, float isovalue, RTCRayHitN* rayhit, unsigned i, unsigned cell_number,
               unsigned geometry) {

@@ -17,7 +17,7 @@ class OwnPeer final : public Peer {
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
     scene_.layers[0].mode = mode;
     scene_.layers[0].method = render::method_of(tools::accuracy_named(level));
-    scene_.layers[0].surface.specular = 0;  // as light_pixel lights what others find
+    scene_.layers[0].surface.specular = 0;  // as light_pixel shades the hits of others
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }
@@ -32,7 +32,7 @@ class OwnPeer final : public Peer {
       preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file, data.field); });
     scene_.layers[0].isovalue = isovalue;
     scene_.layers[0].window = data.range;
-    // What an isovalue takes is in the first frame that shows it.
+    // The first frame that shows an isovalue contains its cost.
     const double first_ms = cpu_ms_of([&] { show_few_pixels(); });
     preparation.build_ms = std::max(0.0, first_ms - cpu_ms_of([&] { show_few_pixels(); }));
     return preparation;
@@ -45,7 +45,7 @@ class OwnPeer final : public Peer {
       render(view, {.channels = {.value = true}});
       return picture_.value;
     }
-    // The distances that `render` rounds to float, in full.
+    // The distances in full precision; `render` rounds them to float.
     const auto rays = render::camera_rays(*volume_, view.camera, view.width, view.height);
     std::vector<render::Hit> hits(rays.size());
     render::RayCaster(*volume_, scene_.layers[0].isovalue, scene_.layers[0].method, 0).first_crossings(rays, hits);
@@ -76,7 +76,7 @@ class OwnPeer final : public Peer {
   std::optional<render::Volume> volume_;
   render::Scene scene_;
   render::Framebuffer picture_;
-  render::RenderContext memory_;  // as a viewer keeps it from frame to frame
+  render::RenderContext memory_;  // kept from frame to frame, as in a viewer
 };
 
 }  // namespace

@@ -41,12 +41,12 @@ vtkSmartPointer<vtkImageData> vtk_image(const preprocess::NeutralVolume& grid) {
   return image;
 }
 
-/// One way to make triangles.
+/// A method that makes triangles.
 class Triangles::Extractor {
  public:
   virtual ~Extractor() = default;
 
-  /// Takes what VTK wants to see of the data. Not timed.
+  /// Converts the data to the form that VTK needs. Not timed.
   virtual void take(const PeerData& data) = 0;
   virtual vtkSmartPointer<vtkPolyData> surface(double isovalue) = 0;
   /// True when the first surface makes something that later ones use.
@@ -89,7 +89,7 @@ class CgalMesher final : public Triangles::Extractor {
   }
 
   vtkSmartPointer<vtkPolyData> surface(double isovalue) override {
-    constexpr std::size_t most_seeds = 400'000;  // as `rhoray validate`
+    constexpr std::size_t most_seeds = 400'000;  // as in `rhoray validate`
     const auto seeds = tools::validate::edge_points(*field_, isovalue, most_seeds, 1);
     const auto meshed = tools::validate::mesh_surface(*field_, isovalue, seeds,
                                                       {.facet_count = facet_count_, .measures_offsets = false});
@@ -116,7 +116,7 @@ class CgalMesher final : public Triangles::Extractor {
   bool is_complete_ = true;
 };
 
-/// Tetrahedra with one field as VTK's grid.
+/// Tetrahedra with one field as a VTK grid.
 vtkSmartPointer<vtkUnstructuredGrid> vtk_tetrahedra(const preprocess::NeutralMesh& mesh) {
   const auto count = static_cast<vtkIdType>(mesh.points.size());
   vtkNew<vtkPoints> points;
@@ -256,7 +256,7 @@ void Triangles::copy_triangles(std::span<std::uint32_t> out) const {
 }
 
 double Triangles::memory_mb() const {
-  return 1.024e-3 * static_cast<double>(extractor_->last->GetActualMemorySize());  // of kibibytes
+  return 1.024e-3 * static_cast<double>(extractor_->last->GetActualMemorySize());  // from kibibytes
 }
 
 vtkPolyData* Triangles::vtk() const {

@@ -1,7 +1,7 @@
 #include "tools/lab/peers/vdb.h"
 
 #include <nanovdb/util/Ray.h>
-// HDDA.h counts on Ray.h.
+// HDDA.h requires Ray.h.
 #include <nanovdb/util/HDDA.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/openvdb.h>
@@ -25,7 +25,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr std::int64_t leaf_edge = Leaf::DIM;
 
-/// Whether the surface can pass between two samples of the leaf at `first` or between one of them and a neighbour.
+/// Whether the surface can pass between two samples of the leaf at `first`, or between one of them
+/// and a neighbour.
 template <class T>
 bool is_crossed(const T* samples, const Index3& n, const Index3& first, double isovalue) {
   bool is_any_inside = false, is_any_outside = false;
@@ -41,7 +42,8 @@ bool is_crossed(const T* samples, const Index3& n, const Index3& first, double i
   return is_any_inside && is_any_outside;
 }
 
-/// isovalue - value, negative inside, in the frame of sample positions; voxels with samples are active.
+/// isovalue - value, negative inside, in the frame of sample positions; voxels with samples are
+/// active.
 /// @param only_crossed  leaves without the surface become tiles that are not active
 openvdb::FloatGrid::Ptr vdb_grid(const preprocess::NeutralVolume& grid, double isovalue, bool only_crossed) {
   openvdb::initialize();
@@ -108,7 +110,7 @@ class NanoVdbPeer final : public Peer {
     distance_.assign(view.pixel_count(), std::numeric_limits<float>::infinity());
     const PixelRays<float> rays(view.camera, view.width, view.height, stretch_);
     const auto from = rays.origin();
-    // Half a voxel on, so that the voxel which a place is rounded down to is the nearest.
+    // Half a voxel further, so that rounding a position down gives the nearest voxel.
     const nanovdb::Vec3f origin(from.x + 0.5F, from.y + 0.5F, from.z + 0.5F);
     const auto* const grid = grid_.grid<float>();
     auto accessor = grid->getAccessor();

@@ -32,7 +32,7 @@ namespace rhoray::study {
 
 namespace {
 
-/// Where all of the data lies between: distances along the view's axis.
+/// The range that contains all data: distances along the view's axis.
 struct DepthRange {
   double near, far;
 };
@@ -60,7 +60,7 @@ void set_camera(vtkRenderer* renderer, const PeerView& view, const DepthRange& r
   camera->SetClippingRange(range.near, range.far);
 }
 
-/// From outside the box, of few pixels: for what only the first picture does.
+/// A view of few pixels from outside the box, to trigger what only the first picture does.
 PeerView few_pixels(const Box3& box) {
   return {.camera = {.position = box.center() + box.size() * 2.5, .target = box.center()}, .width = 16, .height = 16};
 }
@@ -113,7 +113,8 @@ class Drawing final : public Peer {
     std::vector<double> distances;
     for (int y = 0; y < view.height; ++y)
       for (int x = 0; x < view.width; ++x) {
-        const double z = depths->GetValue(vtkIdType{view.height - 1 - y} * view.width + x);  // rows from below
+        // Rows from below.
+        const double z = depths->GetValue(vtkIdType{view.height - 1 - y} * view.width + x);
         const double depth = range.near * range.far / (range.far - z * (range.far - range.near));
         const auto d = rays.through(x, y);
         distances.push_back(z >= 1 ? std::numeric_limits<double>::infinity()
@@ -174,7 +175,7 @@ class LargestValues final : public Peer {
   void draw(const PeerView& view) override {
     window_->SetSize(view.width, view.height);
     set_camera(renderer_, view, depth_range(view, bounds_));
-    // What the mapper's Render does, up to where the picture goes to OpenGL.
+    // What the mapper's Render does, up to the point where the picture goes to OpenGL.
     mapper_->PerImageInitialization(renderer_, volume_, 0, nullptr, nullptr, nullptr);
     mapper_->PerVolumeInitialization(renderer_, volume_);
     mapper_->PerSubVolumeInitialization(renderer_, volume_, 0);
@@ -219,7 +220,7 @@ PeerPointer vtk_drawing(std::shared_ptr<Triangles> triangles) {
 }
 
 std::string no_display() {
-  // VTK ends the program where it finds no X server, so it is asked before.
+  // VTK ends the program if it finds no X server, so test for one first.
   void* const library = ::dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return "no libX11";
   const auto open = reinterpret_cast<void* (*)(const char*)>(::dlsym(library, "XOpenDisplay"));

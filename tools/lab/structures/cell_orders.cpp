@@ -10,7 +10,7 @@
 namespace rhoray::study {
 namespace {
 
-/// By keys of the cells' centers, given as steps of 2^-21 of the mesh's longest edge.
+/// Sorts by keys of the cells' centres, given as steps of 2^-21 of the mesh's longest edge.
 template <class Key>
 std::vector<std::uint32_t> along_curve(const PlainMesh& mesh, Key&& key) {
   const Box3 bounds = mesh.bounds();

@@ -28,8 +28,9 @@ CellSides::CellSides(const std::array<std::array<double, 3>, 4>& points) {
 }
 
 bool CellSides::touches(const Vec3& center, const Vec3& half) const {
-  const Vec3 reach = half * (1 + 2e-6);  // rounding of places reaches 1e-9 of the smallest box that is asked about
-  int is_apart = 0;                      // numbers: no branch on either side
+  // Rounding of positions reaches 1e-9 of the smallest queried box.
+  const Vec3 reach = half * (1 + 2e-6);
+  int is_apart = 0;  // a number, to avoid branches
   for (std::size_t n = 0; n < count; ++n) {
     const double middle = x_[n] * center.x + y_[n] * center.y + z_[n] * center.z;
     const double radius = size_x_[n] * reach.x + size_y_[n] * reach.y + size_z_[n] * reach.z;

@@ -22,7 +22,7 @@ void fill_empty(Block& block) {
   }
 }
 
-/// As many blocks as a level has, of entries that nothing meets.
+/// The given number of blocks of a level, with entries that no ray meets.
 template <class Block>
 std::vector<Block> empty_level(std::uint64_t block_count) {
   std::vector<Block> level(block_count);

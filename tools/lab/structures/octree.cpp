@@ -26,7 +26,7 @@ Octree::Octree(const PlainMesh& mesh, std::size_t most_middles) : most_middles_(
   build_node(mesh, {}, divided(mesh, {}, all), 1);
 }
 
-/// What of these cells touches each child of a node.
+/// The cells among these that touch each child of a node.
 std::array<Octree::Touching, 8> Octree::divided(const PlainMesh& mesh, const Cube& cube,
                                                 const std::vector<std::uint32_t>& cells) const {
   std::array<Touching, 8> parts;

@@ -34,7 +34,8 @@ LatticePoints::LatticePoints(const formats::TetMesh& packed) : ClusteredCells(pa
   for (const auto& point : packed.points()) {
     std::uint64_t stored = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double steps = step_[axis] > 0 ? (point[axis] - low_[axis]) / step_[axis] + 0.5 : 0;  // a flat mesh: one
+      // A flat mesh has one position.
+      const double steps = step_[axis] > 0 ? (point[axis] - low_[axis]) / step_[axis] + 0.5 : 0;
       stored |= static_cast<std::uint64_t>(std::min(steps, last)) << (21 * axis);
     }
     points_.push_back(stored);
@@ -46,7 +47,7 @@ RoundedShape shape_of(const Mesh& rounded) {
   const formats::TetMesh& packed = rounded.packed();
   const formats::CellClustersView& clusters = packed.clusters();
   RoundedShape shape;
-  // Of each point the box of its places, and the longest edge of a cell that has it.
+  // For each point, the box of its positions, and the longest edge of a cell that contains it.
   std::vector<Box3> places(packed.points().size());
   std::vector<double> longest_edge(packed.points().size(), 0);
   for (std::uint64_t cluster = 0; cluster < clusters.cluster_count(); ++cluster)

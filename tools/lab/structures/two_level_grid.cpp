@@ -16,7 +16,7 @@ void extend(Interval<float>& range, const Interval<float>& by) {
   range = {std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
 }
 
-/// About so many nearly cubic cells in a box of this size.
+/// A division of a box of this size into about this many nearly cubic cells.
 Index3 division(const Vec3& size, double cell_count) {
   const double edge = std::cbrt(size.x * size.y * size.z / cell_count);
   Index3 count;
@@ -27,12 +27,12 @@ Index3 division(const Vec3& size, double cell_count) {
 }
 
 /// Calls visit(cell) for the cells of a lattice that a tetrahedron touches.
-/// @param low   where the lattice begins
+/// @param low   the lattice's lowest corner
 /// @param size  of its cells
 template <class Visit>
 void for_each_touched(const CellSides& sides, const Box3& box, const Vec3& low, const Vec3& size, const Index3& count,
                       Visit&& visit) {
-  constexpr double margin = 1e-6;  // as CellSides
+  constexpr double margin = 1e-6;  // as in CellSides
   Index3 first, last;
   for (int axis = 0; axis < 3; ++axis) {
     const auto last_cell = static_cast<double>(count[axis] - 1);
@@ -85,7 +85,7 @@ Index3 TwoLevelGrid::top_cell_of(const Vec3& point) const {
   return cell;
 }
 
-/// The lattices of the upper cells, and the lists of theirs.
+/// Makes the lattices of the upper cells, and the lists of their leaf cells.
 void TwoLevelGrid::divide(const PlainMesh& mesh) {
   const Index3& count = upper_.lattice.leaf_count;
   std::vector<std::uint32_t> owned(static_cast<std::size_t>(volume(count)), 0);

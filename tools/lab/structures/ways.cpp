@@ -31,7 +31,7 @@ struct PackedName {
   const char* name;
   PackMeshOptions options;
 };
-constexpr std::size_t lists_of_one = 0, clusters_of_64 = 2;  // places in packed_ways()
+constexpr std::size_t lists_of_one = 0, clusters_of_64 = 2;  // indices in packed_ways()
 
 std::vector<PackedName> packed_ways() {
   return {{"leaf lists, a leaf for each cell", {.structure = MeshStructure::leaves}},
@@ -50,7 +50,7 @@ preprocess::NeutralMesh with_floats(preprocess::NeutralMesh mesh) {
   return mesh;
 }
 
-/// Bytes of the file's arrays that are named so.
+/// Total bytes of the file's arrays whose names satisfy the predicate.
 template <class IsMeant>
 std::uint64_t bytes_of(const formats::PackedFile& file, IsMeant&& is_meant) {
   std::uint64_t bytes = 0;
@@ -59,27 +59,27 @@ std::uint64_t bytes_of(const formats::PackedFile& file, IsMeant&& is_meant) {
   return bytes;
 }
 
-/// All beside points, fields and envelope.
+/// Bytes of everything except points, fields and envelope.
 std::uint64_t structure_bytes(const formats::PackedFile& file) {
   return bytes_of(file, [](const std::string& name) {
     return name != "points" && !name.starts_with("field.") && !name.starts_with('_');
   });
 }
 
-/// What leads from cells and points to the source, whatever the structure.
+/// Bytes of the arrays that lead from cells and points to the source, for any structure.
 std::uint64_t source_bytes(const formats::PackedFile& file) {
   return bytes_of(file, [](const std::string& name) { return name == "cell_ids" || name == "point_ranks"; });
 }
 
-/// Cells as clusters have them, and their tables.
+/// Bytes of the cells as stored in clusters, and of the clusters' tables.
 std::uint64_t compressed_cell_bytes(const formats::PackedFile& file) {
   return bytes_of(file, [](const std::string& name) {
     return name == "cluster.corners" || name == "cluster.offsets" || name == "cluster.vertices";
   });
 }
 
-/// Answers rays by a walk to the cells of a mesh.
-/// @param walk  (question, ray, counters, matters_from, look, ends_at)
+/// Answers rays by a traversal that finds the cells of a mesh.
+/// @param walk  (query, ray, counters, matters_from, look, ends_at)
 template <class Mesh, class Walk>
 auto asked(std::shared_ptr<const Mesh> mesh, double isovalue, Walk walk) {
   return [mesh, isovalue, walk](std::span<const Ray> rays, std::span<Hit> hits, KernelCounters& counters) {
@@ -92,7 +92,8 @@ auto asked(std::shared_ptr<const Mesh> mesh, double isovalue, Walk walk) {
   };
 }
 
-/// By lists of cells that a structure shows, each cell once if the mailbox sees to it.
+/// Uses the lists of cells that a structure provides. The mailbox determines whether a cell is
+/// tested only once.
 template <class Mesh, class Structure, class Mailbox>
 auto asked_by_lists(std::shared_ptr<const Mesh> mesh, double isovalue, std::shared_ptr<const Structure> structure,
                     Mailbox empty) {
@@ -111,8 +112,8 @@ auto asked_by_lists(std::shared_ptr<const Mesh> mesh, double isovalue, std::shar
                });
 }
 
-/// By lists in rising order of their cells' smallest values, which end where one is too large; ranges of cells stand in
-/// an array of their own.
+/// Uses lists of cells whose ranges are in a separate array. If is_rising, the cells of a list are
+/// in ascending order of their smallest values, and the list ends where one is too large.
 auto asked_by_rising_values(std::shared_ptr<const PlainMesh> mesh, double isovalue,
                             std::shared_ptr<const OrderedLists> lists, bool is_rising) {
   std::vector<Interval<float>> ranges;
@@ -135,7 +136,7 @@ auto asked_by_rising_values(std::shared_ptr<const PlainMesh> mesh, double isoval
                });
 }
 
-/// The cells of a mesh by a tree over them.
+/// The cells of a mesh with a tree over them.
 template <class Mesh, class Tree>
 struct TreeView {
   const Mesh& mesh;
@@ -154,7 +155,7 @@ struct TreeView {
   }
 };
 
-/// By clusters: a mesh's own, or others over its cells.
+/// Uses clusters: a mesh's own, or others over its cells.
 template <class Mesh, class Clusters>
 auto asked_by_clusters(std::shared_ptr<const Mesh> mesh, double isovalue, std::shared_ptr<const Clusters> clusters) {
   return asked(mesh, isovalue,
@@ -231,7 +232,8 @@ std::vector<Way> MeshForWays::structures(double isovalue) const {
                                    render::walk_active_tets(*view, query, ray, counters, matters_from, look, ends_at);
                                  })});
   }
-  // The scalar kernel reads the values of a cell in each list that names it; the grids below ask before that.
+  // The scalar kernel reads the values of a cell in each list that contains it; the grids below
+  // check that before.
   const File& lists = parts_->files[lists_of_one];
   Way each_once = ways[lists_of_one];
   each_once.name += ", a mailbox";
