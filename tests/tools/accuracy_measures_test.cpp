@@ -206,9 +206,8 @@ PixelColor noise(std::uint32_t seed) {
 
 // The numbers are those of the authors' program (version 1.6, function `evaluate` for pictures of
 // 8-bit range, at its default of 67.0206 pixels per degree), run once on these pairs. It computes
-// in single precision. Its sums of some hundred weights are good to about 1e-6. A small error is
-// raised to the power 0.3, which turns it into up to 1e-5 (edges of the disc, where nothing
-// differs).
+// in single precision. Its sums of some hundred weights are good to about 1e-6. FLIP raises errors
+// to the power 0.3, so a small error becomes up to 1e-5 (edges of the disc, where nothing differs).
 TEST(Flip, says_what_the_authors_program_says) {
   const std::vector<KnownPair> pairs{
       {"waves",

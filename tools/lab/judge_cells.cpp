@@ -108,7 +108,7 @@ struct Tally {
   /// The answers of one decider; lengths in cell edges.
   struct OfDecider {
     std::uint64_t answers = 0;
-    double largest_error = 0;  ///< of right roots; limited by the width of the exact enclosure
+    double largest_error = 0;  ///< of right roots: the most that the exact enclosure permits
     double largest_bound = 0;  ///< claimed
   };
 
