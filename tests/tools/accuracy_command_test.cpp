@@ -198,7 +198,7 @@ TEST(AccuracyCommand, refuses_what_cannot_be_said) {
   };
   EXPECT_THAT(refusal({"--accuracy", "certifed"}), HasSubstr("certified"));
   EXPECT_THAT(refusal({"--method", "papr"}), HasSubstr("paper"));
-  EXPECT_THAT(refusal({"--method", "paper", "--accuracy", "float"}), HasSubstr("give one of them"));
+  EXPECT_THAT(refusal({"--method", "paper", "--accuracy", "float"}), HasSubstr("mutually exclusive"));
   EXPECT_THAT(refusal({"--channels", "error"}), HasSubstr("certified or exact"));
   EXPECT_THAT(refusal({"--show", "error"}), HasSubstr("certified or exact"));
 }

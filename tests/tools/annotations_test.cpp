@@ -357,7 +357,7 @@ TEST(AnnotationCommand, refuses_a_bar_where_nothing_is_shown_by_colours) {
   bench.make_ball();
   const RunResult refused = bench.rhoray({"render", "ball.rho", "--colorbar", "-o", "p.png"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--colorbar: no layer shows values by colours"));
+  EXPECT_THAT(refused.err, HasSubstr("--colorbar: nothing here is coloured by a field"));
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST(BenchEffects, refuses_what_it_cannot_measure) {
   write_file(bench / "i.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "isosurface"}]})");
   for (const auto& [words, exit_code, fact] :
        {std::tuple{std::vector<std::string>{"bench", "effects", "s.json"}, 4, "shows no surface"},
-        {{"bench", "effects", "i.json", "--iso", "3"}, 2, "--iso: given beside the scene i.json"},
+        {{"bench", "effects", "i.json", "--iso", "3"}, 2, "--iso: not allowed with the scene i.json"},
         {{"bench", "phases", "i.json"}, 4, "i.json: is not a packed file, which table 'phases' measures"},
         {{"bench", "effects", "ball.raw"}, 4, "ball.raw: is not a packed file or a scene"}}) {
     const RunResult run = bench.rhoray(words);

@@ -56,7 +56,7 @@ TEST(RenderCommand, shows_the_first_field_that_is_not_the_same_everywhere) {
   ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "-q"}).exit_code, 0);
   const RunResult result = bench.rhoray({"render", "box.rho", "--size", "64x48", "-o", "box.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("field 'flat' is the same everywhere: 'height' is shown"));
+  EXPECT_THAT(result.err, HasSubstr("field 'flat' is constant; showing field 'height'"));
   EXPECT_THAT(line_after(result.err, "reproduce: "), HasSubstr("--field height"));
   EXPECT_EQ(bench.rhoray({"render", "box.rho", "--field", "flat", "-o", "flat.png"}).exit_code, 2);
 }
@@ -251,13 +251,13 @@ TEST(RenderCommand, refuses_looks_that_do_not_apply) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_THAT(result.err, HasSubstr(reason));
   };
-  refused({"ball.rho", "--normals", "smooth"}, "'smooth' is of meshes, and ball.rho is a grid");
-  refused({"box.rho", "--normals", "exact"}, "'exact' is of grids, and box.rho is a mesh");
+  refused({"ball.rho", "--normals", "smooth"}, "'smooth' applies only to meshes, and ball.rho is a grid");
+  refused({"box.rho", "--normals", "exact"}, "'exact' applies only to grids, and box.rho is a mesh");
   refused({"box.rho", "--normals", "round"}, "flat");
   refused({"box.rho", "--color-by", "heigth"}, "did you mean height?");
-  refused({"box.rho", "--colormap", "gray"}, "--color-by names it");
-  refused({"box.rho", "--mode", "mip", "--normals", "flat"}, "--normals is of isosurfaces");
-  refused({"box.rho", "--mode", "mip", "--color-by", "height"}, "--color-by is of isosurfaces");
+  refused({"box.rho", "--colormap", "gray"}, "needs --color-by");
+  refused({"box.rho", "--mode", "mip", "--normals", "flat"}, "--normals: needs an isosurface");
+  refused({"box.rho", "--mode", "mip", "--color-by", "height"}, "--color-by: needs an isosurface");
 }
 
 TEST(RenderCommand, says_nothing_when_quiet_and_shows_progress_when_asked) {

@@ -116,7 +116,7 @@ TEST(SceneCommand, takes_size_accuracy_and_camera_from_options_beside_a_document
       << "a view beside a document replaces its place of the eye";
   const RunResult refused = bench.rhoray({"render", "ball.json", "--iso", "3", "-o", "x.png"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--iso: given beside the scene ball.json"));
+  EXPECT_THAT(refused.err, HasSubstr("--iso: not allowed with the scene ball.json"));
   EXPECT_FALSE(std::filesystem::exists(bench / "x.png"));
 }
 
@@ -209,7 +209,7 @@ TEST(SceneCommand, warns_of_unknown_keys_and_draws) {
       R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}], "image": {"size": [8, 8], "sise": 3}})");
   const RunResult result = bench.rhoray({"render", "w.json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(line_after(result.err, "warning: "), "w.json: /image/sise: unknown key, not read; did you mean size?");
+  EXPECT_EQ(line_after(result.err, "warning: "), "w.json: /image/sise: unknown key, ignored; did you mean size?");
 }
 
 TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
@@ -221,11 +221,11 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
   const RunResult result = bench.rhoray({"render", "e.json", "--explain"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* line :
-       {"layer 0: isosurface 100 of 'ball' in ball.rho\n", "  method double (asked for), one ray at a time\n",
+       {"layer 0: isosurface 100 of 'ball' in ball.rho\n", "  method double (requested), one ray at a time\n",
         "  diffuse: a surface is lit\n", "  no specular: specular is 0\n",
         "layer 1: largest values from 0 to 237 of 'ball' in ball.rho\n", "  intensity: a projection shows values",
         "isovalue 9000 is outside the range", "/layers/2: not traced: \"visible\" is false\n",
-        "data \"box\": ball.raw is not opened: no visible layer shows it\n"})
+        "data \"box\": ball.raw is not opened; no visible layer uses it\n"})
     EXPECT_THAT(result.out, HasSubstr(line));
   EXPECT_FALSE(std::filesystem::exists(bench / "e.png"));
   const Json json = Json::parse(bench.rhoray({"render", "e.json", "--explain", "--json"}).out);
@@ -352,7 +352,7 @@ TEST(SceneCommand, clips_and_slices_as_options_do) {
   EXPECT_TRUE(picture({"render", "ball.rho", "--slice", "x", "--mode", "mip", "--range", "10,90"}) ==
               picture({"render", document(R"({"type": "slice", "axis": "x"}, {"type": "mip", "range": [10, 90]})")}));
   EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--clip-plane", "0,0,-900,0,0,-1", "-o", "p.png", "--force"}).err,
-              HasSubstr("clip: nothing of layer 0 is left"));
+              HasSubstr("clip: layer 0 is clipped away completely"));
 }
 
 TEST(SceneCommand, refuses_regions_and_planes_that_make_no_sense) {
@@ -364,12 +364,12 @@ TEST(SceneCommand, refuses_regions_and_planes_that_make_no_sense) {
         {std::vector<std::string>{"--clip-box", "0,0,0,1,1,nan"}, "six finite numbers x0,y0,z0,x1,y1,z1"},
         {std::vector<std::string>{"--clip-plane", "0,0,0,0,0,0"}, "a point, and a normal that is not 0"},
         {std::vector<std::string>{"--clip-plane", "z=4"}, "a point, and a normal that is not 0"},
-        {std::vector<std::string>{"--cut-away"}, "there is nothing to cut away"},
+        {std::vector<std::string>{"--cut-away"}, "no clip region given"},
         {std::vector<std::string>{"--slice", "w=4"}, "an axis and a position such as z=40"},
         {std::vector<std::string>{"--slice", "z="}, "an axis and a position such as z=40"},
         {std::vector<std::string>{"--slice", "z=high"}, "an axis and a position such as z=40"},
         {std::vector<std::string>{"--slice", "1,2,3,0,0,0"}, "an axis and a position such as z=40"},
-        {std::vector<std::string>{"--slice", "z", "--specular", "0.5"}, "--specular: only slices are shown"}}) {
+        {std::vector<std::string>{"--slice", "z", "--specular", "0.5"}, "--specular has no effect on slices"}}) {
     const RunResult result = bench.rhoray(words(words({"render", "ball.rho"}, options), {"-o", "p.png"}));
     EXPECT_EQ(result.exit_code, 2) << options.back();
     EXPECT_THAT(result.err, HasSubstr(fact));
@@ -394,7 +394,7 @@ TEST(SceneCommand, counts_what_is_clipped_and_sliced_only_where_it_is_called_for
     EXPECT_EQ(is_called_for(told, "true colours"), counts["slice_lookups"].get<int>() > 0);
   }
   EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--slice", "z=9", "--explain"}).out,
-              HasSubstr("layer 0: slice across z at 9 of 'ball' in ball.rho\n"));
+              HasSubstr("layer 0: slice z = 9 of 'ball' in ball.rho\n"));
 }
 
 TEST(SceneCommand, refuses_lights_that_make_no_sense) {

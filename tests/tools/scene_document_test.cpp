@@ -78,7 +78,7 @@ TEST_F(SceneDocument, notes_a_texture_that_lies_elsewhere) {
   EXPECT_THAT(notes_of("1,1,1", 100), testing::IsEmpty());
   EXPECT_THAT(notes_of("10,1,1", 100), testing::IsEmpty());
   const auto is_told = ElementsAre(
-      testing::AllOf(HasSubstr("moved.rho covers nothing of layer 0"), HasSubstr("check spacing and origin")));
+      testing::AllOf(HasSubstr("moved.rho does not overlap layer 0"), HasSubstr("check spacing and origin")));
   EXPECT_THAT(notes_of("100,1,1", 100), is_told);
   // Beside a small surface, but within the data's bounds.
   EXPECT_THAT(notes_of("20,1,1", 230), is_told);
@@ -157,11 +157,11 @@ TEST_F(SceneDocument, says_of_what_layers_a_clip_region_leaves_nothing) {
     return notes;
   };
   EXPECT_THAT(notes_of(R"({"box": [[900, 0, 0], [901, 1, 1]]})"),
-              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+              ElementsAre("s.json: /clip: layer 0 is clipped away completely"));
   EXPECT_THAT(notes_of(R"({"planes": [{"point": [0, 0, 900], "normal": [0, 0, 1]}]})"),
-              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+              ElementsAre("s.json: /clip: layer 0 is clipped away completely"));
   EXPECT_THAT(notes_of(R"({"box": [[-900, -900, -900], [900, 900, 900]], "keep": "outside"})"),
-              ElementsAre("s.json: /clip: nothing of layer 0 is left"));
+              ElementsAre("s.json: /clip: layer 0 is clipped away completely"));
   EXPECT_THAT(notes_of(R"({"box": [[-900, -900, -900], [900, 900, 900]]})"), ElementsAre());
 }
 
@@ -169,14 +169,15 @@ TEST_F(SceneDocument, says_of_slices_that_pass_the_data_by_and_of_a_camera_insid
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [
     {"type": "slice", "axis": "z"}, {"type": "slice", "axis": "z", "position": 900}]})");
   EXPECT_THAT(planned(bench() / "s.json").notes,
-              ElementsAre("layer 1: its plane passes the data by: nothing is shown of it"));
+              ElementsAre(HasSubstr("layer 1: the slice z = 900 lies outside the data (")));
   const Vec3 middle = planned(bench() / "s.json").scene.layers[0].plane.point;
   write_file(
       bench() / "s.json",
       concat(R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}, {"type": "slice", "axis": "x"}],
                "camera": {"position": [)",
              middle.x, ",", middle.y, ",", middle.z, R"(], "target": [900, 0, 0]}})"));
-  EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre(testing::EndsWith("ball.rho: rays begin in it")));
+  EXPECT_THAT(planned(bench() / "s.json").notes,
+              ElementsAre(testing::EndsWith("ball.rho; rays start inside the data")));
 }
 
 TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
@@ -220,7 +221,7 @@ TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_n
     return concat(R"([{"type": "point", "position": )", position, more, "}]");
   };
   // The ball is 23 wide; its isosurface 100 has a radius of 7.3 about (11.5, 11.5, 11.5).
-  const auto is_inside = ElementsAre(HasSubstr("light 0 stands inside opaque surfaces"));
+  const auto is_inside = ElementsAre(HasSubstr("light 0 is inside an opaque surface"));
   EXPECT_THAT(notes(point("[11.5, 11.5, 11.5]")), is_inside);
   EXPECT_THAT(notes(point("[9, 12, 15]", R"(, "shadows": true)")), is_inside);
   EXPECT_THAT(notes(point("[11.5, -3, 11.5]")), testing::IsEmpty());
@@ -228,10 +229,10 @@ TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_n
       << "a clear surface lets it out";
   EXPECT_THAT(notes(point("[11.5, 11.5, 13]"), R"("isovalue": 100)",
                     R"({"position": [11.5, 10, 11.5], "target": [11.5, 11.5, 11.5]})"),
-              ElementsAre(HasSubstr("the camera stands inside")))
+              ElementsAre(HasSubstr("the camera is inside")))
       << "the eye is there too";
   // Looking along +y.
-  const auto is_behind = ElementsAre(HasSubstr("light 0 shines from behind what is looked at"));
+  const auto is_behind = ElementsAre(HasSubstr("light 0 is behind the objects"));
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0.05, 1, 0]}])"), is_behind);
   EXPECT_THAT(notes(point("[11.5, 90, 11.5]")), is_behind);
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0.5, 1, 0]}])"), testing::IsEmpty());
@@ -239,9 +240,9 @@ TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_n
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0, -1, 0], "angular_diameter": 3}])"),
               ElementsAre(HasSubstr("light 0 has a size, which only shadows show")));
   EXPECT_THAT(notes("[]"), testing::IsEmpty());
-  EXPECT_THAT(notes("[]", R"("isovalue": 100, "ambient": 0)"), ElementsAre(HasSubstr("no light shines")));
+  EXPECT_THAT(notes("[]", R"("isovalue": 100, "ambient": 0)"), ElementsAre(HasSubstr("no light has intensity")));
   EXPECT_THAT(notes(R"([{"type": "head"}])", R"("isovalue": 100, "opacity": 0)"),
-              ElementsAre("s.json: /layers/0/opacity: is 0: the surface is not traced"));
+              ElementsAre("s.json: /layers/0/opacity is 0; the surface is not traced"));
   EXPECT_THAT(notes(R"([{"type": "head"}])", R"("isovalue": 100, "opacity": 1)"), testing::IsEmpty());
 }
 
@@ -289,7 +290,7 @@ TEST_F(SceneDocument, without_lights_has_one_white_light_at_the_eye_and_no_effec
   EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("lights"));
   EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("effects"));
   write_file(bench() / "s.json", with("lights", R"([{"type": "head"}, {"type": "head", "intensity": 0}])"));
-  EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre("light 1 shines with no intensity: not traced"));
+  EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre("light 1 has no intensity; it is not traced"));
 }
 
 TEST(SceneSchema, is_the_published_one) {

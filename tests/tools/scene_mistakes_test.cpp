@@ -44,8 +44,8 @@ std::vector<Mistake> mistakes() {
                  }() +
                  ": nested deeper than 16 levels"},
       {R"({"data": {"a": {"file": "ball.rho", "file": "box.rho"}}, "layers": []})",
-       "s.json: /data/a/file: the key is there twice"},
-      {R"({"layers": [], "layers": []})", "s.json: /layers: the key is there twice"},
+       "s.json: /data/a/file: duplicate key"},
+      {R"({"layers": [], "layers": []})", "s.json: /layers: duplicate key"},
       {with_layer(R"("isovalue": 1e999)"), "s.json: /layers/1/isovalue: found 1e999; expected a finite number"},
 
       // the document
@@ -74,7 +74,7 @@ std::vector<Mistake> mistakes() {
       {with("data", R"({"ball": {"file": "box.rho", "field": "heigth"}})"),
        "s.json: /data/ball/field: box.rho: no field 'heigth'; it has 'height', 'length'", "did you mean height?"},
       {with("data", R"({"ball": {"file": "ball.rho", "field": 1}})"),
-       "s.json: /data/ball/field: found 1; expected a text"},
+       "s.json: /data/ball/field: found 1; expected a string"},
 
       // layers
       {with("layers", "[]"), "s.json: /layers: found []; expected an array of 1 to 254 layers"},
@@ -105,14 +105,12 @@ std::vector<Mistake> mistakes() {
       {with("layers", R"([{"type": "isosurface", "isovalue": [900, -4]}])"),
        "s.json: /layers/0/isovalue/0: isovalue 900 is outside the range 0 to 237 of field 'ball'",
        "auto takes one from the histogram"},
-      {with_layer(R"("range": [0, 10])"),
-       "s.json: /layers/1/range: on a surface it is of the colours by a field: \"color_by\" names it"},
-      {with_layer(R"("colormap": "gray")"),
-       "s.json: /layers/1/colormap: is of the colours by a field: \"color_by\" names it"},
-      {with_layer(R"("color_by": "bal")"), "s.json: /layers/1/color_by: no field 'bal'; there is 'ball'",
+      {with_layer(R"("range": [0, 10])"), "s.json: /layers/1/range: on a surface, needs \"color_by\""},
+      {with_layer(R"("colormap": "gray")"), "s.json: /layers/1/colormap: needs \"color_by\""},
+      {with_layer(R"("color_by": "bal")"), "s.json: /layers/1/color_by: no field 'bal'; available: 'ball'",
        "did you mean ball?"},
       // textures
-      {with_texture(R"("texture": 3)"), "s.json: /layers/0/texture: found 3; expected a text"},
+      {with_texture(R"("texture": 3)"), "s.json: /layers/0/texture: found 3; expected a string"},
       {with_texture(R"("texture": "phto")"),
        "s.json: /layers/0/texture: found \"phto\"; expected one of \"ball\", \"photo\"", "did you mean photo?"},
       {with_texture(R"("texture": "ball")"),
@@ -124,9 +122,9 @@ std::vector<Mistake> mistakes() {
       {with_texture(R"("texture": "photo")", R"({"file": "foto.rho"})"),
        "s.json: /data/photo/file: foto.rho: no such file", "did you mean photo.rho?", 3},
       {with_texture(R"("texture": "photo")", R"({"file": "photo.rho", "field": "red"})"),
-       "s.json: /layers/0/texture: photo.rho: field 'red': colours have no fields"},
+       "s.json: /layers/0/texture: photo.rho: field 'red': a file of colours has no fields"},
       {with_texture(R"("texture": "photo", "color_by": "ball")"),
-       "s.json: /layers/0/texture: \"color_by\" is there too; expected one of the two"},
+       "s.json: /layers/0/texture: \"color_by\" is also given; expected only one of the two"},
       {R"({"data": {"photo": {"file": "photo.rho"}}, "layers": [{"type": "isosurface"}]})",
        "s.json: /data/photo/file: photo.rho: holds colours; expected a grid, a mesh or a surface",
        "colours cover a surface of other data: --texture FILE, or the key \"texture\" of a scene's layer"},
@@ -136,8 +134,9 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/1/colormap: found \"viridsi\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
        "\"coolwarm\"",
        "did you mean viridis?"},
-      {with_layer(R"("normals": "smooth")"), "s.json: /layers/1/normals: 'smooth' is of meshes, and ball.rho is a grid",
-       "exact, the gradient of the trilinear field, is how grids are lit"},
+      {with_layer(R"("normals": "smooth")"),
+       "s.json: /layers/1/normals: 'smooth' applies only to meshes, and ball.rho is a grid",
+       "use exact, the gradient of the trilinear field"},
       {with("layers", R"([{"type": "mip", "normals": "flat"}])"),
        "s.json: /layers/0/normals: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with("layers", R"([{"type": "mip", "isovalue": 4}])"),
@@ -151,7 +150,7 @@ std::vector<Mistake> mistakes() {
       {with_layer(R"("ambient": {"a": 1})"),
        "s.json: /layers/1/ambient: found an object; expected a number from 0 to 1"},
       {with_layer(R"("accuracy": "exact", "method": "paper")"),
-       "s.json: /layers/1/method: \"accuracy\" is there too; expected one of the two"},
+       "s.json: /layers/1/method: \"accuracy\" is also given; expected only one of the two"},
       {with_layer(R"("method": "papr")"),
        "s.json: /layers/1/method: found 'papr'; expected one of bracketed[:float|:double], paper[:float|:double], "
        "sampled:STEP[+linear|+bisect]",
@@ -160,10 +159,10 @@ std::vector<Mistake> mistakes() {
       // triangles
       {with("layers", R"([{"type": "mesh"}])"),
        "s.json: /layers/0/data: ball.rho: is a grid; expected a packed surface of triangles",
-       "its isosurfaces are layers of type \"isosurface\""},
+       "show its isosurfaces with a layer of type \"isosurface\""},
       {R"({"data": {"b": {"file": "box.rho"}}, "layers": [{"type": "mesh"}]})",
        "s.json: /layers/0/data: box.rho: is a mesh of tetrahedra; expected a packed surface of triangles",
-       "its isosurfaces are layers of type \"isosurface\""},
+       "show its isosurfaces with a layer of type \"isosurface\""},
       {R"({"data": {"c": {"file": "cube.off"}}, "layers": [{"type": "mesh"}]})",
        "s.json: /data/c/file: cube.off: is not a packed file", "pack it first: rhoray pack cube.off -o cube.rho"},
       {R"({"data": {"c": {"file": "cube.rho", "field": "a"}}, "layers": [{"type": "mesh"}]})",
@@ -175,9 +174,9 @@ std::vector<Mistake> mistakes() {
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "normals": "exact"}]})",
        "s.json: /layers/0/normals: found \"exact\"; expected one of \"flat\", \"smooth\""},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mesh", "accuracy": "exact"}]})",
-       "s.json: /layers/0: --accuracy: found 'exact'; expected float or double of cube.rho, which holds triangles"},
+       "s.json: /layers/0: --accuracy: found 'exact'; expected float or double for cube.rho, which holds triangles"},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mip"}]})",
-       "s.json: /layers/0: --mode: is of fields, and cube.rho holds triangles, shown as they are"},
+       "s.json: /layers/0: --mode: needs a field, and cube.rho holds only triangles"},
 
       // slices
       {with("layers", R"([{"type": "slice"}])"),
@@ -187,9 +186,9 @@ std::vector<Mistake> mistakes() {
       {with("layers", R"([{"type": "slice", "axis": "w"}])"),
        "s.json: /layers/0/axis: found \"w\"; expected one of \"x\", \"y\", \"z\"", "did you mean x?"},
       {with("layers", R"([{"type": "slice", "position": 4, "normal": [0, 0, 1]}])"),
-       "s.json: /layers/0/position: is of an axis; expected \"axis\" too"},
+       "s.json: /layers/0/position: needs \"axis\""},
       {with("layers", R"([{"type": "slice", "axis": "x", "normal": [0, 0, 1]}])"),
-       "s.json: /layers/0/axis: \"point\" or \"normal\" is there too; expected one of the two"},
+       "s.json: /layers/0/axis: \"point\" or \"normal\" is also given; expected only one of the two"},
       {with("layers", R"([{"type": "slice", "normal": [0, 0, 0]}])"),
        "s.json: /layers/0/normal: found [0,0,0]; expected three numbers [x, y, z], not all 0"},
       {with("layers", R"([{"type": "slice", "axis": "x", "threshold": [3, 3]}])"),
@@ -201,7 +200,7 @@ std::vector<Mistake> mistakes() {
       {with("layers", R"([{"type": "slice", "axis": "x", "isovalue": 4}])"),
        "s.json: /layers/0/isovalue: found in a layer of type \"slice\"; expected in one of type \"isosurface\""},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "slice", "axis": "x"}]})",
-       "s.json: /layers/0: --slice: is of fields, and cube.rho holds triangles, shown as they are"},
+       "s.json: /layers/0: --slice: needs a field, and cube.rho holds only triangles"},
 
       // lights
       {with("lights", R"([{"type": "directional", "azimuth": 9, "angular_diameter": 181}])"),
@@ -226,7 +225,7 @@ std::vector<Mistake> mistakes() {
       {with("lights", R"([{"type": "directional", "direction": [0, 0, 0]}])"),
        "s.json: /lights/0/direction: found [0,0,0]; expected a direction"},
       {with("lights", R"([{"type": "directional", "direction": [0, 0, 1], "elevation": 9}])"),
-       "s.json: /lights/0/direction: \"elevation\" is there too; expected one of the two"},
+       "s.json: /lights/0/direction: \"elevation\" is also given; expected only one of the two"},
       {with("lights", R"([{"type": "directional", "azimuth": 9, "from": "camra"}])"),
        "s.json: /lights/0/from: found \"camra\"; expected one of \"world\", \"camera\"", "did you mean camera?"},
       {with("lights", R"([{"type": "head", "intensity": -1}])"),
@@ -252,8 +251,8 @@ std::vector<Mistake> mistakes() {
       {with("clip", R"({"keep": "outside"})"), "s.json: /clip: has no region; expected \"box\" or \"planes\""},
       {with("clip", R"({"box": [0, 1]})"), "s.json: /clip/box/0: found 0; expected three numbers [x, y, z]"},
       {with("clip", R"({"box": [[0, 0, 0], [1, 0, 1]]})"),
-       "s.json: /clip/box: found [[0,0,0],[1,0,1]]; expected two corners [[x, y, z], [x, y, z]], each number of the "
-       "first below that of the second"},
+       "s.json: /clip/box: found [[0,0,0],[1,0,1]]; expected two corners [[x, y, z], [x, y, z]]; each coordinate of "
+       "the first is below that of the second"},
       {with("clip", R"({"box": [[0, 0, 0], [1, 1, 1e999]]})"),
        "s.json: /clip/box/1/2: found 1e999; expected a finite number"},
       {with("clip", R"({"planes": []})"), "s.json: /clip/planes: found []; expected an array of 1 to 6 planes"},
@@ -298,9 +297,9 @@ std::vector<Mistake> mistakes() {
       {with("image", R"({"channels": ["cost", "cost"]})"),
        "s.json: /image/channels/1: found \"cost\"; expected each word once"},
       {with("image", R"({"channels": ["error"]})"),
-       "s.json: /image/channels: the channel 'error' needs a method that proves one: certified or exact"},
+       "s.json: /image/channels: the channel 'error' needs accuracy certified or exact"},
       {with("image", R"({"show": "error"})"),
-       "s.json: /image/show: the channel 'error' needs a method that proves one: certified or exact"},
+       "s.json: /image/show: the channel 'error' needs accuracy certified or exact"},
       {with("image", R"({"antialias": 65})"),
        "s.json: /image/antialias: found 65; expected a whole number from 1 to 64"},
 
@@ -311,13 +310,11 @@ std::vector<Mistake> mistakes() {
       {with("annotations", R"({"axes": {"corner": "lfet"}})"),
        "s.json: /annotations/axes/corner: found \"lfet\"; expected one of \"left\", \"right\"", "did you mean left?"},
       {with("annotations", R"({"box": {}})"), "s.json: /annotations/box: found an object; expected true or false"},
-      {with("annotations", R"({"caption": ""})"), "s.json: /annotations/caption: found \"\"; expected a text"},
+      {with("annotations", R"({"caption": ""})"), "s.json: /annotations/caption: found \"\"; expected a string"},
       {with("annotations", R"({"colorbar": {"position": "top"}})"),
        "s.json: /annotations/colorbar/position: found \"top\"; expected one of \"left\", \"right\""},
       {with("annotations", R"({"colorbar": true})"),
-       "s.json: /annotations/colorbar: no layer shows values by colours; expected one of a projection, or coloured by "
-       "a "
-       "field"},
+       "s.json: /annotations/colorbar: nothing here is coloured by a field"},
   };
 }
 
@@ -350,12 +347,12 @@ TEST_F(SceneDocument, refuses_what_is_too_large) {
 
 TEST_F(SceneDocument, warns_of_unknown_keys_with_the_nearest_one) {
   EXPECT_THAT(answer_to(with("camera", R"({"zomm": 2})")).warnings,
-              ElementsAre("s.json: /camera/zomm: unknown key, not read; did you mean zoom?"));
+              ElementsAre("s.json: /camera/zomm: unknown key, ignored; did you mean zoom?"));
   EXPECT_THAT(answer_to(with("effects", R"({"fogg": {}})")).warnings,
-              ElementsAre("s.json: /effects/fogg: unknown key, not read; did you mean fog?"));
-  EXPECT_THAT(answer_to(with("flamingo", "1")).warnings, ElementsAre("s.json: /flamingo: unknown key, not read"));
+              ElementsAre("s.json: /effects/fogg: unknown key, ignored; did you mean fog?"));
+  EXPECT_THAT(answer_to(with("flamingo", "1")).warnings, ElementsAre("s.json: /flamingo: unknown key, ignored"));
   const Answer layer = answer_to(with_layer(R"("isovlaue": 3)"));
-  EXPECT_THAT(layer.warnings, ElementsAre("s.json: /layers/1/isovlaue: unknown key, not read; did you mean isovalue?"));
+  EXPECT_THAT(layer.warnings, ElementsAre("s.json: /layers/1/isovlaue: unknown key, ignored; did you mean isovalue?"));
   EXPECT_EQ(layer.fact, "");
 }
 

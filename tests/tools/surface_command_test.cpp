@@ -78,11 +78,11 @@ TEST(SurfaceCommands, refuse_what_asks_for_a_field) {
   const Workbench bench;
   make_cube(bench);
   const std::vector<std::pair<std::vector<std::string>, std::string>> rows{
-      {{"--iso", "0.5"}, "--iso: is of fields"},
-      {{"--mode", "mip"}, "--mode: is of fields"},
-      {{"--color-by", "a"}, "--color-by: is of fields"},
-      {{"--range", "0,1"}, "--range: is of fields"},
-      {{"--method", "paper"}, "--method: is of fields"},
+      {{"--iso", "0.5"}, "--iso: needs a field"},
+      {{"--mode", "mip"}, "--mode: needs a field"},
+      {{"--color-by", "a"}, "--color-by: needs a field"},
+      {{"--range", "0,1"}, "--range: needs a field"},
+      {{"--method", "paper"}, "--method: needs a field"},
       {{"--accuracy", "certified"}, "expected float or double"},
       {{"--normals", "exact"}, "a surface"},
       {{"--field", "a"}, "no fields"}};

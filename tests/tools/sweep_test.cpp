@@ -189,15 +189,15 @@ TEST_F(SweepCommand, refuses_what_does_not_move) {
   const std::string good = R"([{"time": 0, "azimuth": 0}, {"time": 1, "azimuth": 9}])";
   const std::vector<std::string> named{"-o", "x_%d.png"};
   for (const Mistake& mistake : {
-           Mistake{scene("[]"), named, "s.json: /camera/keyframes: found 0 of them; expected at least 2 key frames"},
+           Mistake{scene("[]"), named, "s.json: /camera/keyframes: found 0; expected at least 2 key frames"},
            {scene("7"), named, "s.json: /camera/keyframes: found 7; expected an array of key frames"},
            {scene(R"([{"time": 0}, {"azimuth": 9}])"), named,
             "s.json: /camera/keyframes/1: has no \"time\"; expected a number"},
            {scene(R"([{"time": 1}, {"time": 1}])"), named,
-            "s.json: /camera/keyframes/1/time: found 1; expected a time after 1, that of the key before"},
+            "s.json: /camera/keyframes/1/time: found 1; expected a time after 1, the time of the previous key"},
            {scene(R"([{"time": 0, "zoom": 2}, {"time": 1, "target": [0, 0, 0]}])"), named,
-            "s.json: /camera/keyframes/1: \"target\" and \"zoom\" are both in key frames; expected a camera of angles "
-            "or one of places"},
+            "s.json: /camera/keyframes/1: \"target\" and \"zoom\" are both in key frames; expected either angles or "
+            "positions"},
            {scene(R"([{"time": 0, "elevation": 95}])"), named,
             "s.json: /camera/keyframes/0/elevation: found 95; expected a number from -90 to 90"},
            {scene(R"([{"time": 0, "isovalue": 50}, {"time": 1, "isovalue": 900}])"), named,
@@ -205,7 +205,7 @@ TEST_F(SweepCommand, refuses_what_does_not_move) {
            {R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", "isovalue": [80, 90]}],
               "camera": {"keyframes": [{"time": 0, "isovalue": 50}, {"time": 1}]}})",
             named, "s.json: /camera/keyframes/0/isovalue: the scene shows 2 isosurfaces; expected one"},
-           {scene(R"([{"time": 0}, {"time": 1e9}])"), named, "s.json: /camera/keyframes: take "},
+           {scene(R"([{"time": 0}, {"time": 1e9}])"), named, "s.json: /camera/keyframes: need "},
            {scene(good), {"-o", "x.png"}, "-o: found 'x.png'; expected a name with a place for the frame's number", 2},
            {scene(good), {"--frames", "3", "--frame", "3", "-o", "x.png"}, "--frame: found 3; expected 0 to 2", 2},
            {scene(good), {"--pick", "1,1", "-o", "x_%d.png"}, "--pick: looks into one picture, not into frames", 2},

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "tools/rhoray/scene/slices.h"
 
 namespace rhoray::tools {
 
@@ -17,7 +18,8 @@ bool is_box(const Vec3& low, const Vec3& high) {
 
 /// Two corners.
 ValueKind<Box3> box_value() {
-  const std::string expected = "two corners [[x, y, z], [x, y, z]], each number of the first below that of the second";
+  const std::string expected =
+      "two corners [[x, y, z], [x, y, z]]; each coordinate of the first is below that of the second";
   const ValueKind<Vec3> corner = vector_value();
   return {.expected = expected,
           .schema = {{"type", "array"}, {"items", corner.schema}, {"minItems", 2}, {"maxItems", 2}},
@@ -74,7 +76,7 @@ std::pair<Vec3, Vec3> two_vectors(const std::string& text, const std::string& ex
 }
 
 Box3 read_box(const std::string& text) {
-  const std::string expected = "six finite numbers x0,y0,z0,x1,y1,z1, the first three each below its partner";
+  const std::string expected = "six finite numbers x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1";
   const auto [low, high] = two_vectors(text, expected);
   if (!is_box(low, high)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
   return {low, high};
@@ -106,43 +108,44 @@ render::HalfSpace read_half_space(const std::string& text) {
 
 const std::vector<Row<render::HalfSpace>>& half_space_rows() {
   static const std::vector<Row<render::HalfSpace>> rows{
-      required(row("point", &render::HalfSpace::point, vector_value(), "A place in the plane, in world units")),
+      required(row("point", &render::HalfSpace::point, vector_value(), "A point of the plane, in world units")),
       required(row("normal", &render::HalfSpace::normal, direction_value(),
-                   "Towards the side that belongs to the region, of any length"))};
+                   "Normal of the plane, of any length; it points into the region"))};
   return rows;
 }
 
 const std::vector<Row<ClipSpec>>& clip_rows() {
   static const std::vector<Row<ClipSpec>> rows{
-      row("box", &ClipSpec::box, box_value(), "The region lies in this box, in world axes"),
-      row("planes", &ClipSpec::planes, half_spaces_value(), "The region lies on the normal's side of each plane"),
+      row("box", &ClipSpec::box, box_value(), "Box that bounds the region, in world axes"),
+      row("planes", &ClipSpec::planes, half_spaces_value(),
+          "Planes that bound the region; it lies on the normal's side of each"),
       row("keep", &ClipSpec::keep, word_value({keep_inside, keep_outside}),
-          "\"inside\", the default: what lies outside the region is clipped away; \"outside\": what lies in it")};
+          "\"inside\", the default: only the inside of the region is shown; \"outside\": only the rest")};
   return rows;
 }
 
 std::vector<Option> clip_options(std::optional<ClipSpec>& spec) {
   const auto said = [&spec]() -> ClipSpec& { return spec ? *spec : spec.emplace(); };
   return {{Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
-           "Show only what lies in this box, world units; surfaces are open where it cuts them",
+           "Show only what lies inside this box, in world units; surfaces are cut open, not capped",
            [said](const std::string& text) { said().box = read_box(text); }},
           {Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ...",
-           concat("Show only what lies on the side of a plane to which its normal points, such as 0,0,40,0,0,1: above "
-                  "z = 40; may be given up to ",
+           concat("Show only what lies on the normal's side of a plane; 0,0,40,0,0,1 shows what lies above z = 40; may "
+                  "be given up to ",
                   render::Clip::most_planes, " times"),
            [said](const std::string& text) {
              if (said().planes.size() == render::Clip::most_planes)
-               throw Error(ErrorCode::usage, concat("found one more; expected at most ", render::Clip::most_planes));
+               throw Error(ErrorCode::usage, concat("too many planes; expected at most ", render::Clip::most_planes));
              said().planes.push_back(read_half_space(text));
            }},
-          {Option::Kind::flag, "--cut-away", "", "Take away what lies in the clip box and planes, and show the rest",
+          {Option::Kind::flag, "--cut-away", "", "Hide the inside of the clip region",
            [said](const std::string&) { said().keep = keep_outside; }}};
 }
 
 std::optional<render::Clip> choose_clip(const std::optional<ClipSpec>& spec, const Place& place) {
   if (!spec) return std::nullopt;
   if (!spec->box && spec->planes.empty() && place.document.empty())
-    throw Error(ErrorCode::usage, "--cut-away: there is nothing to cut away; expected --clip-box or --clip-plane too");
+    throw Error(ErrorCode::usage, "--cut-away: no clip region given; expected --clip-box or --clip-plane");
   if (!spec->box && spec->planes.empty())
     throw Error(ErrorCode::invalid, concat(place.text(), ": has no region; expected \"box\" or \"planes\""));
   return render::Clip{.box = spec->box, .planes = spec->planes, .cuts_away = spec->keep == keep_outside};
@@ -171,7 +174,9 @@ std::vector<std::string> clip_notes(const ResolvedScene& plan, const Place& plac
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i)
     if (bounds_of(plan.scene.layers[i], plan).isEmpty())
-      notes.push_back(concat("layer ", i, ": its plane passes the data by: nothing is shown of it"));
+      notes.push_back(concat(
+          "layer ", i, ": ",
+          text_of_slice_outside(plan.scene.layers[i].plane, plan.volumes[plan.scene.layers[i].volume].bounds())));
   if (!plan.scene.clip) return notes;
   const std::string subject = place.document.empty() ? "clip" : place.text();
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
@@ -179,7 +184,7 @@ std::vector<std::string> clip_notes(const ResolvedScene& plan, const Place& plac
     const Box3 bounds = bounds_of(layer, plan);
     if (bounds.isEmpty()) continue;
     if (layer.clipped && what_is_left(*plan.scene.clip, bounds).isEmpty())
-      notes.push_back(concat(subject, ": nothing of layer ", i, " is left"));
+      notes.push_back(concat(subject, ": layer ", i, " is clipped away completely"));
   }
   return notes;
 }

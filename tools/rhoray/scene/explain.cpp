@@ -30,8 +30,8 @@ std::string shown_text(const render::Layer& layer, const ResolvedScene& plan) {
 }
 
 std::string why_method(const SceneSpec& scene_spec, const LayerSpec& layer) {
-  if (layer.type == LayerType::slice) return "of every slice";
-  if (!layer.method.empty() || !layer.accuracy.empty() || !scene_spec.accuracy.empty()) return "asked for";
+  if (layer.type == LayerType::slice) return "used for every slice";
+  if (!layer.method.empty() || !layer.accuracy.empty() || !scene_spec.accuracy.empty()) return "requested";
   return "default";
 }
 
@@ -63,7 +63,7 @@ std::string shadows_text(const render::Light& light) {
   if (!(light.size > 0)) return ", casts shadows";
   const std::string size = light.kind == render::Light::Kind::point ? concat("a ball of radius ", light.size)
                                                                     : concat(light.size, " degrees wide");
-  return concat(", casts soft shadows: ", size, ", ", light.samples, light.samples == 1 ? " ray" : " rays", " a hit");
+  return concat(", casts soft shadows: ", size, ", ", light.samples, light.samples == 1 ? " ray" : " rays", " per hit");
 }
 
 /// directional, from (0.6, -0.6, 0.5), casts shadows
@@ -82,8 +82,8 @@ std::string light_text(const render::Light& light) {
 
 std::string antialiasing_text(const ResolvedScene& plan) {
   const int most = plan.frame.antialiasing;
-  if (most == 1) return "no antialiasing: one ray through the middle of every pixel";
-  return concat("antialiasing: up to ", most, " rays through pixels at edges, one through the others");
+  if (most == 1) return "no antialiasing: one ray through the centre of each pixel";
+  return concat("antialiasing: up to ", most, " rays per pixel at edges, one elsewhere");
 }
 
 bool is_opened(const DataSpec& data, const ResolvedScene& plan) {
@@ -106,7 +106,7 @@ Json explained(const SceneSpec& scene_spec, const ResolvedScene& plan) {
   for (const DataSpec& data : scene_spec.data)
     if (!is_opened(data, plan))
       json["left_out"].push_back(
-          concat("data \"", data.name, "\": ", data.file.string(), " is not opened: no visible layer shows it"));
+          concat("data \"", data.name, "\": ", data.file.string(), " is not opened; no visible layer uses it"));
   return json;
 }
 

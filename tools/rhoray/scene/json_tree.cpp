@@ -42,7 +42,7 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool key(string_t& name) override {
     if (open_.back()->contains(name))
-      throw Error(ErrorCode::invalid, concat(here().at(name).text(), ": the key is there twice"));
+      throw Error(ErrorCode::invalid, concat(here().at(name).text(), ": duplicate key"));
     keys_.back() = name;
     return true;
   }

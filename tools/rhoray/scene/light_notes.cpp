@@ -68,11 +68,11 @@ bool is_behind(const Light& light, const render::Camera& camera) {
 std::string note_of(const Light& light, const render::Scene& scene, std::span<const render::Volume> volumes) {
   const render::Camera& camera = scene.camera;
   if (light.kind == Light::Kind::head) return {};
-  if (light.size > 0 && !light.casts_shadows) return "has a size, which only shadows show, but casts none";
+  if (light.size > 0 && !light.casts_shadows) return "has a size but casts no shadows; its size has no effect";
   if (light.kind == Light::Kind::point && is_inside(light, camera, OpaqueSurfaces(scene, volumes)))
-    return concat("stands inside opaque surfaces, at (", light.place.x, ", ", light.place.y, ", ", light.place.z,
-                  "): nothing outside them is lit by it");
-  if (is_behind(light, camera)) return "shines from behind what is looked at: no more than rims are lit by it";
+    return concat("is inside an opaque surface, at (", light.place.x, ", ", light.place.y, ", ", light.place.z,
+                  "); it lights nothing outside");
+  if (is_behind(light, camera)) return "is behind the objects; it lights only their rims";
   return {};
 }
 
@@ -91,10 +91,10 @@ std::vector<std::string> light_notes(const render::Scene& scene, std::span<const
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];
     const std::string note =
-        light.color == Vec3(0, 0, 0) ? "shines with no intensity: not traced" : note_of(light, scene, volumes);
+        light.color == Vec3(0, 0, 0) ? "has no intensity; it is not traced" : note_of(light, scene, volumes);
     if (!note.empty()) notes.push_back(concat("light ", i, " ", note));
   }
-  if (is_lit_by_nothing(scene)) notes.push_back("no light shines, and a surface without ambient light is black");
+  if (is_lit_by_nothing(scene)) notes.push_back("no light has intensity; surfaces without ambient light are black");
   return notes;
 }
 

@@ -52,7 +52,7 @@ Vec3 place_of(const LightSpec& spec, const render::Camera& camera, const Place& 
                                            spec.azimuth_deg     ? "azimuth"
                                            : spec.elevation_deg ? "elevation"
                                                                 : "from",
-                                           "\" is there too; expected one of the two"));
+                                           "\" is also given; expected only one of the two"));
   if (spec.direction && *spec.direction == Vec3(0, 0, 0))
     throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": found [0,0,0]; expected a direction"));
   return spec.direction ? *spec.direction : direction_of(spec, camera);

@@ -31,14 +31,13 @@ render::Normals choose_normals(const LayerSpec& spec, const render::Volume& volu
   for (const auto& row : normals_rows) {
     if (spec.normals != row.word) continue;
     if (row.of_meshes != has_flat_normals(volume))
-      throw refusal(
-          layer, "normals", "--normals",
-          concat("'", row.word, "' is of ", row.of_meshes ? "meshes" : "grids", ", and ", volume.file().name(), " is ",
-                 volume.is_mesh()      ? "a mesh"
-                 : volume.is_surface() ? "a surface"
-                                       : "a grid"),
-          !row.of_meshes ? "flat is the exact gradient of every cell"
-                         : "exact, the gradient of the trilinear field, is how grids are lit");
+      throw refusal(layer, "normals", "--normals",
+                    concat("'", row.word, "' applies only to ", row.of_meshes ? "meshes" : "grids", ", and ",
+                           volume.file().name(), " is ",
+                           volume.is_mesh()      ? "a mesh"
+                           : volume.is_surface() ? "a surface"
+                                                 : "a grid"),
+                    !row.of_meshes ? "use flat or smooth" : "use exact, the gradient of the trilinear field");
     return row.normals;
   }
   return render::Normals::exact;
@@ -53,14 +52,14 @@ formats::FieldSummary color_field(const LayerSpec& spec, const render::Volume& v
   if (std::find(names.begin(), names.end(), spec.color_by) == names.end()) {
     std::string known;
     for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
-    throw refuse(concat("no field '", spec.color_by, "'; there is ", known), did_you_mean(spec.color_by, names),
+    throw refuse(concat("no field '", spec.color_by, "'; available: ", known), did_you_mean(spec.color_by, names),
                  ErrorCode::usage);
   }
   const std::optional<formats::FieldSummary> field = volume.field(spec.color_by);
   if (!field)
     throw refuse(
         concat("'", spec.color_by, "' is another grid of ", volume.file().name(),
-               ", with voxels of its own; a surface is coloured by its own field, '", volume.field().name, "'"),
+               ", with other voxels; a surface can be coloured only by its own field, '", volume.field().name, "'"),
         {}, ErrorCode::unsupported);
   if (field->range.is_empty())
     throw refuse(concat("field '", field->name, "' holds no finite value"), {}, ErrorCode::invalid);
@@ -117,9 +116,9 @@ render::Surface choose_surface(const LayerSpec& spec, const render::Volume& volu
     surface.color_by = choose_field_colors(spec, volume, layer);
     return surface;
   }
-  const std::string needs = layer.document.empty() ? "--color-by names it" : "\"color_by\" names it";
-  if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", "is of the colours by a field: " + needs);
-  if (spec.range) throw refusal(layer, "range", "--range", "on a surface it is of the colours by a field: " + needs);
+  const std::string needs = layer.document.empty() ? "needs --color-by" : "needs \"color_by\"";
+  if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", needs);
+  if (spec.range) throw refusal(layer, "range", "--range", "on a surface, " + needs);
   return surface;
 }
 

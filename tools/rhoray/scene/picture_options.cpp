@@ -122,110 +122,111 @@ std::vector<Option> picture_options(PictureOptions& options) {
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
   std::vector<Option> rows{
       layers(choice_option("--mode", {"iso", "mip"},
-                           "Isosurface, or maximum intensity projection; a surface is shown as it is", options.mode)),
-      layers(value_option(
-          "--iso", "V[,V...]",
-          "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold; of boundary_distance a ten-thousandth of "
-          "the largest); several are several surfaces; default auto",
-          layer.isovalues)),
-      layers(value_option("--field", "NAME", "Field to show; default the first", scene.data[0].field)),
-      layers(value_option("--mesh", "FILE[,FILE...]",
-                          "Packed surfaces whose triangles stand beside the file as landmarks", options.meshes)),
-      value_option("--size", "WxH", "Pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
-      word_option("--view", view_words(), "Side to look from: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
+                           "iso: isosurface; mip: maximum intensity projection; triangles are shown as they are",
+                           options.mode)),
+      layers(value_option("--iso", "V[,V...]",
+                          "Isovalue: a number, p95 (percentile) or auto (Otsu's threshold; for boundary_distance "
+                          "1/10000 of its maximum); several values give several surfaces; default auto",
+                          layer.isovalues)),
+      layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
+                          scene.data[0].field)),
+      layers(
+          value_option("--mesh", "FILE[,FILE...]", "Packed surfaces of triangles, shown as landmarks", options.meshes)),
+      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+      word_option("--view", view_words(),
+                  "Side from which the camera looks: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
                   camera.view),
-      value_option("--azimuth", "DEG", "Angle around the world's z axis; 0 looks along +y", camera.azimuth_deg),
-      number_option("--elevation", "DEG", "Angle above the horizon; 90 looks straight down", limits::elevation_deg,
-                    camera.elevation_deg),
-      number_option("--zoom", "FACTOR", "1: the data just fits; 2: twice as large", limits::zoom, camera.zoom),
-      number_option("--fov", "DEG", "Vertical opening angle; default 30", limits::fov_deg, camera.fov_deg),
+      value_option("--azimuth", "DEG", "Camera azimuth around the world's z axis; 0 looks along +y",
+                   camera.azimuth_deg),
+      number_option("--elevation", "DEG", "Camera elevation above the horizon; 90 looks straight down",
+                    limits::elevation_deg, camera.elevation_deg),
+      number_option("--zoom", "FACTOR", "Zoom factor; 1: the data just fits; 2: twice as large", limits::zoom,
+                    camera.zoom),
+      number_option("--fov", "DEG", "Vertical field of view; default 30", limits::fov_deg, camera.fov_deg),
       switch_option("--ortho", "Orthographic projection", true, camera.orthographic),
-      above_zero_option("--ortho-height", "H", "World units that the picture's height shows; implies --ortho",
+      above_zero_option("--ortho-height", "H", "Height of the image in world units; implies --ortho",
                         camera.orthographic_height),
-      value_option("--camera-position", "X,Y,Z", "Eye, in world units; default fitted to the data", camera.position),
-      value_option("--camera-target", "X,Y,Z", "Point looked at", camera.target),
-      value_option("--camera-up", "X,Y,Z", "Direction that is up in the picture", camera.up),
+      value_option("--camera-position", "X,Y,Z", "Camera position in world units; default fitted to the data",
+                   camera.position),
+      value_option("--camera-target", "X,Y,Z", "Point the camera looks at, in world units", camera.target),
+      value_option("--camera-up", "X,Y,Z", "Up direction of the image", camera.up),
       layers(value_option("--surface-color", "COLOR",
-                          "#rrggbb (sRGB), or r,g,b (linear, 0 to 1); several surfaces have one each by default",
+                          "Surface colour: #rrggbb (sRGB) or r,g,b (linear, 0 to 1); by default several surfaces have "
+                          "different colours",
                           layer.color)),
-      layers(choice_option("--normals", normals_words(),
-                           "What the surface of a mesh, or a surface by itself, is lit by: flat, the exact gradient of "
-                           "each cell or normal of each triangle, or smooth, linear between means "
-                           "at the points; of a grid exact, the gradient of its trilinear field",
-                           layer.normals)),
-      layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file, where rays hit it",
-                          layer.color_by)),
-      layers(choice_option("--colormap", colormap_words(), "Colours of --color-by and --slice; default viridis",
+      layers(choice_option(
+          "--normals", normals_words(),
+          "Surface normals. Meshes and triangles: flat (exact gradient of each cell, normal of each triangle) or "
+          "smooth (linear between averages at the points). Grids: exact (gradient of the trilinear field)",
+          layer.normals)),
+      layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
+      layers(choice_option("--colormap", colormap_words(), "Colour map of --color-by and --slice; default viridis",
                            layer.colormap)),
       layers(slice_option(options.slices)),
-      layers(value_option("--texture", "FILE",
-                          "Cover the surface by the colours of a file packed with --color, registered in world axes",
+      layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color, placed in world axes",
                           options.texture)),
-      value_option("--background", "COLOR", "As above; default white for isosurfaces, black for MIP", image.background),
-      layers(number_option("--ambient", "A", "Share of light from all sides, 0 to 1; default 0.12", limits::share,
-                           layer.ambient)),
-      layers(number_option("--specular", "S", "Strength of the highlight, 0 to 1; 0 computes none", limits::share,
+      value_option("--background", "COLOR",
+                   "Background colour, written as --surface-color; default white for isosurfaces, black for MIP",
+                   image.background),
+      layers(number_option("--ambient", "A", "Ambient light, 0 to 1; default 0.12", limits::share, layer.ambient)),
+      layers(number_option("--specular", "S", "Specular strength, 0 to 1; 0 computes none; default 0.25", limits::share,
                            layer.specular)),
-      layers(number_option("--shininess", "N", "Exponent of the highlight; default 40", limits::shininess,
-                           layer.shininess)),
-      layers(number_option("--opacity", "O", "Share of the light behind that a surface holds back, 0 to 1; default 1",
-                           limits::share, layer.opacity)),
+      layers(number_option("--shininess", "N", "Specular exponent; default 40", limits::shininess, layer.shininess)),
+      layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", limits::share, layer.opacity)),
       flag_option("--shadows",
-                  "A key light, by default from the upper left of the camera, whose light opaque surfaces hold back; a "
-                  "weaker light at the eye fills its shadows. Default one light at the eye, without shadows",
+                  "Cast shadows from a key light, by default at the camera's upper left; a weaker light at the camera "
+                  "fills them. Default: one light at the camera, without shadows",
                   options.shadows),
       angles_option("--light",
-                    "A key light from where a camera of this azimuth and elevation would stand, with the weaker light "
-                    "at the eye; with --shadows it casts them",
+                    "Direction of a key light, as azimuth and elevation of a camera; a weaker light at the camera is "
+                    "added. --shadows makes the key light cast shadows",
                     options.key_light),
       number_option("--light-size", "DEG",
-                    "Angle under which the key light is seen: with it the light casts shadows, and their edges are "
-                    "soft, by 16 rays a hit; default 0, sharp edges",
+                    "Angular diameter of the key light, which then casts shadows with soft edges (16 rays per hit); "
+                    "default 0, sharp edges",
                     limits::angular_diameter_deg, options.key_light_size),
       {Option::Kind::flag, "--ao", "",
-       "Ambient occlusion: less light from all sides where opaque surfaces are near, up to a tenth of the diagonal of "
-       "what is shown; 16 rays a hit",
+       "Ambient occlusion: less ambient light near opaque surfaces, up to a tenth of the diagonal of the shown data; "
+       "16 rays per hit",
        [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionSpec{}; }},
       {Option::Kind::value, "--fog", "A,B",
-       "Surfaces fade into the background with their distance from the eye, from A on; at B nothing of them is left",
+       "Fog: surfaces fade into the background with distance from the camera; it starts at A and is complete at B",
        [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
-      layers(
-          value_option("--range", "A,B",
-                       "Values shown from black to white in MIP, or from the first colour to the last by --color-by or "
-                       "--slice; default the field's range",
-                       layer.range)),
+      layers(value_option("--range", "A,B",
+                          "Values shown as black and white in MIP, or as first and last colour with --color-by or "
+                          "--slice; default the field's range",
+                          layer.range)),
       choice_option(
           "--accuracy", accuracy_words(),
-          "preview: a first look; float: single precision inside cells; double: double precision; certified: every hit "
-          "and miss proven, with a bound of its error; exact: every decision in exact arithmetic, slow. Both first "
-          "prove "
-          "the file's value ranges, once, and end with exit code 4 where these are wrong. Default float "
-          "for isosurfaces of meshes and of uniform grids, dense or in bricks, which many rays cross at once, else "
-          "double",
+          "preview: fast, approximate; float: single precision inside cells; double: double precision; certified: "
+          "every hit and miss proven, with an error bound; exact: exact arithmetic for every decision, slow. certified "
+          "and exact first check the file's value ranges; exit code 4 if these are wrong. Default float for "
+          "isosurfaces of meshes and of uniform grids (dense or in bricks), else double",
           scene.accuracy),
       layers(value_option("--method", "NAME", method_help(), layer.method)),
-      value_option("--channels", "A,B",
-                   "Also keep depth, normal, cell, value; error (certified, exact), roots, iterations, cost (EXR only)",
-                   image.channels),
+      value_option(
+          "--channels", "A,B",
+          "Extra EXR channels: depth, normal, cell, value, roots, iterations, cost, error (only certified and exact)",
+          image.channels),
       word_option("--show", show_words(),
-                  "A heat map instead of colours: error (certified, exact), roots in the hit cell, iterations of the "
-                  "root, cost (cells visited); default color",
+                  "Heat map instead of colours: error (only certified and exact), roots in the hit cell, iterations of "
+                  "the root search, cost (cells visited); default color",
                   image.show),
-      switch_option("--no-hierarchy", "Walk every leaf cell, for comparison; the same picture at double", false,
+      switch_option("--no-hierarchy", "Visit every leaf cell, for comparison; the picture is the same at double", false,
                     image.hierarchy),
-      whole_number_option("--antialias", "N",
-                          "Most samples of a pixel, 1 to 64: pixels at edges get as many as their differing asks for; "
-                          "default 1",
+      whole_number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; adaptive: more at edges; default 1",
                           limits::pixel_samples, image.antialias),
-      whole_number_option("--frames", "N",
-                          "Pictures from the first key frame of a scene's camera to the last; -o out_%04d.png",
-                          limits::frames, image.frames),
-      {Option::Kind::flag, "--axes", "", "Arrows along the world's axes, in the lower left corner",
+      whole_number_option(
+          "--frames", "N",
+          "Number of pictures from the first key frame of a scene's camera to the last; needs -o out_%04d.png",
+          limits::frames, image.frames),
+      {Option::Kind::flag, "--axes", "", "Draw arrows along the world axes, in the lower left corner",
        [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesSpec{}; }},
-      switch_option("--box", "The box around what is shown, with ticks in world units", true, scene.annotations.box),
-      {Option::Kind::flag, "--colorbar", "", "The colours of --color-by, a projection or a heat map, and their values",
+      switch_option("--box", "Draw a box around the shown data, with ticks in world units", true,
+                    scene.annotations.box),
+      {Option::Kind::flag, "--colorbar", "", "Draw a colour bar for --color-by, a slice, a projection or a heat map",
        [&annotations = scene.annotations](const std::string&) { annotations.color_bar = ColorBarSpec{}; }},
-      value_option("--caption", "TEXT", "Text below", scene.annotations.caption)};
+      value_option("--caption", "TEXT", "Caption below the picture", scene.annotations.caption)};
   const std::vector<Option> clip_rows = clip_options(scene.clip);
   rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
   return rows;
@@ -238,8 +239,7 @@ void refuse_words_of_surfaces(const LayerSpec& layer) {
   for (const auto& [option, text] :
        {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
     if (!text->empty())
-      throw Error(ErrorCode::usage,
-                  concat(option, " is of isosurfaces; a maximum intensity projection has no surface"));
+      throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a maximum intensity projection has none"));
 }
 
 /// Slices before the layer that options speak of; alone where nothing asks for that layer.
@@ -263,8 +263,8 @@ void add_slices(const PictureOptions& options, SceneSpec& scene_spec) {
   constexpr std::array of_slices{"--slice", "--field", "--colormap", "--range", "--opacity"};
   for (const std::string& name : given)
     if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
-      throw Error(ErrorCode::usage, concat(name, ": only slices are shown, and it is not of them"),
-                  "--mode iso or --iso shows an isosurface too");
+      throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
+                  "add --mode iso or --iso to show an isosurface too");
   for (LayerSpec& slice : slices) slice.opacity = layer.opacity;
   scene_spec.layers = std::move(slices);
 }
@@ -290,7 +290,7 @@ SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& fi
   scene_spec.lights = lights_of(options);
   scene_spec.layers[0].type = options.mode == "mip" ? LayerType::mip : LayerType::isosurface;
   if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
-    throw Error(ErrorCode::usage, "--method and --accuracy say the same thing twice: give one of them");
+    throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
   if (scene_spec.layers[0].type == LayerType::mip) refuse_words_of_surfaces(scene_spec.layers[0]);
   add_slices(options, scene_spec);
   add_landmarks(options.meshes, scene_spec);
@@ -300,9 +300,9 @@ SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& fi
 SceneSpec with_options(SceneSpec document, const PictureOptions& options) {
   if (!options.of_the_layer.empty())
     throw Error(ErrorCode::usage,
-                concat(options.of_the_layer.front(), ": given beside the scene ", document.document,
-                       ", whose layers say what is shown"),
-                "say it in a layer of the document");
+                concat(options.of_the_layer.front(), ": not allowed with the scene ", document.document,
+                       "; its layers define what is shown"),
+                "set it in a layer of the document");
   const SceneSpec& said = options.scene_spec;
   document.camera = camera_under(document.camera, said.camera);
   replace(document.lights, lights_of(options));

@@ -91,8 +91,8 @@ std::size_t volume_of(const SceneSpec& scene_spec, const DataSpec& data, const O
   plan.data.back().field = volume.field().name;
   for (const std::string& note : volume.notes()) plan.notes.push_back(note);
   if (!volume.is_surface() && data.field.empty() && volume.field().name != volume.field_names().front())
-    plan.notes.push_back(concat("field '", volume.field_names().front(), "' is the same everywhere: '",
-                                volume.field().name, "' is shown"));
+    plan.notes.push_back(
+        concat("field '", volume.field_names().front(), "' is constant; showing field '", volume.field().name, "'"));
   return plan.volumes.size() - 1;
 }
 
@@ -106,9 +106,10 @@ std::optional<render::Texture> texture_of(const SceneSpec& scene_spec, std::size
     const std::string option = scene_spec.document.empty() ? "--texture: " : "";
     if (!layer.color_by.empty())
       throw Error(ErrorCode::usage, concat(option, scene_spec.document.empty() ? "--color-by" : "\"color_by\"",
-                                           " is there too; expected one of the two"));
+                                           " is also given; expected only one of the two"));
     if (!data.field.empty())
-      throw Error(ErrorCode::usage, concat(data.file.string(), ": field '", data.field, "': colours have no fields"));
+      throw Error(ErrorCode::usage,
+                  concat(data.file.string(), ": field '", data.field, "': a file of colours has no fields"));
   });
   const std::vector<std::string> names = names_of(plan.texture_data);
   const auto found = std::find(names.begin(), names.end(), data.name);
@@ -130,8 +131,8 @@ void note_textures_elsewhere(ResolvedScene& plan) {
         texture.may_overlap(volume.bounds()) &&
         (layer.mode == render::Mode::triangles || texture.may_overlap(volume.isosurface_bounds(layer.isovalue)));
     if (!is_near)
-      plan.notes.push_back(concat("the texture ", texture.file().name(), " covers nothing of layer ", i,
-                                  ": it lies elsewhere in the world; check spacing and origin of both"));
+      plan.notes.push_back(concat("texture ", texture.file().name(), " does not overlap layer ", i,
+                                  "; check spacing and origin of both files"));
   }
 }
 
@@ -150,7 +151,7 @@ render::Method choose_method(const SceneSpec& scene_spec, std::size_t index, ren
   const LayerSpec& layer = scene_spec.layers[index];
   const Place place = layer_place(scene_spec, index).at("method");
   if (!layer.method.empty() && !layer.accuracy.empty())
-    throw Error(ErrorCode::invalid, concat(place.text(), ": \"accuracy\" is there too; expected one of the two"));
+    throw Error(ErrorCode::invalid, concat(place.text(), ": \"accuracy\" is also given; expected only one of the two"));
   if (!layer.method.empty())
     return at_place(Place{scene_spec.document, {}}, [&] {
       return scene_spec.document.empty() ? method_named(layer.method, mode, volume.is_mesh())
@@ -173,9 +174,9 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                       {!layer.method.empty(), "--method"}})
     if (given)
       throw Error(ErrorCode::usage,
-                  concat(option, ": is of fields, and ", volume.file().name(), " holds triangles, shown as they are"));
+                  concat(option, ": needs a field, and ", volume.file().name(), " holds only triangles"));
   if (!accuracy.empty() && !is_level_of_triangles(accuracy))
-    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double of ",
+    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
                                          volume.file().name(), ", which holds triangles"));
 }
 
@@ -233,7 +234,7 @@ class LayerPlanner {
     throw Error(ErrorCode::invalid,
                 scene_spec_.document.empty() ? concat("--mesh: ", fact)
                                              : concat(layer_place(scene_spec_, index).at("data").text(), ": ", fact),
-                "its isosurfaces are layers of type \"isosurface\"");
+                "show its isosurfaces with a layer of type \"isosurface\"");
   }
 
   void add_triangles(std::size_t index, render::Layer layer) {
@@ -301,7 +302,7 @@ class LayerPlanner {
     for (const Outside& one : outside_) try {
         chosen(one.spec, one.isovalue, plan_.volumes[one.volume]);
       } catch (const Error& refusal) {
-        plan_.notes.push_back(concat(refusal.what(), ": left out"));
+        plan_.notes.push_back(concat(refusal.what(), "; the layer is left out"));
       }
   }
 
@@ -311,7 +312,7 @@ class LayerPlanner {
       if (layer.mode == render::Mode::mip || layer.surface.opacity > 0) continue;
       const Place place = layer_place(scene_spec_, plan_.origins[i].spec).at("opacity");
       plan_.notes.push_back(
-          concat(scene_spec_.document.empty() ? "--opacity" : place.text(), ": is 0: the surface is not traced"));
+          concat(scene_spec_.document.empty() ? "--opacity" : place.text(), " is 0; the surface is not traced"));
     }
   }
 
@@ -351,14 +352,13 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
   plan.frame.antialiasing = image.antialias.value_or(1);
   if (plan.page && plan.frame.antialiasing > 1) {
     plan.frame.antialiasing = 1;
-    plan.notes.push_back("antialiasing: left out, a heat map shows one ray a pixel");
+    plan.notes.push_back("no antialiasing: a heat map shows one ray per pixel");
   }
   const std::vector<render::Layer>& layers = plan.scene.layers;
   const bool shows_error = plan.page && render::channel_of(*plan.page).error;
   if ((plan.frame.channels.error || shows_error) && !std::all_of(layers.begin(), layers.end(), proves_errors))
-    at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"), [] {
-      throw Error(ErrorCode::usage, "the channel 'error' needs a method that proves one: certified or exact");
-    });
+    at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
+             [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
   const bool is_projection = std::all_of(layers.begin(), layers.end(),
                                          [](const render::Layer& layer) { return layer.mode == render::Mode::mip; });
   const double grey = is_projection ? 0 : 1;
@@ -379,8 +379,7 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
   if (plan.annotations.color_bar && !shows_values(plan))
     at_place(root(scene_spec).at("annotations").at("colorbar"), [&] {
       throw Error(ErrorCode::usage,
-                  concat(scene_spec.document.empty() ? "--colorbar: " : "",
-                         "no layer shows values by colours; expected one of a projection, or coloured by a field"));
+                  concat(scene_spec.document.empty() ? "--colorbar: " : "", "nothing here is coloured by a field"));
     });
   return plan;
 }
@@ -443,7 +442,7 @@ void note_camera_inside(ResolvedScene& plan) {
   if (plan.scene.camera.orthographic) return;
   for (std::size_t v = 0; v < plan.volumes.size(); ++v)
     if (plan.volumes[v].bounds().intersects(plan.scene.camera.position))
-      plan.notes.push_back(concat("the camera stands inside ", plan.data[v].file.string(), ": rays begin in it"));
+      plan.notes.push_back(concat("the camera is inside ", plan.data[v].file.string(), "; rays start inside the data"));
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ template <class Object>
 std::string table(const std::string& title, const std::vector<Row<Object>>& rows) {
   std::string text = concat("### ", title, "\n\n| key | takes | |\n|---|---|---|\n");
   for (const Row<Object>& row : rows)
-    text += concat("| `", row.key, "` | ", cell(row.expected), " | ", row.required ? "Must be there. " : "",
-                   cell(row.help), " |\n");
+    text += concat("| `", row.key, "` | ", cell(row.expected), " | ", row.required ? "Required. " : "", cell(row.help),
+                   " |\n");
   return text;
 }
 
@@ -30,7 +30,8 @@ Json scene_schema() {
   Json schema{
       {"$schema", "https://json-schema.org/draft/2020-12/schema"},
       {"title", "Rhoray scene"},
-      {"description", "What a picture shows, from where, and how right: rhoray render SCENE.json -o picture.png"}};
+      {"description",
+       "What a picture shows: data, layers, lights, camera and image; rhoray render SCENE.json -o picture.png"}};
   schema.update(schema_of(scene_rows()));
   return schema;
 }

@@ -49,8 +49,9 @@ void check_plane(const LayerSpec& spec, const Place& place) {
   const auto refuse = [&](const Place& at, const std::string& fact) {
     throw Error(ErrorCode::invalid, concat(at.text(), ": ", fact));
   };
-  if (has_axis && has_plane) refuse(place.at("axis"), "\"point\" or \"normal\" is there too; expected one of the two");
-  if (!has_axis && spec.position) refuse(place.at("position"), "is of an axis; expected \"axis\" too");
+  if (has_axis && has_plane)
+    refuse(place.at("axis"), "\"point\" or \"normal\" is also given; expected only one of the two");
+  if (!has_axis && spec.position) refuse(place.at("position"), "needs \"axis\"");
   if (!has_axis && !spec.normal) refuse(place, "has no plane; expected \"axis\", or \"point\" and \"normal\"");
 }
 
@@ -63,6 +64,16 @@ render::HalfSpace plane_of(const LayerSpec& spec, const Vec3& middle) {
   return plane;
 }
 
+/// The axis of the world along which a vector points; nothing for other directions.
+std::optional<int> axis_of(const Vec3& normal) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 rest = normal;
+    rest[axis] = 0;
+    if (rest == Vec3(0, 0, 0)) return axis;
+  }
+  return std::nullopt;
+}
+
 std::string vector_text(const Vec3& v) {
   return concat("(", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ")");
 }
@@ -71,29 +82,28 @@ std::string vector_text(const Vec3& v) {
 
 std::vector<Row<LayerSpec>> slice_rows() {
   return {
-      row("axis", &LayerSpec::axis, word_value(axis_words), "The plane lies across this axis of the world"),
+      row("axis", &LayerSpec::axis, word_value(axis_words), "World axis perpendicular to the plane"),
       row("position", &LayerSpec::position, number(),
-          "Where it crosses the axis, in world units; default the middle of the data"),
+          "Position on the axis in world units; default the middle of the data"),
       row("point", &LayerSpec::point, vector_value(),
-          "Instead, with \"normal\": a place in the plane; default the middle of the data"),
-      row("normal", &LayerSpec::normal, direction_value(), "Across the plane, either way, of any length"),
-      row("colormap", &LayerSpec::colormap, word_value(colormap_words()), "Colours of the field; default \"viridis\""),
+          "With \"normal\", instead of \"axis\": a point of the plane; default the middle of the data"),
+      row("normal", &LayerSpec::normal, direction_value(), "Normal of the plane, of either sign and any length"),
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
+          "Colour map of the field; default \"viridis\""),
       row("range", &LayerSpec::range, interval_value(),
-          "Values from the map's first colour to its last; default the field's range"),
+          "Values of the first and last colour; default the field's range"),
       row("threshold", &LayerSpec::threshold, interval_value(),
-          "Shown only where the field has values from the first to the second; default wherever it has any"),
-      row("lit", &LayerSpec::lit, yes_or_no(), "true: lights shine on it; default false: the map's own colours"),
-      row("opacity", &LayerSpec::opacity, number_within(limits::share),
-          "Share of the light behind that the slice holds back; default 1")};
+          "Show only values within this range; default all values"),
+      row("lit", &LayerSpec::lit, yes_or_no(), "true: lights shade the slice; default false: the map's own colours"),
+      row("opacity", &LayerSpec::opacity, number_within(limits::share), "Opacity; default 1")};
 }
 
 Option slice_option(std::vector<LayerSpec>& slices) {
-  return {
-      Option::Kind::value, "--slice", "AXIS[=POSITION]...",
-      "Show the field on a plane, in colours of --colormap over --range: z=40 lies across z at 40 world units, z in "
-      "the middle of the data, px,py,pz,nx,ny,nz through a point across a normal; may be given several times. "
-      "With --mode or --iso slices are shown beside that, else by themselves",
-      [&slices](const std::string& text) { slices.push_back(read_slice(text)); }};
+  return {Option::Kind::value, "--slice", "AXIS[=POSITION]...",
+          "Show the field on a plane, with --colormap and --range: z=40 is perpendicular to z at 40 world units, z "
+          "lies in the middle of the data, px,py,pz,nx,ny,nz is a point and a normal; may be given several times. With "
+          "--mode or --iso these are shown too, else slices alone",
+          [&slices](const std::string& text) { slices.push_back(read_slice(text)); }};
 }
 
 void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Place& place, render::Layer& layer) {
@@ -126,13 +136,15 @@ void say_slice(const render::Layer& layer, LayerSpec& spec) {
 }
 
 std::string text_of_slice(const render::HalfSpace& plane) {
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 rest = plane.normal;
-    rest[axis] = 0;
-    if (rest == Vec3(0, 0, 0))
-      return concat("across ", axis_words[static_cast<std::size_t>(axis)], " at ", rounded(plane.point[axis]));
-  }
-  return concat("through ", vector_text(plane.point), " across ", vector_text(plane.normal));
+  if (const std::optional<int> axis = axis_of(plane.normal))
+    return concat(axis_words[static_cast<std::size_t>(*axis)], " = ", rounded(plane.point[*axis]));
+  return concat("through ", vector_text(plane.point), " with normal ", vector_text(plane.normal));
+}
+
+std::string text_of_slice_outside(const render::HalfSpace& plane, const Box3& bounds) {
+  const std::string fact = concat("the slice ", text_of_slice(plane), " lies outside the data");
+  const std::optional<int> axis = axis_of(plane.normal);
+  return axis ? concat(fact, " (", rounded(bounds.min[*axis]), " to ", rounded(bounds.max[*axis]), ")") : fact;
 }
 
 }  // namespace rhoray::tools

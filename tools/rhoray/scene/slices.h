@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "render/load.h"
@@ -27,7 +28,10 @@ void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Pla
 /// Says the same in a wish.
 void say_slice(const render::Layer& layer, LayerSpec& spec);
 
-/// "across z at 40", or "through (1, 2, 3) across (0, 1, 1)".
+/// "z = 40", or "through (1, 2, 3) with normal (0, 1, 1)".
 std::string text_of_slice(const render::HalfSpace& plane);
+
+/// "the slice z = 999 lies outside the data (0 to 74)"; without the range for other normals.
+std::string text_of_slice_outside(const render::HalfSpace& plane, const Box3& bounds);
 
 }  // namespace rhoray::tools

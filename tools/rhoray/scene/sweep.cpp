@@ -90,9 +90,9 @@ int frame_count_of(const SceneSpec& scene_spec, const std::vector<KeyframeSpec>&
   const double frames = 1 + std::round(frames_per_time * (keys.back().time - keys.front().time));
   if (!(frames <= limits::frames.hi))
     throw Error(ErrorCode::invalid,
-                concat(keys_place(scene_spec).text(), ": take ", frames, " frames, ", frames_per_time,
-                       " for each unit of time; expected at most ", limits::frames.hi),
-                "say \"frames\" of the image");
+                concat(keys_place(scene_spec).text(), ": need ", frames, " frames at ", frames_per_time,
+                       " per unit of time; expected at most ", limits::frames.hi),
+                "set \"frames\" of the image");
   return std::max(2, static_cast<int>(frames));
 }
 
@@ -115,8 +115,7 @@ Vec3 PlaceTrack::at(double time) const {
 void Sweep::check_keys() const {
   const Place place = keys_place(scene_spec_);
   if (keys_.size() < 2)
-    throw Error(ErrorCode::invalid,
-                concat(place.text(), ": found ", keys_.size(), " of them; expected at least 2 key frames"));
+    throw Error(ErrorCode::invalid, concat(place.text(), ": found ", keys_.size(), "; expected at least 2 key frames"));
   const KeyframeSpec* of_angles = nullptr;
   const KeyframeSpec* of_places = nullptr;
   std::size_t ignored = 0;
@@ -125,17 +124,17 @@ void Sweep::check_keys() const {
     if (i > 0 && !(key.time > keys_[i - 1].time))
       throw Error(ErrorCode::invalid,
                   concat(place.at(i).at("time").text(), ": found ", key.time, "; expected a time after ",
-                         keys_[i - 1].time, ", that of the key before"));
+                         keys_[i - 1].time, ", the time of the previous key"));
     if (angle_in(key) != nullptr && of_angles == nullptr) of_angles = &key;
     if (place_in(key) != nullptr && of_places == nullptr) of_places = &key;
     if (of_angles != nullptr && of_places != nullptr)
       throw Error(ErrorCode::invalid,
                   concat(place.at(i).text(), ": \"", place_in(*of_places), "\" and \"", angle_in(*of_angles),
-                         "\" are both in key frames; expected a camera of angles or one of places"));
+                         "\" are both in key frames; expected either angles or positions"));
     if (key.isovalue && isosurface_count(scene_spec_, ignored) != 1)
       throw Error(ErrorCode::invalid,
                   concat(place.at(i).at("isovalue").text(), ": the scene shows ",
-                         isosurface_count(scene_spec_, ignored), " isosurfaces; expected one, whose isovalue it is"));
+                         isosurface_count(scene_spec_, ignored), " isosurfaces; expected exactly one"));
   }
 }
 

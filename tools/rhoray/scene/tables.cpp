@@ -21,15 +21,14 @@ Rows operator+(Rows rows, const Rows& more) {
 }
 
 Rows rows_of_data() {
-  return {
-      row("data", &LayerSpec::data, text_value(), "Name of the data shown; may be left out where there is only one"),
-      row("visible", &LayerSpec::visible, yes_or_no(), "false: the layer is left out, its file is not opened"),
-      row("clip", &LayerSpec::clip, yes_or_no(), "false: shown whole, whatever the scene's \"clip\" takes away")};
+  return {row("data", &LayerSpec::data, text_value(), "Name of the data; optional if there is only one"),
+          row("visible", &LayerSpec::visible, yes_or_no(), "false: the layer is left out and its file is not opened"),
+          row("clip", &LayerSpec::clip, yes_or_no(), "false: the layer is not clipped")};
 }
 
 Rows rows_of_every_layer() {
   return rows_of_data() + Rows{row("accuracy", &LayerSpec::accuracy, word_value(accuracy_words()),
-                                   "How right the layer is drawn; default the scene's accuracy")};
+                                   "Accuracy of the layer; default the scene's accuracy")};
 }
 
 Rows rows_of_every_field() {
@@ -38,63 +37,60 @@ Rows rows_of_every_field() {
 }
 
 Rows rows_of_isosurfaces() {
-  return {
-      row("isovalue", &LayerSpec::isovalues, isovalues_value(),
-          "Value of the surface; \"auto\" is Otsu's threshold, several values are several layers; default \"auto\""),
-      row("color", &LayerSpec::color, color_value(),
-          "Default neutral; in scenes of several surfaces each has one of its own"),
-      row("normals", &LayerSpec::normals, word_value(normals_words()),
-          "What lights it: \"flat\", in a mesh the exact gradient of each cell, the default there; \"smooth\", in a "
-          "mesh linear between means at the points; \"exact\", in a grid the gradient of its trilinear field"),
-      row("color_by", &LayerSpec::color_by, text_value(),
-          "A field of the same file that colours the surface; where it has no data \"color\" stays"),
-      row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
-          "Colours of \"color_by\"; default \"viridis\""),
-      row("range", &LayerSpec::range, interval_value(),
-          "Values of \"color_by\" from the map's first colour to its last; default the field's range")};
+  return {row("isovalue", &LayerSpec::isovalues, isovalues_value(),
+              "Isovalue; \"auto\" is Otsu's threshold; several values make several layers; default \"auto\""),
+          row("color", &LayerSpec::color, color_value(),
+              "Surface colour; default neutral; several surfaces have different colours by default"),
+          row("normals", &LayerSpec::normals, word_value(normals_words()),
+              "Surface normals. Meshes: \"flat\", the default, is the exact gradient of each cell; \"smooth\" is "
+              "linear between averages at the points. Grids: \"exact\" is the gradient of the trilinear field"),
+          row("color_by", &LayerSpec::color_by, text_value(),
+              "Field of the same file that colours the surface; where it has no data, \"color\" is used"),
+          row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
+              "Colour map of \"color_by\"; default \"viridis\""),
+          row("range", &LayerSpec::range, interval_value(),
+              "Values of \"color_by\" with the first and last colour; default the field's range")};
 }
 
 Rows rows_of_triangles() {
   return {row("color", &LayerSpec::color, color_value(),
-              "Default neutral; in scenes of several surfaces each has one of its own"),
+              "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value({"flat", "smooth"}),
-              "What lights it: \"flat\", the normal of each triangle, the default; \"smooth\", linear between means at "
-              "the corners")};
+              "Surface normals: \"flat\", the default, is the normal of each triangle; \"smooth\" is linear between "
+              "averages at the corners")};
 }
 
 Rows rows_of_lit_surfaces() {
-  return {
-      row("texture", &LayerSpec::texture, text_value(),
-          "Name of data packed with --color, whose colours, registered in world axes, cover the surface; "
-          "where there are none, \"color\" stays"),
-      row("ambient", &LayerSpec::ambient, number_within(limits::share), "Share of light from all sides; default 0.12"),
-      row("specular", &LayerSpec::specular, number_within(limits::share),
-          "Strength of the highlight; 0 computes none; default 0.25"),
-      row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
-          "Exponent of the highlight: larger is smaller and sharper; default 40"),
-      row("opacity", &LayerSpec::opacity, number_within(limits::share),
-          "Share of the light behind that the surface holds back; 0: it is not traced; default 1")};
+  return {row("texture", &LayerSpec::texture, text_value(),
+              "Name of data packed with --color that colours the surface, placed in world axes; where it has no data, "
+              "\"color\" is used"),
+          row("ambient", &LayerSpec::ambient, number_within(limits::share), "Ambient light; default 0.12"),
+          row("specular", &LayerSpec::specular, number_within(limits::share),
+              "Specular strength; 0 computes none; default 0.25"),
+          row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
+              "Specular exponent; larger values give smaller and sharper highlights; default 40"),
+          row("opacity", &LayerSpec::opacity, number_within(limits::share),
+              "Opacity; at 0 the surface is not traced; default 1")};
 }
 
 Rows rows_of_projections() {
   return {
-      row("range", &LayerSpec::range, interval_value(), "Values shown from black to white; default the field's range")};
+      row("range", &LayerSpec::range, interval_value(), "Values shown as black and white; default the field's range")};
 }
 
 Row<LightSpec> color_row() {
-  return row("color", &LightSpec::color, color_value(), "Default white");
+  return row("color", &LightSpec::color, color_value(), "Colour of the light; default white");
 }
 Row<LightSpec> intensity_row() {
   return row("intensity", &LightSpec::intensity, number_within(limits::intensity),
-             "How strong it is; default 1; 0: it is not traced");
+             "Intensity; at 0 the light is not traced; default 1");
 }
 Row<LightSpec> shadows_row() {
-  return row("shadows", &LightSpec::shadows, yes_or_no(), "true: opaque isosurfaces hold it back; default false");
+  return row("shadows", &LightSpec::shadows, yes_or_no(), "true: opaque isosurfaces cast shadows; default false");
 }
 Row<LightSpec> samples_row() {
   return row("samples", &LightSpec::samples, whole_number_within(limits::light_samples),
-             "Shadow rays of each hit to points spread over a light that has a size: more are slower and less grainy; "
-             "default 16");
+             "Shadow rays per hit for a light that has a size; more rays are slower and less noisy; default 16");
 }
 
 template <class Object>
@@ -208,7 +204,7 @@ ValueKind<std::vector<DataSpec>> data_value() {
 Row<SceneSpec> schema_row() {
   const ValueKind<std::string> text = text_value();
   return {.key = "$schema",
-          .help = "Where this schema lies, for editors",
+          .help = "Where this schema is, for editors",
           .expected = text.expected,
           .schema = text.schema,
           .read = [read = text.read](const Json& json, const Reading& at, SceneSpec&) { read(json, at); },
@@ -219,13 +215,13 @@ Row<SceneSpec> schema_row() {
 
 std::span<const LayerKind> layer_kinds() {
   static const std::vector<LayerKind> kinds{
-      {LayerType::isosurface, "isosurface", "Where the field has one value",
+      {LayerType::isosurface, "isosurface", "Surface where the field has one value",
        rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + rows_of_lit_surfaces()},
-      {LayerType::mip, "mip", "The largest value along every ray",
+      {LayerType::mip, "mip", "Maximum intensity projection: the largest value along every ray",
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
-      {LayerType::mesh, "mesh", "Triangles of a packed surface, a landmark among the others",
+      {LayerType::mesh, "mesh", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
-      {LayerType::slice, "slice", "The field on a plane, in colours; in double precision at every accuracy",
+      {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
        rows_of_data() + slice_rows()}};
   return kinds;
 }
@@ -233,29 +229,30 @@ std::span<const LayerKind> layer_kinds() {
 std::span<const LightKind> light_kinds() {
   using Type = render::Light::Kind;
   static const std::vector<LightKind> kinds{
-      {Type::head, "head", "At the eye", {color_row(), intensity_row()}},
+      {Type::head, "head", "At the camera", {color_row(), intensity_row()}},
       {Type::directional,
        "directional",
-       "From one direction, as the sun",
-       {row("direction", &LightSpec::direction, vector_value(), "Towards it, in world axes"),
+       "Parallel light from one direction, such as the sun",
+       {row("direction", &LightSpec::direction, vector_value(), "Direction towards the light, in world axes"),
         row("azimuth", &LightSpec::azimuth_deg, number(),
-            "Instead, with \"elevation\": degrees, as those of a camera that stands where the light comes from; "
-            "default 0"),
-        row("elevation", &LightSpec::elevation_deg, number_within(limits::elevation_deg), "Likewise; default 0"),
+            "With \"elevation\", instead of \"direction\": azimuth of the light in degrees, as for a camera at the "
+            "light; default 0"),
+        row("elevation", &LightSpec::elevation_deg, number_within(limits::elevation_deg),
+            "Elevation of the light in degrees; default 0"),
         row("from", &LightSpec::from, word_value({"world", "camera"}),
-            "What the angles count from: \"world\", the default, or \"camera\", where 0 is the eye, azimuth goes to "
-            "the picture's right and elevation up"),
+            "Reference of the angles: \"world\", the default, or \"camera\"; for \"camera\", 0 is the camera, azimuth "
+            "turns to the picture's right and elevation up"),
         color_row(), intensity_row(), shadows_row(),
         row("angular_diameter", &LightSpec::angular_diameter_deg, number_within(limits::angular_diameter_deg),
-            "Degrees under which it is seen, for soft edges of shadows (the sun: 0.53); default 0, sharp"),
+            "Angular diameter in degrees, for soft shadows (the sun: 0.53); default 0, sharp shadows"),
         samples_row()}},
       {Type::point,
        "point",
-       "In a place; it does not grow weaker with distance",
-       {required(row("position", &LightSpec::position, vector_value(), "Where it stands, in world units")), color_row(),
+       "At a point; its intensity does not fall off with distance",
+       {required(row("position", &LightSpec::position, vector_value(), "Position, in world units")), color_row(),
         intensity_row(), shadows_row(),
         row("radius", &LightSpec::radius, number_from_zero(),
-            "Of the ball that shines, world units, for soft edges of shadows; default 0, sharp"),
+            "Radius of the light in world units, for soft shadows; default 0, sharp shadows"),
         samples_row()}}};
   return kinds;
 }
@@ -263,132 +260,138 @@ std::span<const LightKind> light_kinds() {
 const std::vector<Row<DataSpec>>& data_rows() {
   static const std::vector<Row<DataSpec>> rows{
       required(row("file", &DataSpec::file, file_value(),
-                   "Packed file or OpenVDB file; a relative name is one in the document's folder")),
-      row("field", &DataSpec::field, text_value(), "Default the first field that is not the same everywhere")};
+                   "Packed file or OpenVDB file; a relative name starts at the document's folder")),
+      row("field", &DataSpec::field, text_value(), "Field to show; default the first that is not constant")};
   return rows;
 }
 
 const std::vector<Row<OcclusionSpec>>& occlusion_rows() {
   static const std::vector<Row<OcclusionSpec>> rows{
       row("samples", &OcclusionSpec::samples, whole_number_within(limits::occlusion_samples),
-          "Rays of each hit: more are slower and less grainy; default 16"),
+          "Rays per hit; more rays are slower and less noisy; default 16"),
       row("radius", &OcclusionSpec::radius, number_above_zero(),
-          "How far away surfaces hold light back, world units; default a tenth of the diagonal of what is shown")};
+          "Largest distance of an occluder, in world units; default a tenth of the diagonal of the shown data")};
   return rows;
 }
 
 const std::vector<Row<FogSpec>>& fog_rows() {
   static const std::vector<Row<FogSpec>> rows{
-      row("color", &FogSpec::color, color_value(), "What surfaces fade into; default the background"),
+      row("color", &FogSpec::color, color_value(), "Fog colour; default the background"),
       row("range", &FogSpec::range, interval_value(),
-          "Distances from the eye, world units: up to the first nothing fades, from the second on all; default from "
-          "the nearest of what is shown on, so that its farthest fades by half")};
+          "Distances from the camera in world units: fog starts at the first and is complete at the second; by default "
+          "it starts at the nearest shown point, and the farthest fades by half")};
   return rows;
 }
 
 const std::vector<Row<EffectsSpec>>& effect_rows() {
   static const std::vector<Row<EffectsSpec>> rows{
       row("ambient_occlusion", &EffectsSpec::occlusion, object_value(occlusion_rows()),
-          "Where opaque isosurfaces stand near, less of the ambient light arrives"),
-      row("fog", &EffectsSpec::fog, object_value(fog_rows()), "Surfaces fade with distance")};
+          "Ambient occlusion: less ambient light near opaque isosurfaces"),
+      row("fog", &EffectsSpec::fog, object_value(fog_rows()), "Fog: surfaces fade with distance")};
   return rows;
 }
 
 const std::vector<Row<KeyframeSpec>>& keyframe_rows() {
   static const std::vector<Row<KeyframeSpec>> rows{
-      required(row("time", &KeyframeSpec::time, number(), "Times rise from key to key")),
+      required(row("time", &KeyframeSpec::time, number(), "Time of the key frame; times must increase")),
       row("azimuth", &KeyframeSpec::azimuth_deg, number(),
-          "As the camera's; 360 is a turn after 0. Between keys a monotone cubic, as of all numbers"),
-      row("elevation", &KeyframeSpec::elevation_deg, number_within(limits::elevation_deg), "As the camera's"),
-      row("zoom", &KeyframeSpec::zoom, number_within(limits::zoom), "As the camera's; its logarithm moves"),
-      row("fov", &KeyframeSpec::fov_deg, number_within(limits::fov_deg), "As the camera's"),
+          "As for the camera; 360 is one turn after 0; between keys all numbers follow a monotone cubic"),
+      row("elevation", &KeyframeSpec::elevation_deg, number_within(limits::elevation_deg), "As for the camera"),
+      row("zoom", &KeyframeSpec::zoom, number_within(limits::zoom), "As for the camera; its logarithm is interpolated"),
+      row("fov", &KeyframeSpec::fov_deg, number_within(limits::fov_deg), "As for the camera"),
       row("position", &KeyframeSpec::position, vector_value(),
-          "In place of angles: as the camera's; between keys a cubic as of Catmull and Rom"),
-      row("target", &KeyframeSpec::target, vector_value(), "Likewise"),
-      row("up", &KeyframeSpec::up, vector_value(), "Likewise"),
-      row("isovalue", &KeyframeSpec::isovalue, number(), "Of the only isosurface of the scene")};
+          "Instead of angles, as for the camera; between keys it follows a Catmull-Rom cubic"),
+      row("target", &KeyframeSpec::target, vector_value(), "As for \"position\""),
+      row("up", &KeyframeSpec::up, vector_value(), "As for \"position\""),
+      row("isovalue", &KeyframeSpec::isovalue, number(), "Isovalue of the scene's only isosurface")};
   return rows;
 }
 
 const std::vector<Row<CameraSpec>>& camera_rows() {
   static const std::vector<Row<CameraSpec>> rows{
-      row("view", &CameraSpec::view, word_value(view_words()), "Side to look from; default \"iso\", three-quarter"),
+      row("view", &CameraSpec::view, word_value(view_words()),
+          "Side from which the camera looks; default \"iso\", three-quarter"),
       row("azimuth", &CameraSpec::azimuth_deg, number(), "Degrees around the world's z axis; 0 looks along +y"),
       row("elevation", &CameraSpec::elevation_deg, number_within(limits::elevation_deg),
           "Degrees above the horizon; 90 looks straight down"),
       row("zoom", &CameraSpec::zoom, number_within(limits::zoom),
-          "1, the default: what is shown just fits; 2: twice as large"),
-      row("fov", &CameraSpec::fov_deg, number_within(limits::fov_deg), "Vertical opening angle in degrees; default 30"),
+          "1, the default: the shown data just fits; 2: twice as large"),
+      row("fov", &CameraSpec::fov_deg, number_within(limits::fov_deg), "Vertical field of view in degrees; default 30"),
       row("ortho", &CameraSpec::orthographic, yes_or_no(), "true: orthographic projection"),
       row("ortho_height", &CameraSpec::orthographic_height, number_above_zero(),
-          "World units that the picture's height shows; implies \"ortho\""),
-      row("position", &CameraSpec::position, vector_value(), "Eye, in world units; default fitted to what is shown"),
-      row("target", &CameraSpec::target, vector_value(), "Point looked at"),
-      row("up", &CameraSpec::up, vector_value(), "Direction that is up in the picture"),
+          "Height of the image in world units; implies \"ortho\""),
+      row("position", &CameraSpec::position, vector_value(),
+          "Camera position in world units; default fitted to the shown data"),
+      row("target", &CameraSpec::target, vector_value(), "Point the camera looks at"),
+      row("up", &CameraSpec::up, vector_value(), "Up direction of the image"),
       row("keyframes", &CameraSpec::keyframes, list_of(keyframe_rows(), "key frames"),
-          "How the camera moves: an array of at least 2 times, and what is there; -o out_%04d.png names the pictures")};
+          "Camera motion: an array of at least 2 key frames; -o out_%04d.png names the pictures")};
   return rows;
 }
 
 const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
-      row("size", &PictureSpec::size, size_value(), "Pixels; default [1280, 720]"),
-      row("background", &PictureSpec::background, color_value(), "Default white, and black behind projections alone"),
-      row("channels", &PictureSpec::channels, words_value(channel_words()), "Also keep these (EXR only)"),
-      row("show", &PictureSpec::show, word_value(show_words()), "A heat map instead of colours; default \"color\""),
+      row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [1280, 720]"),
+      row("background", &PictureSpec::background, color_value(),
+          "Background colour; default white, but black if only projections are shown"),
+      row("channels", &PictureSpec::channels, words_value(channel_words()), "Extra channels (EXR only)"),
+      row("show", &PictureSpec::show, word_value(show_words()), "Heat map instead of colours; default \"color\""),
       row("hierarchy", &PictureSpec::hierarchy, yes_or_no(),
-          "false walks every leaf cell, for comparison; the same picture at double"),
+          "false: visit every leaf cell, for comparison; the picture is the same at double"),
       row("antialias", &PictureSpec::antialias, whole_number_within(limits::pixel_samples),
-          "Most samples of a pixel: at edges, where neighbours differ, as many as their differing asks for; default 1, "
-          "none but the middle"),
+          "Maximum samples per pixel; adaptive: more at edges, where neighbours differ; default 1, in the centre"),
       row("frames", &PictureSpec::frames, whole_number_within(limits::frames),
-          "From the first of the camera's \"keyframes\" to the last, at even times; default 25 for each unit of time")};
+          "Number of pictures from the first of the camera's \"keyframes\" to the last, at even times; default 25 per "
+          "unit of time")};
   return rows;
 }
 
 const std::vector<Row<AxesSpec>>& axes_rows() {
   static const std::vector<Row<AxesSpec>> rows{
-      row("corner", &AxesSpec::corner, word_value({"left", "right"}), "Which lower corner; default \"left\"")};
+      row("corner", &AxesSpec::corner, word_value({"left", "right"}), "Lower corner of the arrows; default \"left\"")};
   return rows;
 }
 
 const std::vector<Row<ColorBarSpec>>& color_bar_rows() {
   static const std::vector<Row<ColorBarSpec>> rows{
       row("title", &ColorBarSpec::title, text_value(),
-          "Of every bar; default the field's name and unit, or what a heat map shows"),
-      row("position", &ColorBarSpec::position, word_value({"left", "right"}), "Default \"right\"")};
+          "Title of every bar; default the field's name and unit, or the quantity of the heat map"),
+      row("position", &ColorBarSpec::position, word_value({"left", "right"}),
+          "Side of the picture; default \"right\"")};
   return rows;
 }
 
 const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
   static const std::vector<Row<AnnotationsSpec>> rows{
-      switched_row("axes", &AnnotationsSpec::axes, axes_rows(), "Arrows along the world's axes, in a corner"),
+      switched_row("axes", &AnnotationsSpec::axes, axes_rows(), "Arrows along the world axes, in a corner"),
       row("box", &AnnotationsSpec::box, yes_or_no(),
-          "Around what is shown, with ticks in world units; a view that names no zoom leaves room for them: 0.75"),
+          "Box around the shown data, with ticks in world units; unless a zoom is given, it is 0.75, which leaves room "
+          "for them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
-                   "The colours of \"color_by\", of projections or of a heat map, and their values"),
-      row("caption", &AnnotationsSpec::caption, text_value(), "Below, in lines of the picture's width")};
+                   "Colour bar of \"color_by\", slices, projections or a heat map"),
+      row("caption", &AnnotationsSpec::caption, text_value(),
+          "Caption below the picture, in lines of the picture's width")};
   return rows;
 }
 
 const std::vector<Row<SceneSpec>>& scene_rows() {
   static const std::vector<Row<SceneSpec>> rows{
       schema_row(),
-      required(row("data", &SceneSpec::data, data_value(), "Files and their fields, by names of one's own")),
+      required(row("data", &SceneSpec::data, data_value(), "Files and their fields, by names of your choice")),
       required(
           row("layers", &SceneSpec::layers, list_by_type(layer_kinds(), "layer", {1, most_layers}), "What is shown")),
       row("lights", &SceneSpec::lights, list_by_type(light_kinds(), "light", {0, most_lights}),
-          "What shines; default one white light at the eye"),
+          "Lights; default one white light at the camera"),
       row("effects", &SceneSpec::effects, object_value(effect_rows()),
-          "Of the whole picture; each that is named is on"),
+          "Effects of the whole picture; each key switches one on"),
       row("clip", &SceneSpec::clip, object_value(clip_rows()),
-          "A region of which only the inside is shown, or only the outside; what is clipped away holds no light back"),
+          "Region of which only the inside or only the outside is shown; what is clipped away casts no shadows"),
       row("camera", &SceneSpec::camera, object_value(camera_rows()),
-          "From where; default a three-quarter view of all layers"),
-      row("image", &SceneSpec::image, object_value(image_rows()), "The picture"),
+          "Camera; default a three-quarter view of all layers"),
+      row("image", &SceneSpec::image, object_value(image_rows()), "Image size, background, channels and frames"),
       row("annotations", &SceneSpec::annotations, object_value(annotation_rows()),
-          "Drawn over the finished picture; channels of an EXR stay as they are"),
-      row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Of layers that name none")};
+          "Annotations drawn over the finished picture; the channels of an EXR do not change"),
+      row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Accuracy of layers that set none")};
   return rows;
 }
 

@@ -123,11 +123,11 @@ ValueKind<bool> yes_or_no() {
 }
 
 ValueKind<std::string> text_value() {
-  return {.expected = "a text",
+  return {.expected = "a string",
           .schema = {{"type", "string"}, {"minLength", 1}},
           .read =
               [](const Json& json, const Reading& at) {
-                if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a text");
+                if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a string");
                 return json.get<std::string>();
               },
           .write = [](const std::string& text) -> Json { return text.empty() ? Json() : Json(text); }};
@@ -197,11 +197,11 @@ ValueKind<PictureSize> size_value() {
 }
 
 ValueKind<std::filesystem::path> file_value() {
-  return {.expected = "a file",
+  return {.expected = "a file name",
           .schema = {{"type", "string"}, {"minLength", 1}},
           .read =
               [](const Json& json, const Reading& at) {
-                if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a file");
+                if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a file name");
                 const std::filesystem::path name = json.get<std::string>();
                 const std::filesystem::path file = name.is_absolute() || at.folder.empty() ? name : at.folder / name;
                 try {
@@ -285,13 +285,13 @@ ValueKind<std::vector<std::string>> isovalues_value() {
 
 ValueKind<std::string> method_value() {
   ValueKind<std::string> kind = text_value();
-  kind.expected = "a method by name, as --method takes it";
+  kind.expected = "a method name, as for --method";
   return kind;
 }
 
 void warn_of_unknown_key(const std::string& key, const std::vector<std::string>& known, const Reading& at) {
   const std::string hint = did_you_mean(key, known);
-  at.warnings.push_back(concat(at.place.at(key).text(), ": unknown key, not read", hint.empty() ? "" : "; ", hint));
+  at.warnings.push_back(concat(at.place.at(key).text(), ": unknown key, ignored", hint.empty() ? "" : "; ", hint));
 }
 
 void refuse_missing_key(const std::string& key, const std::string& expected, const Reading& at) {
