@@ -322,7 +322,7 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
           "Height of the image in world units; implies \"ortho\""),
       row("position", &CameraSpec::position, vector_value(),
           "Camera position in world units; default fitted to the shown data"),
-      row("target", &CameraSpec::target, vector_value(), "Point the camera looks at"),
+      row("target", &CameraSpec::target, vector_value(), "Point the camera looks at, in world units"),
       row("up", &CameraSpec::up, vector_value(), "Up direction of the image"),
       row("keyframes", &CameraSpec::keyframes, list_of(keyframe_rows(), "key frames"),
           "Camera motion: an array of at least 2 key frames; -o out_%04d.png names the pictures")};
