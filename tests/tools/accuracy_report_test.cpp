@@ -379,7 +379,7 @@ TEST(AccuracyReport, ends_with_exit_code_5_in_a_folder_that_cannot_be_written) {
   bench.make_ball();
   const RunResult run = bench.shell("rhoray accuracy ball.rho --iso 60 -o /proc/self --force" + small);
   EXPECT_EQ(run.exit_code, 5);
-  EXPECT_THAT(run.err, HasSubstr("no folder can be made here"));
+  EXPECT_THAT(run.err, HasSubstr("cannot make a folder here"));
 }
 
 TEST(AccuracyReport, ends_with_exit_code_5_on_a_full_disk_and_leaves_whole_files_only) {

@@ -59,7 +59,7 @@ TEST(ExportCommand, refuses_what_a_format_cannot_hold_and_says_what_can) {
                       {{"box.rho", "-o", "x.vdb"}, 7, "holds grids"},
                       {{"ball.rho", "-o", "x.vtu"}, 7, ".vti"},
                       {{"ball.rho", "-o", "x.stl"}, 2, "--iso"},
-                      {{"ball.rho", "-o", "x.vti", "--iso", "3"}, 2, "is for .stl"},
+                      {{"ball.rho", "-o", "x.vti", "--iso", "3"}, 2, "only for .stl"},
                       {{"ball.rho", "-o", "x.stl", "--iso", "300"}, 2, "outside the range"},
                       {{"ball.rho", "-o", "x.vtt"}, 2, "did you mean .vt"},
                       {{"ball.rho"}, 2, "-o: missing"},

@@ -127,7 +127,7 @@ TEST(ImportCommand, refuses_what_makes_no_sense) {
   refused("import mixed.vtk -o x.vtu --max-error 0", 2, "largest error");
   refused("import mixed.vtk -o x.vtu --time 3", 2, "no time steps");
   refused("pack mixed.vtk -o x.rho --time 3", 2, "no time steps");
-  refused("pack ball.raw --raw 24x24x24:uint8 -o x.rho --max-error 0.1", 2, "--max-error: is for meshes");
+  refused("pack ball.raw --raw 24x24x24:uint8 -o x.rho --max-error 0.1", 2, "--max-error: only for meshes");
 }
 
 }  // namespace

@@ -124,11 +124,11 @@ TEST(StoredRanges, of_sound_files_are_proven_and_the_cost_is_told) {
       EXPECT_NEAR(proof["s_per_gib"].get<double>(),
                   proof["wall_s"].get<double>() * 0x1p30 / proof["bytes"].get<double>(), 1e-6);
       const RunResult told = bench.shell(line + " --stats -v");
-      EXPECT_THAT(told.out, testing::ContainsRegex("ranges proven +[0-9.]+ KiB in [0-9.e-]+ s, [0-9.e-]+ s/GiB"));
-      EXPECT_THAT(told.err, testing::ContainsRegex("stored ranges proven: [0-9.]+ KiB in "));
+      EXPECT_THAT(told.out, testing::ContainsRegex("ranges checked +[0-9.]+ KiB in [0-9.e-]+ s, [0-9.e-]+ s/GiB"));
+      EXPECT_THAT(told.err, testing::ContainsRegex("stored value ranges checked: [0-9.]+ KiB in "));
     }
     const RunResult plain = bench.shell("rhoray render x.rho --iso p30 --size 24x18 --force -o x.png --stats -v");
-    EXPECT_THAT(plain.out, testing::ContainsRegex("ranges proven +none\n"));
+    EXPECT_THAT(plain.out, testing::ContainsRegex("ranges checked +none\n"));
   }
   const RunResult valid = bench.shell("rhoray validate x.rho --iso p30 --samples 100 --json");
   ASSERT_EQ(valid.exit_code, 0) << valid.err;

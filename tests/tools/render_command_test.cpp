@@ -75,7 +75,7 @@ TEST(RenderCommand, says_which_cell_a_pixel_shows) {
   const RunResult text = bench.rhoray(with_pick);
   ASSERT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("pixel 32,24: cell " + std::to_string(shown) + ", value 0.3, depth "));
-  EXPECT_THAT(text.out, HasSubstr("pixel 0,0: nothing is hit"));
+  EXPECT_THAT(text.out, HasSubstr("pixel 0,0: no hit"));
   with_pick.push_back("--json");
   with_pick.push_back("--force");
   const nlohmann::json json = nlohmann::json::parse(bench.rhoray(with_pick).out);

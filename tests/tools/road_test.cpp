@@ -97,7 +97,7 @@ TEST(PackCommand, takes_its_options_to_heart) {
   for (const char* of_lists : {"--leaf-ratio 8", "--cells 30", "--levels 2", "--factor 3"}) {
     const RunResult refused = bench.shell(std::string("rhoray pack box.vtu -q --force -o x.rho ") + of_lists);
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_THAT(refused.err, testing::HasSubstr("is for volumes or --structure leaves"));
+    EXPECT_THAT(refused.err, testing::HasSubstr("only for volumes or --structure leaves"));
   }
 }
 

@@ -78,7 +78,7 @@ TEST(SceneCommand, is_known_by_its_name_its_content_or_as_text) {
   EXPECT_TRUE(read_file(bench / "ball.png") == first);
   ASSERT_EQ(bench.rhoray({"render", ball_scene, "-o", "ball.png", "--force"}).exit_code, 0);
   EXPECT_TRUE(read_file(bench / "ball.png") == first);
-  EXPECT_THAT(bench.rhoray({"render", ball_scene}).err, HasSubstr("expected -o"));
+  EXPECT_THAT(bench.rhoray({"render", ball_scene}).err, HasSubstr("name the picture with -o"));
 }
 
 TEST(SceneCommand, finds_files_beside_the_document) {

@@ -109,7 +109,7 @@ TEST(StandardOutput, that_is_full_is_exit_code_5) {
     SCOPED_TRACE(words);
     const RunResult run = bench.shell(concat("rhoray ", words, " > /dev/full"));
     EXPECT_EQ(run.exit_code, 5);
-    EXPECT_THAT(run.err, HasSubstr("rhoray: standard output: not all of it could be written"));
+    EXPECT_THAT(run.err, HasSubstr("rhoray: standard output: could not be written completely"));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
   const RunResult damaged = bench.shell("head -c 9000 ball.rho > cut.rho; rhoray verify cut.rho > /dev/full");
@@ -140,7 +140,7 @@ TEST(FileSizes, beyond_the_limit_are_exit_code_5) {
 TEST(Help, names_the_limits_of_workers_and_the_exit_codes) {
   const RunResult help = Workbench().rhoray({"--help"});
   for (const char* words :
-       {"8 GiB and 1024 times", "90 %", "256 open", "60 s", "pipes and devices are refused", "143", "141"})
+       {"8 GiB plus 1024 times", "90 %", "256 open", "60 s", "pipes and devices are refused", "143", "141"})
     EXPECT_THAT(help.out, HasSubstr(words));
 }
 

@@ -76,14 +76,14 @@ TEST(TetrahedralizeCommand, leaves_the_faulty_facets_in_a_file_and_replaces_it_o
   const RunResult first = bench.rhoray({"tetrahedralize", "open.off"});
   EXPECT_EQ(first.exit_code, 4);
   EXPECT_THAT(first.err, AllOf(HasSubstr("4 open edges"), HasSubstr("faulty facets are in open.faults.ply"),
-                               HasSubstr("--repair mends")));
+                               HasSubstr("--repair fixes")));
   EXPECT_FALSE(std::filesystem::exists(bench / "open.vtu"));
   EXPECT_EQ(preprocess::import_surface(bench / "open.faults.ply").facet_offsets.size(), 5U) << "one for each open edge";
 
   write_file(bench / "open.faults.ply", "mine");
   const RunResult second = bench.rhoray({"tetrahedralize", "open.off"});
   EXPECT_EQ(second.exit_code, 4);
-  EXPECT_THAT(second.err, AllOf(HasSubstr("4 open edges"), HasSubstr("was left as it is")));
+  EXPECT_THAT(second.err, AllOf(HasSubstr("4 open edges"), HasSubstr("was not changed")));
   EXPECT_EQ(read_file(bench / "open.faults.ply"), "mine");
 
   const RunResult third = bench.rhoray({"tetrahedralize", "open.off", "--force"});
@@ -126,12 +126,12 @@ TEST(TetrahedralizeCommand, refuses_before_it_begins_what_makes_no_sense) {
   refused("--size-field box.vtu", 2, "has 2 scalar point fields; expected one, or FILE:FIELD");
   refused("--size-field box.vtu:hight", 2, "did you mean height?");
   refused("--size-field gone.vtu", 3, "gone.vtu");
-  refused("--max-move 0.1", 2, "--max-move: belongs to --repair; found no --repair");
-  refused("--wrap 0.1 --max-move 0.1", 2, "--max-move: belongs to --repair; found --wrap");
+  refused("--max-move 0.1", 2, "--max-move: needs --repair; found no --repair");
+  refused("--wrap 0.1 --max-move 0.1", 2, "--max-move: needs --repair; found --wrap");
   refused("--repair --max-move 2", 2, "--max-move");
-  refused("--largest-part", 2, "--largest-part: belongs to --repair");
+  refused("--largest-part", 2, "--largest-part: needs --repair");
   refused("--time-limit 0", 2, "--time-limit");
-  refused("inner.off --sizes outer.off", 2, "found several surfaces");
+  refused("inner.off --sizes outer.off", 2, "found several");
   refused("ball.raw", 4, "ball.raw: is not a surface");
   refused("-o x.msh", 2, "expected .vtu");
 }

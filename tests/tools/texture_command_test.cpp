@@ -111,15 +111,15 @@ TEST(TextureCommand, refuses_what_does_not_go_with_colours) {
     std::string message;
   };
   const Case cases[] = {
-      {{"photo.nrrd", "--color", "--type", "U8"}, 2, "--type: is for values"},
-      {{"photo.nrrd", "--color", "--layout", "sparse"}, 2, "--layout sparse: is for values"},
-      {{"photo.nrrd", "--color", "--levels", "2"}, 2, "--levels: is for values"},
-      {{"photo.nrrd", "--color", "--factor", "2"}, 2, "--factor: is for values"},
+      {{"photo.nrrd", "--color", "--type", "U8"}, 2, "--type: cannot be combined with --color"},
+      {{"photo.nrrd", "--color", "--layout", "sparse"}, 2, "--layout sparse: cannot be combined with --color"},
+      {{"photo.nrrd", "--color", "--levels", "2"}, 2, "--levels: cannot be combined with --color"},
+      {{"photo.nrrd", "--color", "--factor", "2"}, 2, "--factor: cannot be combined with --color"},
       {{"photo.nrrd", "--color", "--field", "a,b"}, 2, "--field with several names"},
       {{"photo.nrrd", "--color", "--field", "red"}, 2, "found no field 'red'"},
       {{"photo.nrrd", "--color", "--brick-edge", "65"}, 2, "brick edge: found 65"},
-      {{"ball.raw", "--color", "--raw", "24x24x24:uint8"}, 2, "--raw: is for values"},
-      {{"box.vtu", "--color"}, 2, "--color: is for volumes of colours, and box.vtu is a mesh"},
+      {{"ball.raw", "--color", "--raw", "24x24x24:uint8"}, 2, "--raw: cannot be combined with --color"},
+      {{"box.vtu", "--color"}, 2, "--color: only for volumes, but box.vtu is a mesh"},
       {{"photo.nrrd"}, 7, "3 numbers for each sample"},
   };
   for (const Case& one : cases) {

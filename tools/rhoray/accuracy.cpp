@@ -67,7 +67,7 @@ SceneSpec spec_of(const AccuracyCommand& command) {
 
 void check(const AccuracyCommand& command) {
   if (command.common.output.empty())
-    throw Error(ErrorCode::usage, "-o: missing; expected the folder for the results",
+    throw Error(ErrorCode::usage, "-o: missing; expected a folder for the results",
                 concat("rhoray accuracy ", command.input.string(), " -o accuracy"));
   require_within("--time-limit", command.time_limit_s, 1, 1e6);
   require_within("--repeat", command.repeat, 1, 1000);
@@ -134,8 +134,8 @@ std::string size_text(const PictureSize& size) {
 
 /// Null of layers that methods of several kinds draw.
 const char* why_left_out(const render::Layer& layer) {
-  if (layer.mode == render::Mode::triangles) return "holds triangles, which are shown as they are";
-  if (layer.mode == render::Mode::slice) return "is a slice, which is looked up in one way only";
+  if (layer.mode == render::Mode::triangles) return "holds triangles, for which there is only one method";
+  if (layer.mode == render::Mode::slice) return "is a slice, for which there is only one method";
   return nullptr;
 }
 
@@ -155,7 +155,7 @@ class Work {
         size_{plan.frame.width, plan.frame.height} {
     for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer) {
       if (const char* const reason = why_left_out(plan.scene.layers[layer])) {
-        context_.notes.push_back(concat("layer ", layer + 1, " ", reason, ": left out"));
+        context_.notes.push_back(concat("layer ", layer + 1, " ", reason, "; left out"));
         continue;
       }
       studies_.push_back(std::make_unique<LayerStudy>(plan, layer, study_options()));
@@ -163,7 +163,7 @@ class Work {
     }
     if (layers_.empty())
       throw Error(ErrorCode::usage, "every layer is triangles or a slice: there are no methods to compare",
-                  "expected an isosurface or a projection");
+                  "add an isosurface or a projection");
   }
 
   /// False when it was interrupted.
@@ -205,8 +205,8 @@ class Work {
   void write() {
     context_.stage = stage_;
     if (!stage_.empty() && !is_ended_)
-      context_.stage += concat(" Still at work, ", minutes_text(watch_.seconds()), " by now, for at most ",
-                               minutes_text(seconds_left()), " more: load this page again.");
+      context_.stage += concat(" Still running after ", minutes_text(watch_.seconds()), "; at most ",
+                               minutes_text(seconds_left()), " remain. Reload this page.");
     folder_.write(layers_, context_);
     written_s_ = watch_.seconds();
   }
@@ -218,17 +218,17 @@ class Work {
   void coarse_pass() {
     if (static_cast<double>(size_.width) * size_.height <= coarse_pixels) return;
     const PictureSize size{std::max(1, size_.width / coarse_shrink), std::max(1, size_.height / coarse_shrink)};
-    stage_ =
-        concat("Figures so far are of a coarse pass, ", size_text(size), " pixels instead of ", size_text(size_), ".");
+    stage_ = concat("These results come from a coarse pass with ", size_text(size), " pixels instead of ",
+                    size_text(size_), ".");
     pass("coarse pass", size, 0.03 * command_.time_limit_s, 0.0015 * command_.time_limit_s);
     write();
   }
 
   void full_pass() {
-    if (stage_.empty()) stage_ = "Not every variant has been measured so far.";
+    if (stage_.empty()) stage_ = "Not all variants have been measured yet.";
     const double layers = static_cast<double>(layers_.size());
     pass("full size", size_, 0.15 * std::max(1.0, seconds_left()) / layers, 0.007 * command_.time_limit_s / layers);
-    stage_ = "Every variant has been measured, but its time not as often as asked for.";
+    stage_ = "All variants have been measured, but not all repetitions are done.";
     write();
   }
 
@@ -270,7 +270,7 @@ class Work {
 
   void weigh_instruments() {
     if (seconds_left() <= 0) return;
-    display_.show("timing the instruments");
+    display_.show("measuring the overhead of the measurement");
     const InstrumentCost cost = studies_[0]->instrument_cost(0.02 * command_.time_limit_s);
     context_.facts["instruments_share_of_time"] = cost.share;
     context_.facts["instruments_noise"] = cost.noise;
@@ -302,17 +302,17 @@ int run(AccuracyCommand& command) {
   aim_camera(scene_spec, plan);
   refuse_damage(plan, command.common.threads);
   require_results_folder(command.common.output, command.common.force);
-  display.show("proving stored ranges");
+  display.show("checking stored value ranges");
   render::RangeProof range_proof;
   for (const render::Volume& volume : plan.volumes) range_proof += volume.prove_ranges(command.common.threads);
-  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
+  tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
   context.facts["ranges_proven"] = proof_text(range_proof);
   if (command.goal.is_given()) {
     display.show("trying methods");
     for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))
-      context.notes.push_back(concat("`rhoray render` would take ", choice.sentence));
+      context.notes.push_back(concat("`rhoray render` would use ", choice.sentence));
   }
   Work work(command, plan, display, context);
   const bool is_whole = work.run();
@@ -335,27 +335,28 @@ Subcommand accuracy_subcommand() {
   const auto command = std::make_shared<AccuracyCommand>();
   return {
       .name = "accuracy",
-      .summary = "What accuracy costs in time: every method on your own data, against the exact answer",
+      .summary = "Measure the error and the time of every method on your data",
       .examples =
           "  rhoray accuracy head.rho --iso 500 -o head_accuracy\n"
           "  rhoray accuracy torso.json -o torso_accuracy --size 1280x720 --time-limit 1800\n"
           "  rhoray accuracy pet.rho --mode mip -o pet_accuracy\n"
-          "Writes results.csv, results.json, report.html (one page that needs nothing beside it), pictures and, where\n"
-          "gnuplot is installed, plots. They are there after the first pass, a coarse one, and are written again as\n"
-          "figures come in; an interrupt ends with a complete report of what there is.\n",
+          "Writes results.csv, results.json, report.html (one page without other files), pictures and, if gnuplot is\n"
+          "installed, plots. First results appear after a coarse pass and are then updated. After an interrupt the\n"
+          "report is complete for what was measured.\n",
       .options = all_options(
           {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
-           output_options(command->common, "Folder for the results; it is made if it is not there"),
+           output_options(command->common, "Folder for the results; created if missing"),
            study_picture_options(command->picture),
            goal_options(command->goal),
-           {value_option("--seed", "N", "Of the random numbers that choose pixels; default 1", command->seed),
-            value_option("--repeat", "N", "How often every variant is timed; default 5", command->repeat),
+           {value_option("--seed", "N", "Random seed for the choice of pixels; default 1", command->seed),
+            value_option("--repeat", "N", "Number of times each variant is timed; default 5", command->repeat),
             value_option("--time-limit", "S",
-                         "Seconds to work; what does not fit is left out, and said so; default 600",
+                         "Time limit in seconds; variants that do not fit are left out and listed; default 600",
                          command->time_limit_s)},
            threads_option(command->common),
-           memory_option(command->common, "A copy of the data that takes more is left out; default half the machine's"),
-           message_options(command->common, "The results as one JSON document on stdout")}),
+           memory_option(command->common,
+                         "Leave out copies of the data that need more memory; default half of the machine's memory"),
+           message_options(command->common, "Print the results as JSON to stdout")}),
       .run = [command] { return run(*command); }};
 }
 

@@ -51,7 +51,7 @@ void require_kind(const TableRow& table, const std::filesystem::path& input, boo
   if (table.takes == Takes::unpacked || is_packed || (is_scene && table.takes == Takes::packed_or_scene)) return;
   throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file",
                                          table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
-                                         table.name, "' measures"));
+                                         table.name, "' needs"));
 }
 
 struct BenchCommand {
@@ -77,7 +77,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     if (chosen.empty())
       throw Error(
           ErrorCode::usage,
-          concat("no table '", asked, "'; there are phases, threads, views, isovalue, effects, memory, open and pack"),
+          concat("no table '", asked, "'; available: phases, threads, views, isovalue, effects, memory, open and pack"),
           did_you_mean(asked, names));
   }
   require_input(command.bench.input);
@@ -100,7 +100,7 @@ void check(const BenchCommand& command) {
     throw Error(ErrorCode::usage, concat("--scratch: there is no folder ", command.bench.scratch.string()));
   const std::filesystem::path& folder = command.common.output;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw Error(ErrorCode::usage, concat(folder.string(), ": there is no such folder"), "make the folder first");
+    throw Error(ErrorCode::usage, concat(folder.string(), ": there is no such folder"), "create the folder first");
 }
 
 void show(const BenchCommand& command, const Table& table) {
@@ -155,43 +155,41 @@ Subcommand bench_subcommand() {
   BenchOptions& bench = command->bench;
   return {
       .name = "bench",
-      .summary = "Measure speed: the paper's tables and our own",
+      .summary = "Measure the speed of rendering, opening and packing",
       .examples =
           "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
           "  rhoray bench threads head.rho --size 512x512\n"
           "  rhoray bench effects head.json --repeat 9\n"
           "  rhoray bench pack head.nrrd --json\n"
           "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
-          "the feet, close up, inside: rays per second and cycles per ray), isovalue (the next picture after a\n"
-          "change), effects (each alone over the plain picture, and the paper's Tables 4 and 1), memory (beyond the "
-          "mapped file), open (with and without checksums), pack (beside reading and\n"
-          "writing once).\n",
+          "the feet, close up, inside: rays per second and cycles per ray), isovalue (the first picture after a\n"
+          "change), effects (cost of each effect, and Tables 4 and 1 of the paper), memory (beyond the mapped file),\n"
+          "open (with and without checksums), pack (compared with reading and writing once).\n",
       .options = all_options(
-          {{files_option(
-               "[TABLE] FILE",
-               "Table, and a packed file (all but pack), a scene (effects) or a file to pack (pack); without a table, "
-               "all that suit the file",
-               command->words)},
-           {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json into this folder",
+          {{files_option("[TABLE] FILE",
+                         "Table, and a packed file (all tables but pack), a scene (effects) or a file to pack (pack); "
+                         "default all tables that suit the file",
+                         command->words)},
+           {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json to this folder",
                          command->common.output),
-            flag_option("--force", "Replace these files if they are there", command->common.force),
+            flag_option("--force", "Overwrite existing tables", command->common.force),
             value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
-            value_option("--size", "WxH", "Pixels; default 512x512, the paper's", bench.size),
+            value_option("--size", "WxH", "Image size; default 512x512, as in the paper", bench.size),
             value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
-            choice_option("--accuracy", accuracy_words(), "As in render, whose default it has", bench.accuracy),
-            value_option("--view", "WORD", "Side to look from, as in render; default iso", bench.view),
+            choice_option("--accuracy", accuracy_words(), "As in render, with the same default", bench.accuracy),
+            value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso", bench.view),
             value_option("--field", "NAME", "Field; default the first", bench.field),
-            choice_option("--normals", normals_words(), "What surfaces are lit by, as in render", bench.normals),
+            choice_option("--normals", normals_words(), "Surface normals, as in render", bench.normals),
             value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
             flag_option("--mip", "Also time maximum intensity projection", bench.mip),
-            value_option("--scratch", "FOLDER", "Where table pack writes; default the system's temporary folder",
-                         bench.scratch),
-            flag_option("--csv", "CSV on stdout", command->csv)},
+            value_option("--scratch", "FOLDER",
+                         "Folder to which table pack writes; default the system's temporary folder", bench.scratch),
+            flag_option("--csv", "Print CSV to stdout", command->csv)},
            threads_option(command->common),
-           memory_option(
-               command->common,
-               "Limit for the process that reads the input of table pack; default: Limits in `rhoray --help`"),
-           message_options(command->common, "One JSON document per table and line, on stdout")}),
+           memory_option(command->common,
+                         "Memory limit of the process that reads the input of table pack; default: see Limits in "
+                         "`rhoray --help`"),
+           message_options(command->common, "Print one JSON document per table to stdout, one per line")}),
       .run = [command] { return run(*command); }};
 }
 

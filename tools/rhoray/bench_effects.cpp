@@ -280,8 +280,8 @@ SceneSpec spec_of(const BenchOptions& options) {
                                          {!options.color_by.empty(), "--color-by"},
                                          {options.mip, "--mip"}})
       if (is_given)
-        throw Error(ErrorCode::usage, concat(name, ": given beside the scene ", options.input.string(),
-                                             ", whose layers say what is shown"));
+        throw Error(ErrorCode::usage, concat(name, ": not allowed with the scene ", options.input.string(),
+                                             "; its layers define what is shown"));
     scene_spec = read_scene(options.input).scene_spec;
   }
   if (!options.accuracy.empty()) {
@@ -342,7 +342,7 @@ Json context_of(const BenchOptions& options, const Asked& asked) {
 }
 
 Table effects_table(const std::vector<Measured>& rows, const Json& context) {
-  Table table{"effects", "What each effect costs: CPU time over the same picture without it", context, {}};
+  Table table{"effects", "Cost of each effect: CPU time compared with the same picture without it", context, {}};
   for (const Measured& measured : rows) {
     const render::FrameStatistics& counts = measured.statistics;
     Json row{{"effect", measured.row->name}, {"over", measured.row->over}};
@@ -441,8 +441,7 @@ Table paper_table_1(std::vector<Measured>& rows, int repeat, const Json& context
 std::vector<Table> effects_tables(const BenchOptions& options, const Step& step) {
   const Asked asked = asked_of(options);
   if (!has_surface(asked))
-    throw Error(ErrorCode::invalid, concat(options.input.string(),
-                                           ": shows no surface, and table 'effects' measures what surfaces look like"));
+    throw Error(ErrorCode::invalid, concat(options.input.string(), ": shows no surface; table 'effects' needs one"));
   std::vector<Measured> rows = rows_of(asked, options.threads);
   interleaved(rows.size(), options.repeat, [&](std::size_t row) {
     step(rows[row].row->name);

@@ -21,26 +21,31 @@ std::string first_line(const std::string& text) {
 
 std::string overview(std::span<const Subcommand> subcommands) {
   std::string text =
-      "Ray tracing of packed volumes and tetrahedra.\n"
-      "Usage: rhoray SUBCOMMAND [OPTIONS] FILE...\n\n"
+      "Ray tracing of volumes and tetrahedral meshes.\n"
+      "Usage: rhoray SUBCOMMAND [OPTIONS] FILE...\n"
+      "\n"
       "Subcommands:\n";
   for (const Subcommand& each : subcommands)
     text += concat("  ", each.name, std::string(each.name.size() < 16 ? 16 - each.name.size() : 1, ' '), each.summary,
                    "\n");
   text +=
-      "\nOptions:\n"
-      "  --help          this text; `rhoray SUBCOMMAND --help` tells about one subcommand\n"
-      "  --version       version, commit and compiler\n\n"
+      "\n"
+      "Options:\n"
+      "  --help          print this text; `rhoray SUBCOMMAND --help` describes one subcommand\n"
+      "  --version       print version, commit and compiler\n"
+      "\n"
       "Limits:\n"
-      "  Foreign files are read, and TetGen and CGAL run, in worker processes under limits:\n"
-      "  memory          what --memory says; else 8 GiB and 1024 times the size of the input file, at most 90 % of\n"
-      "                  the memory of the machine or of the control group; 90 % where one input names other files\n"
-      "  files           256 open; each at most as large as the worker's memory, or as what it was asked to write\n"
-      "  idle time       60 s in which the worker uses no CPU time and reads and writes nothing\n"
-      "  Inputs are files or folders: pipes and devices are refused.\n\n"
+      "  Foreign files are read, and TetGen and CGAL run, in worker processes with limits:\n"
+      "  memory          --memory; default 8 GiB plus 1024 times the size of the input file, at most 90 % of the\n"
+      "                  memory of the machine or of the control group; 90 % if one input names other files\n"
+      "  files           256 open; each at most as large as the worker's memory, or as the output it must write\n"
+      "  idle time       60 s without CPU time, reading or writing\n"
+      "  Inputs must be files or folders; pipes and devices are refused.\n"
+      "\n"
       "Exit codes: 0 success, 1 internal error, 2 wrong usage, 3 input missing or unreadable, 4 input invalid or\n"
-      "damaged, 5 out of memory, disk or time, 6 comparison outside its limit, 7 unknown file kind or version;\n"
-      "130, 143, 129 ended by SIGINT, SIGTERM, SIGHUP; 141 the reader of a pipe has gone\n\n"
+      "damaged, 5 out of memory, disk or time, 6 comparison outside its limit, 7 unknown file type or version;\n"
+      "130, 143, 129 ended by SIGINT, SIGTERM, SIGHUP; 141 the reader of a pipe has gone\n"
+      "\n"
       "Example:\n"
       "  rhoray pack head.nrrd -o head.rho && rhoray render head.rho -o head.png\n";
   return text;

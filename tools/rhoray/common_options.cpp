@@ -9,11 +9,11 @@ namespace rhoray::tools {
 
 std::vector<Option> output_options(CommonOptions& common, const std::string& help) {
   return {value_option("-o,--output", "FILE", help, common.output),
-          flag_option("--force", "Replace the output if it is there", common.force)};
+          flag_option("--force", "Overwrite existing output", common.force)};
 }
 
 std::vector<Option> threads_option(CommonOptions& common) {
-  return {value_option("--threads", "N", "Threads to work on; 0, the default, takes all cores", common.threads)};
+  return {value_option("--threads", "N", "Number of threads; 0, the default, uses all cores", common.threads)};
 }
 
 std::vector<Option> memory_option(CommonOptions& common, const std::string& help) {
@@ -21,19 +21,18 @@ std::vector<Option> memory_option(CommonOptions& common, const std::string& help
 }
 
 std::vector<Option> message_options(CommonOptions& common, const std::string& json_help) {
-  return {flag_option("-q,--quiet", "Say nothing but errors on stderr", common.quiet),
-          flag_option("-v,--verbose", "Say more on stderr", common.verbose),
+  return {flag_option("-q,--quiet", "Print errors only", common.quiet),
+          flag_option("-v,--verbose", "Print more", common.verbose),
           choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
-                        "How progress is shown on stderr; auto: a bar on a terminal, else none", common.progress),
+                        "Progress on stderr; auto: a bar on a terminal, else none", common.progress),
           flag_option("--json", json_help, common.json)};
 }
 
 Option max_error_option(std::optional<double>& max_error) {
-  return value_option(
-      "--max-error", "E",
-      "Largest error of tetrahedra made of higher-order cells, as a share of the mesh's box diagonal and "
-      "of the range of each field that is kept (meshes); default 0.01",
-      max_error);
+  return value_option("--max-error", "E",
+                      "Largest error of tetrahedra made from higher-order cells, relative to the mesh's box diagonal "
+                      "and to the range of each kept field (meshes); default 0.01",
+                      max_error);
 }
 
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {
@@ -56,13 +55,13 @@ void require_writable(const CommonOptions& common, const std::filesystem::path& 
   std::error_code ignored;
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, ignored))
-    throw Error(ErrorCode::usage, concat(name, ": there is no folder ", folder.string()), "make the folder first");
+    throw Error(ErrorCode::usage, concat(name, ": there is no folder ", folder.string()), "create the folder first");
   if (std::filesystem::is_directory(output, ignored))
-    throw Error(ErrorCode::usage, concat(name, ": is a folder; expected the name of a file to write"));
+    throw Error(ErrorCode::usage, concat(name, ": is a folder; expected a file name"));
   if (std::filesystem::equivalent(output, input, ignored))
-    throw Error(ErrorCode::usage, concat(name, ": is the input; expected another name"));
+    throw Error(ErrorCode::usage, concat(name, ": is the input file; expected another name"));
   if (std::filesystem::exists(output, ignored) && !common.force)
-    throw Error(ErrorCode::usage, concat(name, ": is there already"), "--force replaces it");
+    throw Error(ErrorCode::usage, concat(name, " already exists"), "use --force to overwrite it");
 }
 
 std::string shell_line(const std::vector<std::string>& words) {

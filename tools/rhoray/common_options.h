@@ -33,7 +33,7 @@ std::vector<Option> message_options(CommonOptions& common,
 // What `pack` and `import` ask about meshes.
 Option max_error_option(std::optional<double>& max_error);  ///< --max-error
 inline constexpr const char* time_help =
-    "Which time step (meshes): first, last, #N from 0, or a time, of which the nearest is taken; default last";
+    "Time step (meshes): first, last, #N from 0, or a time, for which the nearest step is used; default last";
 
 /// The rows of several lists, in order.
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists);

@@ -23,13 +23,13 @@ struct CompareCommand {
 
 void check(const CompareCommand& command) {
   if (command.files.size() != 2)
-    throw Error(ErrorCode::usage, concat("found ", command.files.size(), " pictures; expected two"),
+    throw Error(ErrorCode::usage, concat("pictures: found ", command.files.size(), "; expected 2"),
                 "rhoray compare a.png b.png");
   if (command.limit && !(*command.limit >= 0))
     throw Error(ErrorCode::usage, concat("--fail: found ", *command.limit, "; expected 0 or more"));
   if (command.share && !(*command.share >= 0 && *command.share <= 1))
     throw Error(ErrorCode::usage, concat("--fail-share: found ", *command.share, "; expected 0 to 1"));
-  if (command.share && !command.limit) throw Error(ErrorCode::usage, "--fail-share: means something only with --fail");
+  if (command.share && !command.limit) throw Error(ErrorCode::usage, "--fail-share: needs --fail");
   if (command.map.empty()) return;
   require_picture_format(command.map, {});
   for (const std::filesystem::path& file : command.files) require_writable(command.common, command.map, file);
@@ -87,14 +87,14 @@ int run(const CompareCommand& command) {
       stdout);
   if (!command.map.empty()) {
     write_picture(difference_map(difference.of_pixel, a.width, a.height), {}, command.map, command.common.force);
-    say(command.common, concat(command.map.string(), ": black where nothing differs, then dark to bright"));
+    say(command.common, concat(command.map.string(), ": black means equal; brighter means a larger difference"));
   }
   if (!command.limit) return 0;
   const std::uint64_t beyond = difference.beyond(*command.limit);
   if (share_of(beyond, difference) > command.share.value_or(0))
     throw Error(ErrorCode::outside_limit,
-                concat(command.files[1].string(), ": ", beyond, " pixels differ by more than ", rounded(*command.limit),
-                       " from ", command.files[0].string()));
+                concat(command.files[1].string(), ": ", beyond, beyond == 1 ? " pixel differs" : " pixels differ",
+                       " by more than ", rounded(*command.limit), " from ", command.files[0].string()));
   return 0;
 }
 
@@ -103,20 +103,20 @@ int run(const CompareCommand& command) {
 Subcommand compare_subcommand() {
   const auto command = std::make_shared<CompareCommand>();
   return {.name = "compare",
-          .summary = "Two pictures: how much they differ, and where",
+          .summary = "Compare two pictures",
           .examples =
               "  rhoray compare before.png after.png\n"
               "  rhoray compare before.png after.png --fail 0.01 --fail-share 0.001 --map where.png\n"
-              "Channels of the same name are compared as they are stored: those of 8 bits as numbers from 0 to 1 (in\n"
-              "sRGB), those of EXR files as they are. Ends with exit code 6 when --fail is given and not kept.\n",
+              "Channels of the same name are compared as stored: 8-bit channels as numbers from 0 to 1 (in sRGB),\n"
+              "EXR channels without conversion. Exit code 6: the limit of --fail is exceeded.\n",
           .options = all_options(
-              {{files_option("A B", "Two pictures of one size", command->files),
-                value_option("--fail", "E", "Largest difference that a pixel may have; 0 asks for the same picture",
+              {{files_option("A B", "Two pictures of the same size", command->files),
+                value_option("--fail", "E", "Largest allowed difference of a pixel; 0 requires equal pictures",
                              command->limit),
                 value_option("--fail-share", "S", "Share of pixels that may differ by more; default 0", command->share),
-                value_option("--map", "FILE", "Draw where they differ", command->map),
-                flag_option("--force", "Replace the map if it is there", command->common.force)},
-               message_options(command->common, "The figures as one JSON document on stdout")}),
+                value_option("--map", "FILE", "Write a picture of the differences", command->map),
+                flag_option("--force", "Overwrite an existing map", command->common.force)},
+               message_options(command->common, "Print the results as JSON to stdout")}),
           .run = [command] { return run(*command); }};
 }
 

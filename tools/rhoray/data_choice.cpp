@@ -25,12 +25,12 @@ std::string range_text(const formats::FieldSummary& field) {
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
   if (field.range.is_empty()) throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
   if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
-    return {formats::shape_share_of_distance * field.range.hi, "a ten-thousandth of the largest distance"};
+    return {formats::shape_share_of_distance * field.range.hi, "1/10000 of the largest distance"};
   if (text == "auto") {
     const std::optional<double> threshold = formats::otsu_threshold(field);
     if (!threshold)
-      throw Error(ErrorCode::usage, concat("field '", field.name, "' has the value ", field.range.lo,
-                                           " everywhere: no isovalue parts it"));
+      throw Error(ErrorCode::usage,
+                  concat("field '", field.name, "' is constant (", field.range.lo, "), so it has no isosurface"));
     return {*threshold, "Otsu's threshold"};
   }
   const bool is_percentile = text.starts_with("p");
@@ -42,12 +42,13 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
                 concat("--iso: found '", text, "'; expected a number, a percentile such as p95, or auto"));
   }
   if (is_percentile) {
-    require_within("--iso p", value, 0, 100);
+    if (!(value >= 0 && value <= 100))
+      throw Error(ErrorCode::usage, concat("--iso ", text, ": percentiles run from 0 to 100"));
     return {formats::percentile(field, value / 100), concat("percentile ", value)};
   }
   if (!field.range.contains(value))
     throw Error(ErrorCode::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
-                "auto takes one from the histogram");
+                "auto chooses one from the histogram");
   return {value, "given"};
 }
 
@@ -102,7 +103,7 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
   const render::Volume volume = load_shown(path, field);
   if (volume.is_surface())
     throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
-                concat("look at it: rhoray render ", path.string()));
+                concat("show it: rhoray render ", path.string()));
   return volume;
 }
 
@@ -110,7 +111,7 @@ render::Texture load_texture(const std::filesystem::path& path) {
   require_input(path);
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
-                "rhoray pack --color makes it of a folder of pictures, .nrrd, .mha or .vti");
+                "rhoray pack --color makes one from a folder of pictures, .nrrd, .mha or .vti");
   };
   if (!formats::PackedFile::looks_packed(path)) refuse("is not a packed file");
   const formats::PackedFile file = formats::PackedFile::open(path);

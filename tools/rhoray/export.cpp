@@ -33,11 +33,11 @@ struct Format {
   const char* other;  ///< what to say to a file of the other kind
 };
 constexpr Format formats_known[] = {
-    {".vti", true, false, "a mesh goes into .vtu"},
-    {".vdb", true, false, "`rhoray resample` makes a grid of a mesh"},
-    {".nvdb", true, false, "`rhoray resample` makes a grid of a mesh"},
-    {".npy", true, false, "the lines of numpy in formats/SPEC.md read points, cells and fields from the packed file"},
-    {".vtu", false, true, "a grid goes into .vti"},
+    {".vti", true, false, "export a mesh as .vtu"},
+    {".vdb", true, false, "`rhoray resample` converts a mesh to a grid"},
+    {".nvdb", true, false, "`rhoray resample` converts a mesh to a grid"},
+    {".npy", true, false, "numpy reads points, cells and fields from the packed file: see formats/SPEC.md"},
+    {".vtu", false, true, "export a grid as .vti"},
     {".stl", true, true, ""}};
 
 const Format& format_of(const std::filesystem::path& output) {
@@ -67,7 +67,7 @@ Content content_of(const std::filesystem::path& input) {
   const formats::PackedFile file = formats::PackedFile::open(input);
   if (file.description().kind == formats::SurfaceMesh::kind)
     throw Error(ErrorCode::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
-                "the lines of numpy in formats/SPEC.md read its points and triangles");
+                "numpy reads its points and triangles from the packed file: see formats/SPEC.md");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
   return {false, formats::BrickGrid(file).description().fields};
 }
@@ -80,12 +80,12 @@ void check(const ExportCommand& command, const Format& format, const Content& co
                 format.other);
   const bool is_stl = std::string_view(format.extension) == ".stl";
   if (!is_stl && !command.isovalue.empty())
-    throw Error(ErrorCode::usage, concat("--iso: is for .stl, and the output is ", format.extension));
+    throw Error(ErrorCode::usage, concat("--iso: only for .stl, but the output is ", format.extension));
   if (is_stl && !content.is_mesh && command.isovalue.empty())
-    throw Error(ErrorCode::usage, "--iso: missing; an STL file of a grid holds an isosurface",
+    throw Error(ErrorCode::usage, "--iso: missing; an .stl of a grid holds an isosurface",
                 "--iso 500, --iso p95 or --iso auto");
   if (content.is_mesh && !is_stl && !command.field.empty())
-    throw Error(ErrorCode::usage, concat("--field: ", format.extension, " holds all fields"));
+    throw Error(ErrorCode::usage, concat("--field: not allowed, because ", format.extension, " holds all fields"));
 }
 
 std::optional<double> chosen_isovalue(const ExportCommand& command, const Content& content) {
@@ -123,7 +123,7 @@ preprocess::ExportReport write(const ExportCommand& command, const Content& cont
 int run(ExportCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path output = command.common.output;
-  if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output says what to write");
+  if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output selects the format");
   const Format& format = format_of(output);
   const Content content = content_of(command.input);
   check(command, format, content);
@@ -133,9 +133,10 @@ int run(ExportCommand& command) {
 
   const bool is_stl = std::string_view(format.extension) == ".stl";
   for (const std::string& note : report.notes) say(command.common, concat("note: ", note));
-  say(command.common, concat(output.string(), ": ", bytes_text(report.file_bytes),
-                             is_stl ? concat(", ", grouped(report.triangle_count), " triangles") : std::string{},
-                             ", took ", rounded(watch.seconds(), 3), " s"));
+  say(command.common,
+      concat(output.string(), ": ", bytes_text(report.file_bytes),
+             is_stl ? concat(", ", counted(report.triangle_count, "triangle", "triangles")) : std::string{}, ", took ",
+             rounded(watch.seconds(), 3), " s"));
   if (!command.common.json) return 0;
   Json json{{"file", output.string()}, {"source", command.input.string()}, {"file_bytes", report.file_bytes}};
   if (isovalue) json["isovalue"] = *isovalue;
@@ -151,28 +152,27 @@ int run(ExportCommand& command) {
 Subcommand export_subcommand() {
   const auto command = std::make_shared<ExportCommand>();
   return {.name = "export",
-          .summary = "Packed file back to what others read",
+          .summary = "Convert a packed file to another format",
           .examples =
               "  rhoray export head.rho -o head.vti\n"
               "  rhoray export head.rho -o head.nvdb\n"
               "  rhoray export head.rho --iso 500 -o skin.stl\n"
               "  rhoray export torso.rho -o torso.vtu\n",
           .options = all_options(
-              {{file_option("FILE", "Packed file; numpy reads it as it is, by the six lines in formats/SPEC.md",
+              {{file_option("FILE", "Packed file; numpy can read it without conversion, see formats/SPEC.md",
                             command->input)},
                output_options(command->common,
-                              "What to write: of a grid .vti, .vdb, .nvdb, .npy or .stl, of a mesh .vtu or .stl"),
-               {value_option("--field", "NAME", "Field to write where the format holds one; default the first",
+                              "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),
+               {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
                              command->field),
-                value_option(
-                    "--iso", "V",
-                    "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); without it, of a "
-                    "mesh, its own surface",
-                    command->isovalue)},
+                value_option("--iso", "V",
+                             "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); a mesh "
+                             "without --iso gives its own surface",
+                             command->isovalue)},
                memory_option(command->common,
-                             "Limit for the process that writes .vdb, .nvdb, or the .stl of a grid; default: Limits in "
-                             "`rhoray --help`"),
-               message_options(command->common, "What was written, as one JSON document on stdout")}),
+                             "Memory limit of the process that writes .vdb, .nvdb, or the .stl of a grid; default: see "
+                             "Limits in `rhoray --help`"),
+               message_options(command->common, "Print a JSON summary to stdout")}),
           .run = [command] { return run(*command); }};
 }
 

@@ -171,10 +171,10 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
       break;
   }
   const std::string advice = preprocess::advice_on(path);
-  throw Error(ErrorCode::unsupported, concat(path.string(), ": found a file of a kind that is not known here"),
+  throw Error(ErrorCode::unsupported, unsupported_type(path),
               !advice.empty()
                   ? advice
-                  : concat("readable: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),
+                  : concat("supported: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),
                            "; meshes ", preprocess::extensions_of(preprocess::ForeignKind::mesh), "; surfaces ",
                            preprocess::extensions_of(preprocess::ForeignKind::surface)));
 }

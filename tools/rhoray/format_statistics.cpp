@@ -71,15 +71,15 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
     return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
                   rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
   };
-  return count("rays", statistics.rays) + count("ruled out", statistics.rays_ruled_out) +
-         count("clipped", statistics.rays_clipped) + count("clipped away", statistics.rays_clipped_away) +
-         count("clear crossings", statistics.clear_crossings) + count("through surfaces", statistics.rays_through) +
+  return count("rays", statistics.rays) + count("culled rays", statistics.rays_ruled_out) +
+         count("clipped", statistics.rays_clipped) + count("clipped-away rays", statistics.rays_clipped_away) +
+         count("transparent hits", statistics.clear_crossings) + count("continued rays", statistics.rays_through) +
          count("shadow rays", statistics.shadow_rays) + count("occlusion rays", statistics.occlusion_rays) +
-         count("slice lookups", statistics.slice_lookups) + count("pixels at edges", statistics.edge_pixels) +
-         count("samples at edges", statistics.edge_samples) + count("hits", statistics.hits) +
+         count("slice lookups", statistics.slice_lookups) + count("edge pixels", statistics.edge_pixels) +
+         count("edge samples", statistics.edge_samples) + count("hits", statistics.hits) +
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
          count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("rays redone in double", statistics.rays_redone) + count("rays judged exactly", statistics.rays_exact) +
+         count("re-traced in double", statistics.rays_redone) + count("decided exactly", statistics.rays_exact) +
          count("touches", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
@@ -89,9 +89,9 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          count("colours looked up", statistics.colors_looked_up) +
          count("texture lookups", statistics.texture_lookups) + phase("traversal", phases.traversal) +
          phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  prepared in          ", rounded(statistics.preparation_s, 3), " s\n") +
-         concat("  traced in            ", rounded(statistics.wall_s, 3), " s\n") +
-         concat("  ranges proven        ", proof_text(statistics.range_proof), "\n");
+         concat("  preparation          ", rounded(statistics.preparation_s, 3), " s\n") +
+         concat("  tracing              ", rounded(statistics.wall_s, 3), " s\n") +
+         concat("  ranges checked       ", proof_text(statistics.range_proof), "\n");
 }
 
 }  // namespace rhoray::tools

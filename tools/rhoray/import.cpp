@@ -31,9 +31,10 @@ void check(const ImportCommand& command, const std::filesystem::path& output) {
   const std::string name = command.input.string();
   require_input(command.input);
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::mesh)
-    throw Error(
-        ErrorCode::invalid, concat(name, ": is not a mesh of volume cells; expected one, such as .vtu or .vtk"),
-        formats::PackedFile::looks_packed(command.input) ? concat("look into it: rhoray info ", name) : std::string{});
+    throw Error(ErrorCode::invalid,
+                concat(name, ": is not a mesh of volume cells; expected a mesh such as .vtu or .vtk"),
+                formats::PackedFile::looks_packed(command.input) ? concat("show its content: rhoray info ", name)
+                                                                 : std::string{});
   if (output.extension() != ".vtu")
     throw Error(ErrorCode::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
@@ -57,7 +58,7 @@ void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
       left_out += concat(left_out.empty() ? "" : ", ", "\"", field.name, "\"");
       return true;
     });
-  if (!left_out.empty()) mesh.notes.push_back(concat("fields not asked for left out: ", left_out));
+  if (!left_out.empty()) mesh.notes.push_back(concat("fields left out because --field does not name them: ", left_out));
 }
 
 /// Where cells became tetrahedra or were left out, each keeps the number of its cell.
@@ -75,10 +76,10 @@ void report(const ImportCommand& command, const preprocess::NeutralMesh& mesh, c
             double seconds) {
   const Usage usage = usage_so_far();
   for (const std::string& note : mesh.notes) say(command.common, concat("note: ", note));
-  say(command.common, concat(output.string(), ": ", grouped(mesh.cells.size()), " tetrahedra, ",
-                             grouped(mesh.points.size()), " points"));
+  say(command.common, concat(output.string(), ": ", counted(mesh.cells.size(), "tetrahedron", "tetrahedra"), ", ",
+                             counted(mesh.points.size(), "point", "points")));
   say(command.common, concat("took ", rounded(seconds, 3), " s, peak memory ", bytes_text(usage.peak_bytes),
-                             ", of a worker ", bytes_text(usage.worker_peak_bytes)));
+                             ", in a worker ", bytes_text(usage.worker_peak_bytes)));
   if (command.common.json)
     std::puts(dump(Json{{"file", output.string()},
                         {"cells", mesh.cells.size()},
@@ -93,7 +94,7 @@ void report(const ImportCommand& command, const preprocess::NeutralMesh& mesh, c
 int run(const ImportCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path& output = command.common.output;
-  if (output.empty()) throw Error(ErrorCode::usage, "-o: no output given; expected a file name ending in .vtu");
+  if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; expected a file name ending in .vtu");
   check(command, output);
   const ThreadLimit limit(command.common.threads);
   preprocess::NeutralMesh mesh;
@@ -121,19 +122,20 @@ Subcommand import_subcommand() {
   const auto command = std::make_shared<ImportCommand>();
   return {
       .name = "import",
-      .summary = "Mesh of cells of any kind to tetrahedra in a VTU file",
+      .summary = "Convert a mesh to tetrahedra in a VTU file",
       .examples =
           "  rhoray import can.vtu -o can-tets.vtu\n"
           "  rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu\n",
       .options = all_options(
           {{file_option("FILE", "Mesh of volume cells", command->input)},
-           output_options(command->common, "Mesh of tetrahedra (.vtu)"),
-           {value_option("--field", "A[,B]", "Fields to keep, of points or cells; default all", command->fields),
+           output_options(command->common, "Output mesh (.vtu)"),
+           {value_option("--field", "A[,B]", "Point or cell fields to keep; default all", command->fields),
             max_error_option(command->max_error), value_option("--time", "T", time_help, command->time)},
            threads_option(command->common),
-           memory_option(command->common,
-                         "Limit for the process that reads the input, such as 2G; default: Limits in `rhoray --help`"),
-           message_options(command->common, "What was made, as one JSON document on stdout")}),
+           memory_option(
+               command->common,
+               "Memory limit of the process that reads the input, such as 2G; default: see Limits in `rhoray --help`"),
+           message_options(command->common, "Print a JSON summary to stdout")}),
       .run = [command] { return run(*command); }};
 }
 

@@ -96,8 +96,8 @@ std::string certificate_text(const Json& certificate, const Json& unit) {
                          with_unit(rounded(certificate["max_error"]), unit), " at (", numbers(certificate["max_at"]),
                          "), rms ", with_unit(rounded(certificate["rms_error"]), unit)));
   if (const Json& requested = certificate["requested_error"]; requested.is_number())
-    text += row("", concat("an error of at most ", with_unit(rounded(requested), unit),
-                           " was asked for: ", certificate["meets_request"] ? "reached" : "not reached"));
+    text += row("", concat("requested error: at most ", with_unit(rounded(requested), unit), ", ",
+                           certificate["meets_request"] ? "reached" : "not reached"));
   return text;
 }
 
@@ -107,14 +107,14 @@ std::string field_text(const Json& field) {
   if (field["range"].is_null()) return row("field", title + "  no finite value");
   title += "  " + with_unit(numbers(field["range"], " to "), field["unit"]);
   if (const auto count = field["no_data_count"].get<std::uint64_t>(); count != 0)
-    title += concat(", ", grouped(count), " values without data");
+    title += concat(", ", counted(count, "value without data", "values without data"));
   std::string text = row("field", title);
   formats::FieldSummary summary;
   summary.histogram = field["histogram"].get<std::vector<std::uint64_t>>();
   text += row("", "|" + histogram_bars(summary) + "|");
   const Json& percentiles = field["percentiles"];
   text += row(
-      "", concat("1 % below ", rounded(percentiles["1"]), ", 50 % below ", rounded(percentiles["50"]), ", 99 % below ",
+      "", concat("percentiles p1 ", rounded(percentiles["1"]), ", p50 ", rounded(percentiles["50"]), ", p99 ",
                  rounded(percentiles["99"]),
                  field["otsu_threshold"].is_null() ? std::string{}
                                                    : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
@@ -183,14 +183,24 @@ std::string layout_text(const Json& json) {
   return text;
 }
 
+/// What packing counts, and what it does with it.
+struct PackingRow {
+  const char *key, *singular, *plural, *treatment;
+};
+constexpr PackingRow packing_rows[] = {
+    {"dropped_cells", "cell", "cells", "dropped while packing"},
+    {"dropped_facets", "facet", "facets", "dropped while packing"},
+    {"unused_points", "unused point", "unused points", "dropped while packing"},
+    {"flipped_cells", "cell", "cells", "of negative orientation turned while packing"},
+    {"flat_cells", "cell", "cells", "of zero volume kept"},
+    {"flat_triangles", "triangle", "triangles", "of zero area kept"}};
+
 std::string packing_text(const Json& json) {
   std::string text;
   if (json.contains("packing")) {
-    std::string met;
-    for (const auto& [name, count] : json["packing"].items())
-      if (count != 0) met += concat(met.empty() ? "" : ", ", grouped(count), " ", name);
-    std::replace(met.begin(), met.end(), '_', ' ');
-    if (!met.empty()) text += row("packing met", met);
+    for (const PackingRow& kind : packing_rows)
+      if (const std::uint64_t count = json["packing"].value(kind.key, std::uint64_t{0}); count != 0)
+        text += row("packing", concat(counted(count, kind.singular, kind.plural), " ", kind.treatment));
   }
   if (json.contains("provenance")) {
     text += row("from", json["provenance"]["source_name"].get<std::string>());
@@ -282,18 +292,19 @@ int run(const InfoOptions& options) {
 Subcommand info_subcommand() {
   const auto options = std::make_shared<InfoOptions>();
   return {.name = "info",
-          .summary = "Say what is in a file: packed, or any that can be read",
+          .summary = "Show what a file contains",
           .examples =
               "  rhoray info head.rho\n"
               "  rhoray info head.rho torso.vtu --json\n"
               "  rhoray info torso.vtu --stats\n",
           .options = all_options(
               {{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
-                flag_option("--stats", "Also look for what may be wrong with it, and say what packing does",
+                flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
                             options->findings)},
-               memory_option(options->common,
-                             "Limit for the process that reads a foreign file; default: Limits in `rhoray --help`"),
-               message_options(options->common, "One JSON document per file and line, on stdout")}),
+               memory_option(
+                   options->common,
+                   "Memory limit of the process that reads a foreign file; default: see Limits in `rhoray --help`"),
+               message_options(options->common, "Print one JSON document per file to stdout, one per line")}),
           .run = [options] { return run(*options); }};
 }
 

@@ -35,16 +35,22 @@ void require_input(const std::filesystem::path& path) {
   if (!std::filesystem::exists(status)) {
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     if (!std::filesystem::is_directory(folder, error_code))
-      throw Error(ErrorCode::unreadable, concat(name, ": no such file, and no folder ", folder.string()));
+      throw Error(ErrorCode::unreadable, concat(name, ": no such file; there is no folder ", folder.string()));
     throw Error(ErrorCode::unreadable, concat(name, ": no such file"),
                 did_you_mean(path.filename().string(), names_in(folder)));
   }
   if (!std::filesystem::is_directory(status)) require_regular_file(path);
   if (std::filesystem::is_directory(status) && preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown)
     throw Error(ErrorCode::unreadable,
-                concat(name, ": is a folder; expected a file, or a folder of DICOM images or of pictures"));
+                concat(name, ": is a folder; expected a file, or a folder of DICOM images or pictures"));
   if (::access(path.c_str(), R_OK) != 0)
     throw Error(ErrorCode::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
+}
+
+std::string unsupported_type(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension.empty()) return concat(path.string(), ": unknown file type");
+  return concat(path.string(), ": unsupported file type \"", extension, "\"");
 }
 
 std::uintmax_t input_bytes(const std::filesystem::path& path) {

@@ -95,7 +95,10 @@ bool wait_until(const timespec* deadline) {
 bool request_end() {
   const std::lock_guard lock(request_mutex);
   if (request == nullptr || !request->request_stop()) return false;
-  std::fputs("\nrhoray: interrupted: writing what there is; once more ends at once\n", stderr);
+  std::fputs(
+      "\n"
+      "rhoray: interrupted; writing the results so far (interrupt again to stop at once)\n",
+      stderr);
   return true;
 }
 
@@ -254,7 +257,7 @@ ScratchFolder::ScratchFolder(const std::filesystem::path& inside) {
     path_ = name;
     lock_ = open_and_lock(path_);
   }
-  if (lock_ < 0) throw Error(ErrorCode::resource, concat(inside.string(), ": no folder can be made here"));
+  if (lock_ < 0) throw Error(ErrorCode::resource, concat(inside.string(), ": cannot make a folder here"));
   scratch = path_;
 }
 

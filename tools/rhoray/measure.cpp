@@ -46,8 +46,7 @@ std::uint64_t anonymous_bytes() {
   std::ifstream lines("/proc/self/status");
   for (std::string line; std::getline(lines, line);)
     if (line.starts_with(name)) return std::stoull(line.substr(name.size())) * 1024;  // in kB
-  throw Error(ErrorCode::unsupported,
-              "/proc/self/status: no line 'RssAnon'; this system does not tell what memory is used");
+  throw Error(ErrorCode::unsupported, "/proc/self/status: no line 'RssAnon'; this system does not report memory use");
 }
 
 Machine this_machine() {
@@ -78,6 +77,10 @@ std::string grouped(std::uint64_t number) {
     text.insert(at, ",");
   }
   return text;
+}
+
+std::string counted(std::uint64_t number, const std::string& singular, const std::string& plural) {
+  return concat(grouped(number), " ", number == 1 ? singular : plural);
 }
 
 std::string bytes_text(std::uint64_t bytes) {

@@ -80,7 +80,7 @@ std::optional<double> srgb_byte(std::string_view two_digits) {
 }  // namespace
 
 void read_value(const std::string& text, std::string& out) {
-  if (text.empty()) refuse(text, "a text");
+  if (text.empty()) refuse(text, "a string");
   out = text;
 }
 

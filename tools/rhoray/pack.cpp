@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "formats/base/parallel.h"
+#include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pack_any.h"
@@ -24,7 +25,7 @@ void report(const PackCommand& command, const std::filesystem::path& output, con
                              rounded(ratio, 3), " x raw)"));
   say(command.common,
       concat("took ", rounded(seconds, 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
-             bytes_text(usage.peak_bytes), ", of the reading process ", bytes_text(usage.worker_peak_bytes)));
+             bytes_text(usage.peak_bytes), ", in the reading process ", bytes_text(usage.worker_peak_bytes)));
   if (!command.common.json) return;
   const Json json{{"file", output.string()},
                   {"kind", result.kind},
@@ -98,6 +99,14 @@ int run(PackCommand& command) {
   return 0;
 }
 
+/// The files that are read, as lines of the help.
+std::string file_types() {
+  using preprocess::ForeignKind;
+  return concat("Volumes: ", preprocess::extensions_of(ForeignKind::volume),
+                "\nMeshes: ", preprocess::extensions_of(ForeignKind::mesh),
+                "\nSurfaces: ", preprocess::extensions_of(ForeignKind::surface), "\n");
+}
+
 }  // namespace
 
 Subcommand pack_subcommand() {
@@ -105,51 +114,50 @@ Subcommand pack_subcommand() {
   PackOptions& pack = command->pack;
   return {
       .name = "pack",
-      .summary = "Volume, mesh or surface to a packed file",
-      .examples =
-          "  rhoray pack head.nrrd -o head.rho\n"
-          "  rhoray pack torso.vtu --field potential -o torso.rho\n"
-          "  rhoray pack heart.stl -o heart.rho\n"
-          "  rhoray pack slices/ --color --spacing 0.33,0.33,1 -o photographs.rho\n"
-          "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
+      .summary = "Pack a volume, a mesh or a surface",
+      .examples = concat("  rhoray pack head.nrrd -o head.rho\n"
+                         "  rhoray pack torso.vtu --field potential -o torso.rho\n"
+                         "  rhoray pack heart.stl -o heart.rho\n"
+                         "  rhoray pack slices/ --color --spacing 0.33,0.33,1 -o photographs.rho\n"
+                         "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
+                         file_types()),
       .options = all_options(
           {{file_option("FILE", "Volume, mesh or surface", pack.input)},
            output_options(command->common, "Packed file; default the input's name with .rho"),
            {value_option(
                 "--field", "A[,B]",
-                "Fields to keep, the first one is shown by default; default all of a mesh, the first of a volume",
+                "Fields to keep; the first is shown by default; default all fields of a mesh, the first of a volume",
                 pack.fields),
-            value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read bytes without a header", pack.raw),
-            flag_option(
-                "--color",
-                "Keep the colours (volumes of RGB or RGBA, 8 bits: a folder of pictures, .nrrd, .mha, .vti), to "
-                "be laid on surfaces as a texture",
-                pack.color),
-            value_option("--spacing", "X,Y,Z", "Instead of the file's (volumes)", pack.spacing),
-            value_option("--origin", "X,Y,Z", "Instead of the file's (volumes)", pack.origin),
-            value_option("--type", "TYPE", "Store samples as U8, I8, U16, I16, U32, I32, F32 or F64 (volumes)",
-                         pack.type),
-            choice_option("--layout", {"bricks", "linear", "sparse"},
-                          "Order of samples in the file (volumes): bricks (default), linear, or only the bricks "
-                          "that hold data",
-                          pack.layout),
+            value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read samples without a header", pack.raw),
+            flag_option("--color",
+                        "Keep colours, for use as a texture (8-bit RGB or RGBA volumes: a folder of pictures, .nrrd, "
+                        ".mha, .vti)",
+                        pack.color),
+            value_option("--spacing", "X,Y,Z", "Replace the file's spacing (volumes)", pack.spacing),
+            value_option("--origin", "X,Y,Z", "Replace the file's origin (volumes)", pack.origin),
+            value_option("--type", "TYPE",
+                         "Type of the stored samples (volumes): U8, I8, U16, I16, U32, I32, F32 or F64", pack.type),
+            choice_option(
+                "--layout", {"bricks", "linear", "sparse"},
+                "Order of samples in the file (volumes): bricks (default), linear, or sparse (only bricks with data)",
+                pack.layout),
             value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8, colours 8",
                          pack.brick_edge),
             flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
             max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),
             choice_option("--structure", {"clusters", "leaves"},
-                          "How rays find tetrahedra (meshes): clusters of neighbours (default), or lists of the "
-                          "leaf cells of a uniform lattice",
+                          "Search structure (meshes): clusters of neighbouring tetrahedra (default), or leaf lists of "
+                          "a uniform lattice",
                           pack.structure),
-            value_option("--cells", "auto|N", "About N leaf cells (leaves); default auto, one per tetrahedron",
-                         pack.cells),
+            value_option("--cells", "auto|N",
+                         "Approximate number of leaf cells (leaves); default auto, one per tetrahedron", pack.cells),
             value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (leaves); default 1", pack.leaf_ratio),
             value_option("--levels", "N", "Levels of macrocells (volumes, leaves); default 3", pack.levels),
             value_option("--factor", "N", "Cells per axis of a macrocell (volumes, leaves); default 4", pack.factor)},
            threads_option(command->common),
            memory_option(command->common,
-                         "Cap on memory, such as 512M: larger data streams through the output's folder"),
-           message_options(command->common, "What was packed, as one JSON document on stdout")}),
+                         "Memory cap, such as 512M; larger data are streamed through the output's folder"),
+           message_options(command->common, "Print a JSON summary to stdout")}),
       .run = [command] { return run(*command); }};
 }
 

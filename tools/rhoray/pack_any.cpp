@@ -31,8 +31,8 @@ bool is_surface(const PackOptions& options) {
 void check_kind(const PackOptions& options) {
   const std::string name = options.input.string();
   if (formats::PackedFile::looks_packed(options.input))
-    throw Error(ErrorCode::invalid, concat(name, ": is a packed file already"),
-                concat("look into it: rhoray info ", name));
+    throw Error(ErrorCode::invalid, concat(name, ": is already a packed file"),
+                concat("show its content: rhoray info ", name));
   switch (preprocess::foreign_kind(options.input)) {
     case preprocess::ForeignKind::volume:
     case preprocess::ForeignKind::mesh:
@@ -42,19 +42,18 @@ void check_kind(const PackOptions& options) {
       break;
   }
   const std::string advice = preprocess::advice_on(options.input);
-  throw Error(ErrorCode::invalid,
-              concat(name, ": found a file of a kind that is not known here; expected a volume (",
-                     preprocess::extensions_of(preprocess::ForeignKind::volume), "), a mesh (",
-                     preprocess::extensions_of(preprocess::ForeignKind::mesh), ") or a surface (",
-                     preprocess::extensions_of(preprocess::ForeignKind::surface), ")"),
-              !advice.empty() ? advice : "--raw 256x256x128:uint16:le reads bytes without a header");
+  throw Error(ErrorCode::invalid, concat(unsupported_type(options.input), "; expected a volume, a mesh or a surface"),
+              !advice.empty()
+                  ? advice
+                  : "`rhoray pack --help` lists file types; --raw 256x256x128:uint16:le reads bytes without "
+                    "a header");
 }
 
 /// What --color goes without.
 void check_color_options(const PackOptions& options) {
   const PackOptions defaults;
   if (!is_volume(options))
-    throw Error(ErrorCode::usage, concat("--color: is for volumes of colours, and ", options.input.string(), " is a ",
+    throw Error(ErrorCode::usage, concat("--color: only for volumes, but ", options.input.string(), " is a ",
                                          is_surface(options) ? "surface" : "mesh"));
   for (const auto& [given, name] : {std::pair{!options.raw.empty(), "--raw"},
                                     {options.type.has_value(), "--type"},
@@ -62,7 +61,7 @@ void check_color_options(const PackOptions& options) {
                                     {options.levels != defaults.levels, "--levels"},
                                     {options.factor != defaults.factor, "--factor"},
                                     {options.fields.size() > 1, "--field with several names"}})
-    if (given) throw Error(ErrorCode::usage, concat(name, ": is for values, and --color asks for colours"));
+    if (given) throw Error(ErrorCode::usage, concat(name, ": cannot be combined with --color"));
 }
 
 /// An option that belongs to the other kind would be passed over in silence.
@@ -83,19 +82,19 @@ void check_options(const PackOptions& options) {
   if (options.color) check_color_options(options);
   for (const Row& row : rows)
     if (row.given && surface)
-      throw Error(ErrorCode::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+      throw Error(ErrorCode::usage, concat(row.name, ": only for ", row.for_volumes ? "volumes" : "meshes", ", but ",
                                            options.input.string(), " is a surface"));
   if (surface && !options.fields.empty())
     throw Error(ErrorCode::usage, concat("--field: ", options.input.string(), " is a surface, which has no fields"));
   for (const Row& row : rows)
     if (row.given && row.for_volumes != volume)
-      throw Error(ErrorCode::usage, concat(row.name, ": is for ", row.for_volumes ? "volumes" : "meshes", ", and ",
+      throw Error(ErrorCode::usage, concat(row.name, ": only for ", row.for_volumes ? "volumes" : "meshes", ", but ",
                                            options.input.string(), " is a ", volume ? "volume" : "mesh"));
   if (!options.raw.empty() && options.fields.size() > 1)
     throw Error(ErrorCode::usage,
-                concat("--field: found ", options.fields.size(), " names; bytes of --raw are one field"));
+                concat("--field: found ", options.fields.size(), " names; --raw data have one field"));
   if (options.brick_edge && options.layout == "linear")
-    throw Error(ErrorCode::usage, "--brick-edge: has no meaning with --layout linear");
+    throw Error(ErrorCode::usage, "--brick-edge: has no effect with --layout linear");
 }
 
 bool has_leaf_lists(const PackOptions& options) {
@@ -110,7 +109,7 @@ void check_structure(const PackOptions& options) {
                                     std::pair{options.leaf_ratio.has_value(), "--leaf-ratio"},
                                     std::pair{options.levels != defaults.levels, "--levels"},
                                     std::pair{options.factor != defaults.factor, "--factor"}})
-    if (given) throw Error(ErrorCode::usage, concat(name, ": is for volumes or --structure leaves"));
+    if (given) throw Error(ErrorCode::usage, concat(name, ": only for volumes or --structure leaves"));
 }
 
 /// Whether the raw bytes are there is known before reading.
@@ -234,7 +233,7 @@ void give_fields(preprocess::NeutralMesh& mesh, preprocess::PackMeshOptions& pac
   if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
   if (!mesh.point_fields.empty() || pack.cells_to_points) return;
   pack.cells_to_points = true;
-  mesh.notes.push_back("no field stands at points: those in cells were averaged to points");
+  mesh.notes.push_back("no point data; cell data were averaged to the points");
 }
 
 PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& output,
@@ -264,15 +263,15 @@ PackResult pack_mesh(const PackOptions& options, const std::filesystem::path& ou
   const formats::TetMeshDescription& packed = report.description;
   std::uint64_t point_bytes = 3 * sizeof(double);
   for (const formats::FieldSummary& field : packed.fields) point_bytes += formats::element_bytes(field.type);
-  PackResult result{
-      .kind = "tets",
-      .description = json_of(packed),
-      .content = concat(grouped(packed.cell_count), " tetrahedra, ", grouped(packed.point_count), " points, ",
-                        packed.fields.size(), packed.fields.size() == 1 ? " field" : " fields"),
-      .notes = mesh.notes,
-      .raw_bytes = point_bytes * packed.point_count + 4 * sizeof(std::uint32_t) * packed.cell_count,
-      .file_bytes = report.file_bytes,
-      .cell_count = packed.cell_count};
+  PackResult result{.kind = "tets",
+                    .description = json_of(packed),
+                    .content = concat(counted(packed.cell_count, "tetrahedron", "tetrahedra"), ", ",
+                                      counted(packed.point_count, "point", "points"), ", ",
+                                      counted(packed.fields.size(), "field", "fields")),
+                    .notes = mesh.notes,
+                    .raw_bytes = point_bytes * packed.point_count + 4 * sizeof(std::uint32_t) * packed.cell_count,
+                    .file_bytes = report.file_bytes,
+                    .cell_count = packed.cell_count};
   result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
   return result;
 }
@@ -289,15 +288,15 @@ PackResult pack_surface(const PackOptions& options, const std::filesystem::path&
                                 .replace_existing = options.replace_existing},
                                progress);
   const formats::SurfaceMeshDescription& packed = report.description;
-  PackResult result{
-      .kind = formats::SurfaceMesh::kind,
-      .description = json_of(packed),
-      .content = concat(grouped(packed.triangle_count), " triangles, ", grouped(packed.point_count), " points"),
-      .notes = surface.notes,
-      .raw_bytes = 3 * formats::element_bytes(packed.point_type) * packed.point_count +
-                   3 * sizeof(std::uint32_t) * packed.triangle_count,
-      .file_bytes = report.file_bytes,
-      .cell_count = packed.triangle_count};
+  PackResult result{.kind = formats::SurfaceMesh::kind,
+                    .description = json_of(packed),
+                    .content = concat(counted(packed.triangle_count, "triangle", "triangles"), ", ",
+                                      counted(packed.point_count, "point", "points")),
+                    .notes = surface.notes,
+                    .raw_bytes = 3 * formats::element_bytes(packed.point_type) * packed.point_count +
+                                 3 * sizeof(std::uint32_t) * packed.triangle_count,
+                    .file_bytes = report.file_bytes,
+                    .cell_count = packed.triangle_count};
   result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
   return result;
 }
@@ -330,7 +329,7 @@ PackResult pack_any(const PackOptions& options, const std::filesystem::path& out
                                           : pack_mesh;
   PackResult result = pack(options, output, progress);
   if (cap && preprocess::MemoryCap::folder_is_memory(scratch_folder(options, output)))
-    result.notes.push_back("the output's folder lies in memory itself: --memory saves none there");
+    result.notes.push_back("the output's folder is in memory, so --memory saves nothing");
   return result;
 }
 

@@ -50,7 +50,7 @@ Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
 
 std::string picked_text(const Json& pick, const std::string& length_unit) {
   const std::string pixel = concat("pixel ", pick["pixel"][0].get<int>(), ",", pick["pixel"][1].get<int>(), ": ");
-  if (pick["cell"].is_null()) return pixel + "nothing is hit";
+  if (pick["cell"].is_null()) return pixel + "no hit";
   const std::string value = pick.contains("value") ? concat(", value ", rounded(pick["value"].get<double>())) : "";
   return concat(pixel, "cell ", pick["cell"].get<std::uint64_t>(), value, ", depth ",
                 rounded(pick["depth"].get<double>()), length_unit.empty() ? "" : " ", length_unit);

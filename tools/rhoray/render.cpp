@@ -30,7 +30,7 @@ std::filesystem::path output_of(const RenderCommand& command, const SceneSpec& s
   if (!command.common.output.empty()) return command.common.output;
   if (command.input.string() == scene_spec.document || scene_spec.document.empty())
     return std::filesystem::path(command.input).replace_extension(".png");
-  throw Error(ErrorCode::usage, "a scene on the command line has no file name; expected -o with the picture's name");
+  throw Error(ErrorCode::usage, "a scene on the command line has no file name; name the picture with -o");
 }
 
 /// What choosing a method, and tracing again, cannot go together with.
@@ -41,7 +41,7 @@ void check(RenderCommand& command, const SceneSpec& scene_spec) {
   const bool names_method =
       !command.picture.scene_spec.accuracy.empty() || !command.picture.scene_spec.layers[0].method.empty();
   if (command.goal.is_given() && names_method)
-    throw Error(ErrorCode::usage, "--max-error and --budget-ms choose the method: leave --accuracy and --method out");
+    throw Error(ErrorCode::usage, "--max-error and --budget-ms choose the method; do not give --accuracy or --method");
   if (command.goal.is_given() && scene_spec.image.show.value_or("color") == "error")
     throw Error(ErrorCode::usage,
                 "--show error needs --accuracy certified or exact, and --max-error chooses the method");
@@ -68,7 +68,7 @@ int run(RenderCommand& command) {
   drawn.stations.open_s = opening.seconds();
   aim_camera(scene_spec, drawn.plan);
   if (draws && (command.goal.is_given() || command.self_check.pixels > 0)) {
-    display.show("proving stored ranges");
+    display.show("checking stored value ranges");
     prove_ranges(command, drawn);
   }
   if (draws && command.goal.is_given()) {
@@ -100,7 +100,7 @@ Subcommand render_subcommand() {
   const auto command = std::make_shared<RenderCommand>();
   return {
       .name = "render",
-      .summary = "Packed file or scene to a picture: isosurfaces, maximum intensity projection, surfaces",
+      .summary = "Render a picture of a packed file or a scene",
       .examples =
           "  rhoray render head.rho -o head.png\n"
           "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
@@ -118,33 +118,31 @@ Subcommand render_subcommand() {
            output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
            picture_options(command->picture),
            goal_options(command->goal),
-           {value_option("--pick", "X,Y", "Say which cell a pixel shows; several: X,Y:X,Y", command->picks),
-            value_option("--frame", "K", "Only this one of a scene's frames, from 0", command->frame),
-            value_option("--sheet", "COLUMNS", "All of a scene's frames in one picture, so many in a row",
+           {value_option("--pick", "X,Y", "Print which cell a pixel shows; several: X,Y:X,Y", command->picks),
+            value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
+            value_option("--sheet", "COLUMNS", "Draw all frames of a scene in one picture, in this many columns",
                          command->sheet),
-            flag_option("--stats", "What was traced: rays, cells, seconds by phase, on stdout", command->statistics),
-            flag_option("--explain", "Say what the scene calls for, what not, and why; render nothing",
+            flag_option("--stats", "Print what was traced to stdout: rays, cells, seconds by phase",
+                        command->statistics),
+            flag_option("--explain", "Print what the scene needs and does not need, and why; render nothing",
                         command->explain),
-            flag_option("--print-scene", "Print the scene as a document, every choice spelled out; render nothing",
+            flag_option("--print-scene", "Print the scene document with every choice; render nothing",
                         command->print_scene),
-            answer_option("--scene-help", "Print what may stand in a scene document", scene_reference),
+            answer_option("--scene-help", "Print the keys of scene documents", scene_reference),
             answer_option("--scene-schema", "Print the JSON Schema of scene documents", scene_schema_text),
-            value_option(
-                "--verify", "N",
-                "Trace N random pixels, and N where the picture's content ends, again by exact arithmetic, and "
-                "say what was found; exit code 6 where the method's promise does not hold, 4 where the file's value "
-                "ranges are wrong",
-                command->self_check.pixels),
+            value_option("--verify", "N",
+                         "Trace N random pixels and N edge pixels again with exact arithmetic and print the errors; "
+                         "exit code 6 if the method's promise does not hold, 4 if the file's value ranges are wrong",
+                         command->self_check.pixels),
             value_option("--verify-limit", "E",
-                         "Exit code 6 also where 99 % of the random pixels are not within E: cells along the ray; of a "
+                         "Exit code 6 also if not 99 % of the random pixels are within E: cells along the ray; for a "
                          "projection a share of the field's range",
                          command->self_check.limit),
-            value_option("--verify-seed", "N", "Of the random numbers that choose these pixels; default 1",
-                         command->self_check.seed),
-            flag_option("--no-verify", "Do not check the file's checksums beside the rendering", command->no_verify)},
+            value_option("--verify-seed", "N", "Random seed for --verify; default 1", command->self_check.seed),
+            flag_option("--no-verify", "Do not check the file's checksums while rendering", command->no_verify)},
            threads_option(command->common),
-           memory_option(command->common, "Refuse a picture that takes more; default what the machine has"),
-           message_options(command->common, "Choices, statistics and times, as one JSON document on stdout")}),
+           memory_option(command->common, "Refuse pictures that need more memory; default the machine's memory"),
+           message_options(command->common, "Print choices, statistics and times as JSON to stdout")}),
       .run = [command] { return run(*command); }};
 }
 

@@ -57,9 +57,9 @@ void read_max_error(std::string text, preprocess::ResampleOptions& options) {
 
 void read_options(ResampleCommand& command) {
   if (!command.size.empty() && !command.spacing.empty())
-    throw Error(ErrorCode::usage, "--size and --spacing: found both; expected one of them");
+    throw Error(ErrorCode::usage, "--size and --spacing are mutually exclusive");
   if (command.size.empty() && command.spacing.empty() && command.max_error.empty())
-    throw Error(ErrorCode::usage, "found neither --size, nor --spacing, nor --max-error; expected one of them",
+    throw Error(ErrorCode::usage, "no resolution given; expected --size, --spacing or --max-error",
                 "--size 256 takes 256 samples along the longest axis");
   preprocess::LatticeRequest& spec = command.resample.lattice;
   if (!command.size.empty()) {
@@ -83,12 +83,10 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
                   concat("fill it first: rhoray tetrahedralize ", name, " -o ", command.input.stem().string(), ".vtu"));
     if (kind == preprocess::ForeignKind::volume)
       throw Error(ErrorCode::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
-                  concat("pack it: rhoray pack ", name));
+                  concat("pack it instead: rhoray pack ", name));
     if (kind == preprocess::ForeignKind::unknown)
-      throw Error(ErrorCode::invalid,
-                  concat(name,
-                         ": found a file of a kind that is not known here; expected a mesh (.vtu, .vtk, ...) or "
-                         "packed tetrahedra (.rho)"));
+      throw Error(ErrorCode::invalid, concat(unsupported_type(command.input),
+                                             "; expected a mesh (.vtu, .vtk, ...) or packed tetrahedra (.rho)"));
   }
   if (output.extension() != ".rho" && output.extension() != ".vdb")
     throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", output.extension().string(),
@@ -103,7 +101,7 @@ preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDispla
         command.input, {.error_fields = command.resample.fields, .memory_limit_bytes = command.common.memory.bytes});
   const formats::PackedFile file = formats::PackedFile::open(command.input);
   if (file.description().kind == "grid")
-    throw Error(ErrorCode::invalid, concat(command.input.string(), ": is a packed grid already; expected a mesh"));
+    throw Error(ErrorCode::invalid, concat(command.input.string(), ": is already a packed grid; expected a mesh"));
   return preprocess::unpack_mesh(formats::TetMesh(file));
 }
 
@@ -112,7 +110,7 @@ void give_fields(preprocess::NeutralMesh& mesh, preprocess::ResampleOptions& opt
   if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
   if (!mesh.point_fields.empty() || options.cells_to_points) return;
   options.cells_to_points = true;
-  mesh.notes.push_back("no field stands at points: those in cells were averaged to points");
+  mesh.notes.push_back("no point data; cell data were averaged to the points");
 }
 
 /// The command as it is kept in the file.
@@ -142,10 +140,10 @@ preprocess::ResampleReport resample_to(const std::filesystem::path& output, cons
       preprocess::export_vdb(packed, output, {.replace_existing = options.replace_existing});
   report.file_bytes = written.file_bytes;
   report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
-  report.notes.push_back("the error is printed here; an OpenVDB file has no place for it, a .rho keeps it by brick");
+  report.notes.push_back("an OpenVDB file cannot store the error; a .rho file stores it for each brick");
   if (report.description.fields.size() > 1)
     report.notes.push_back(concat("field '", report.description.fields.front().name,
-                                  "' is written; --field names another, and a .rho holds them all"));
+                                  "' is written; choose another with --field (a .rho file holds all fields)"));
   return report;
 }
 
@@ -199,13 +197,11 @@ void say_errors(const CommonOptions& common, const preprocess::ResampleReport& r
 void refuse_missed_error(const preprocess::ResampleReport& report, const std::filesystem::path& output) {
   if (report.why_not_reached.empty()) return;
   const auto& error = report.errors.front();
-  throw Error(
-      ErrorCode::outside_limit,
-      concat(output.string(), ": the error of ", error.name, " is at most ", rounded(error.max_error), " in ",
-             rounded(100 * error.coverage, 6), " % of the mesh; ", rounded(*report.requested_error), " was asked for (",
-             report.why_not_reached, ")"),
-      "the file was written, and its certificate says so; allow a larger error or more memory, or start from a finer "
-      "grid with --size");
+  throw Error(ErrorCode::outside_limit,
+              concat(output.string(), ": the error of ", error.name, " is at most ", rounded(error.max_error), " in ",
+                     rounded(100 * error.coverage, 6), " % of the mesh; ", rounded(*report.requested_error),
+                     " was requested (", report.why_not_reached, ")"),
+              "the file was written; allow a larger error or more memory, or start from a finer grid with --size");
 }
 
 int run(ResampleCommand& command) {
@@ -245,7 +241,7 @@ int run(ResampleCommand& command) {
                      grouped(static_cast<std::uint64_t>(volume(layout.brick_count()))), " bricks kept, ",
                      bytes_text(report.file_bytes)));
   say(common, concat("took ", rounded(watch.seconds(), 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
-                     bytes_text(usage.peak_bytes), ", of the reading process ", bytes_text(usage.worker_peak_bytes)));
+                     bytes_text(usage.peak_bytes), ", in the reading process ", bytes_text(usage.worker_peak_bytes)));
   if (common.json) {
     Json json = report_json(report);
     json["file"] = output.string();
@@ -265,34 +261,35 @@ int run(ResampleCommand& command) {
 
 Subcommand resample_subcommand() {
   const auto command = std::make_shared<ResampleCommand>();
-  return {.name = "resample",
-          .summary = "Tetrahedra to a grid, with a certificate of the error",
-          .examples =
-              "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
-              "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n"
-              "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n"
-              "Samples beside the mesh get values where a cell at its border needs them: the mesh's field, continued.\n"
-              "The grid therefore reaches beyond the mesh, by at most one and a half cells on an axis.\n"
-              "Coverage is the share of the mesh's volume in cells with values; the error is bounded there.\n",
-          .options = all_options(
-              {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
-               output_options(command->common,
-                              "Packed grid (.rho) or OpenVDB (.vdb); default the input's name with _grid.rho"),
-               {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each", command->size),
-                value_option("--spacing", "H|X,Y,Z", "Distance of samples, in the mesh's unit", command->spacing),
-                value_option("--max-error", "E|E%",
-                             "Refine until the first field's error is at most E, or E % of its range, in all of the "
-                             "mesh; with --size or --spacing from there. Exit code 6 when that is not reached: the "
-                             "best grid is written",
-                             command->max_error),
-                value_option("--field", "A[,B]", "Fields to sample, the first one is shown by default; default all",
-                             command->resample.fields),
-                flag_option("--cell-data", "Also sample cell fields, averaged to points",
-                            command->resample.cells_to_points)},
-               threads_option(command->common),
-               memory_option(command->common, "Limit for the samples and for the reading process, such as 2G"),
-               message_options(command->common, "What was made, as one JSON document on stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "resample",
+      .summary = "Resample tetrahedra on a grid, with a certified error",
+      .examples =
+          "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
+          "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n"
+          "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n"
+          "Samples next to the mesh get extrapolated values where a cell at its border needs them. The grid\n"
+          "therefore extends beyond the mesh, by at most one and a half cells per axis.\n"
+          "Coverage is the share of the mesh's volume in cells with values; the error bound holds there.\n",
+      .options = all_options(
+          {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
+           output_options(command->common,
+                          "Packed grid (.rho) or OpenVDB (.vdb); default the input's name with _grid.rho"),
+           {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each axis", command->size),
+            value_option("--spacing", "H|X,Y,Z", "Sample spacing, in the mesh's unit", command->spacing),
+            value_option(
+                "--max-error", "E|E%",
+                "Refine until the first field's error is at most E, or E % of its range, in the whole mesh; --size or "
+                "--spacing gives the first grid. Exit code 6 if this is not reached; the best grid is still written",
+                command->max_error),
+            value_option("--field", "A[,B]", "Fields to sample; the first is shown by default; default all",
+                         command->resample.fields),
+            flag_option("--cell-data", "Also sample cell fields, averaged to points",
+                        command->resample.cells_to_points)},
+           threads_option(command->common),
+           memory_option(command->common, "Memory limit for the samples and for the reading process, such as 2G"),
+           message_options(command->common, "Print a JSON summary to stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

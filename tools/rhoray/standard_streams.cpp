@@ -29,7 +29,7 @@ int finish_standard_output(int exit_code) {
   const int reason = errno;
   if (!failed_before && !fails_now) return exit_code;
   if (has_lost_its_reader() || reason == EPIPE) return 128 + SIGPIPE;
-  std::fputs(concat("rhoray: standard output: not all of it could be written",
+  std::fputs(concat("rhoray: standard output: could not be written completely",
                     fails_now ? concat(": ", std::strerror(reason)) : std::string(), "\n")
                  .c_str(),
              stderr);

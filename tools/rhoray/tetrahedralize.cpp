@@ -79,10 +79,10 @@ void read_max_volume(TetrahedralizeCommand& command) {
 void require_surface(const std::filesystem::path& input) {
   require_input(input);
   if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
-  throw Error(
-      ErrorCode::invalid,
-      concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
-      formats::PackedFile::looks_packed(input) ? concat("look into it: rhoray info ", input.string()) : std::string{});
+  throw Error(ErrorCode::invalid,
+              concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
+              formats::PackedFile::looks_packed(input) ? concat("show its content: rhoray info ", input.string())
+                                                       : std::string{});
 }
 
 void check(const TetrahedralizeCommand& command, const std::filesystem::path& output) {
@@ -93,7 +93,7 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   if (!command.sizes.empty()) {
     require_input(command.sizes);
     if (command.inputs.size() > 1)
-      throw Error(ErrorCode::usage, "--sizes: belongs to the points of one surface; found several surfaces",
+      throw Error(ErrorCode::usage, "--sizes: needs exactly one surface; found several",
                   "--size-field gives sizes in space");
   }
   if (output.extension() != ".vtu")
@@ -104,10 +104,10 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
   if (command.max_move) require_within("--max-move", *command.max_move, 0, 1);
   require_within("--wrap", command.repair.wrap, 0, 1);
   if (command.repair.largest_part_only && !command.mend && command.repair.wrap == 0)
-    throw Error(ErrorCode::usage, "--largest-part: belongs to --repair; found no --repair");
+    throw Error(ErrorCode::usage, "--largest-part: needs --repair");
   if (command.max_move && (!command.mend || command.repair.wrap > 0))
     throw Error(ErrorCode::usage,
-                concat("--max-move: belongs to --repair; found ", command.repair.wrap > 0 ? "--wrap" : "no --repair"));
+                concat("--max-move: needs --repair; found ", command.repair.wrap > 0 ? "--wrap" : "no --repair"));
 }
 
 std::string names_of(const std::vector<std::filesystem::path>& inputs) {
@@ -221,17 +221,17 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
   const std::filesystem::path file = std::filesystem::path(output).replace_extension(".faults.ply");
   std::string where;
   if (std::error_code ignored; !faults.empty() && std::filesystem::exists(file, ignored) && !command.common.force) {
-    where = concat("; ", file.string(), " is there already and was left as it is (--force replaces it)");
+    where = concat("; ", file.string(), " already exists and was not changed (use --force to overwrite it)");
   } else if (!faults.empty()) {
     write_fault_file(file, surface, faults, command.common.force);
     where = concat("; the faulty facets are in ", file.string());
   }
   const bool repaired = command.mend || command.repair.wrap > 0;
   std::string hint = refusal.hint();
-  hint += concat(hint.empty() ? "" : ", or ",
-                 repaired         ? "--wrap 0.01 makes a new closed surface around it"
-                 : faults.empty() ? "--repair takes away needles and flat facets, over which TetGen may fail"
-                                  : "--repair mends what it can and says how far it moved");
+  hint += concat(hint.empty() ? "" : ", or ", repaired ? "--wrap 0.01 wraps it in a new closed surface"
+                                              : faults.empty()
+                                                  ? "--repair removes needles and flat facets, on which TetGen may fail"
+                                                  : "--repair fixes what it can and reports how far the surface moved");
   throw Error(refusal.code(), refusal.what() + where, hint);
 }
 
@@ -314,10 +314,10 @@ int run(TetrahedralizeCommand& command) {
 
   const Usage usage = usage_so_far();
   for (const std::string& note : notes) say(command.common, concat("note: ", note));
-  say(command.common, concat(output.string(), ": ", grouped(mesh.cells.size()), " tetrahedra, ",
-                             grouped(mesh.points.size()), " points"));
+  say(command.common, concat(output.string(), ": ", counted(mesh.cells.size(), "tetrahedron", "tetrahedra"), ", ",
+                             counted(mesh.points.size(), "point", "points")));
   say(command.common, concat("took ", rounded(watch.seconds(), 3), " s, peak memory ", bytes_text(usage.peak_bytes),
-                             ", of a worker ", bytes_text(usage.worker_peak_bytes)));
+                             ", in a worker ", bytes_text(usage.worker_peak_bytes)));
   if (command.common.json) {
     Json document{{"file", output.string()},
                   {"cells", mesh.cells.size()},
@@ -336,63 +336,62 @@ int run(TetrahedralizeCommand& command) {
 
 Subcommand tetrahedralize_subcommand() {
   const auto command = std::make_shared<TetrahedralizeCommand>();
-  return {.name = "tetrahedralize",
-          .summary = "Closed surfaces to tetrahedra (TetGen, in a process of its own)",
-          .examples =
-              "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
-              "  rhoray tetrahedralize scalp.tri skull.tri brain.tri --max-volume 1:50,3:20 -o head.vtu\n"
-              "  rhoray tetrahedralize scan.stl --repair -o scan.vtu\n"
-              "  rhoray tetrahedralize torso.ply --size-field distance:heart.ply:1:20:0.2 -o torso.vtu\n"
-              "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
-          .options = all_options(
-              {{files_option("SURFACE",
-                             "Surfaces: .ply, .stl, .obj, .off, .tri, .vtk, .poly, .smesh or .face; nested ones make "
-                             "regions, numbered from outside in",
-                             command->inputs)},
-               output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu"),
-               {flag_option("--repair",
-                            "Mend a faulty surface: merge, drop, orient, stitch, fill holes, resolve crossings; says "
-                            "how far it moved",
-                            command->mend),
-                value_option("--max-move", "SHARE",
-                             "With --repair: refuse to move the surface farther than this share of the box diagonal; "
-                             "default 0.02",
-                             command->max_move),
-                value_option("--wrap", "SHARE",
-                             "Instead, wrap it in a new closed surface that bridges gaps up to this share of the box "
-                             "diagonal",
-                             command->repair.wrap),
-                flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
-                            command->repair.largest_part_only),
-                value_option("--quality", "R",
-                             "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4 where the "
-                             "surface's triangles allow it, and a note says how far it was reached",
-                             command->fill.quality),
-                value_option("--max-volume", "V",
-                             "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; 0, the default, "
-                             "sets no limit",
-                             command->max_volume),
-                value_option("--size-field", "FIELD",
-                             "Wanted edge lengths: a volume FILE, a mesh FILE:FIELD, or "
-                             "distance:SURFACE:NEAR:FAR:GROWTH",
-                             command->size_field),
-                value_option("--sizes", "FILE",
-                             "Wanted sizes at the points (.mtr); default the .mtr beside the surface", command->sizes),
-                {Option::Kind::flag, "--regions", "", "Number the regions in cell field 'region' (the default)",
-                 [command](const std::string&) { command->no_regions = false; }},
-                flag_option("--no-regions", "Do not number the regions", command->no_regions),
-                flag_option("--cavities", "Leave the second, fourth, ... of nested surfaces empty inside",
-                            command->fill.empty_cavities),
-                value_option("--tetgen", "SWITCHES",
-                             "Further switches of TetGen, of Y O S T X M: Y keeps the surface's triangles, S100 adds "
-                             "at most 100 points",
-                             command->fill.tetgen),
-                value_option("--time-limit", "SECONDS",
-                             "CPU time that each worker may take; default 3600 for TetGen, 300 for CGAL",
-                             command->time_limit_s)},
-               memory_option(command->common, "Limit for each worker process; default 8G for TetGen and CGAL"),
-               message_options(command->common, "What was made, as one JSON document on stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "tetrahedralize",
+      .summary = "Fill closed surfaces with tetrahedra (TetGen)",
+      .examples =
+          "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
+          "  rhoray tetrahedralize scalp.tri skull.tri brain.tri --max-volume 1:50,3:20 -o head.vtu\n"
+          "  rhoray tetrahedralize scan.stl --repair -o scan.vtu\n"
+          "  rhoray tetrahedralize torso.ply --size-field distance:heart.ply:1:20:0.2 -o torso.vtu\n"
+          "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
+      .options = all_options(
+          {{files_option("SURFACE",
+                         "Surfaces: .ply, .stl, .obj, .off, .tri, .vtk, .poly, .smesh or .face; nested surfaces make "
+                         "regions, numbered from the outside",
+                         command->inputs)},
+           output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu"),
+           {flag_option("--repair",
+                        "Repair a faulty surface: merge, drop, orient, stitch, fill holes, resolve self-intersections; "
+                        "reports how far it moved",
+                        command->mend),
+            value_option("--max-move", "SHARE",
+                         "With --repair: largest allowed movement, as a share of the box diagonal; default 0.02",
+                         command->max_move),
+            value_option("--wrap", "SHARE",
+                         "Instead of --repair: wrap the surface in a new closed one that bridges gaps up to this share "
+                         "of the box diagonal",
+                         command->repair.wrap),
+            flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
+                        command->repair.largest_part_only),
+            value_option("--quality", "R",
+                         "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4 where the "
+                         "surface's triangles allow it; a note reports the ratio reached",
+                         command->fill.quality),
+            value_option(
+                "--max-volume", "V",
+                "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; 0, the default: no limit",
+                command->max_volume),
+            value_option("--size-field", "FIELD",
+                         "Target edge lengths: a volume FILE, a mesh FILE:FIELD, or distance:SURFACE:NEAR:FAR:GROWTH",
+                         command->size_field),
+            value_option("--sizes", "FILE", "Target sizes at the points (.mtr); default the .mtr beside the surface",
+                         command->sizes),
+            {Option::Kind::flag, "--regions", "", "Number the regions in cell field 'region' (the default)",
+             [command](const std::string&) { command->no_regions = false; }},
+            flag_option("--no-regions", "Do not number the regions", command->no_regions),
+            flag_option("--cavities", "Leave every second one of nested surfaces empty inside",
+                        command->fill.empty_cavities),
+            value_option("--tetgen", "SWITCHES",
+                         "More switches for TetGen, of Y O S T X M: Y keeps the surface's triangles, S100 adds at most "
+                         "100 points",
+                         command->fill.tetgen),
+            value_option("--time-limit", "SECONDS",
+                         "CPU time limit of each worker; default 3600 for TetGen, 300 for CGAL",
+                         command->time_limit_s)},
+           memory_option(command->common, "Memory limit of each worker process; default 8G for TetGen and CGAL"),
+           message_options(command->common, "Print a JSON summary to stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

@@ -31,7 +31,7 @@ constexpr PictureSize report_picture{.width = 640, .height = 480};
 
 void check(const ValidateCommand& command) {
   if (command.isovalue.empty())
-    throw Error(ErrorCode::usage, "--iso: missing; which isosurface is to be validated?",
+    throw Error(ErrorCode::usage, "--iso: missing; choose the isosurface to check",
                 "--iso 500, --iso p95 or --iso auto");
   require_within("--samples", static_cast<double>(command.samples.value_or(1)), 1, 1e9);
   if (command.max_depth_error && !(*command.max_depth_error > 0))
@@ -51,7 +51,7 @@ void refuse_damage(const formats::PackedFile& file, unsigned threads) {
 /// Without a word the level double: depths are compared as closely as it promises them.
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())
-    throw Error(ErrorCode::usage, "--method and --accuracy say the same thing twice: give one of them");
+    throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
   if (!command.method.empty()) return method_named(command.method, render::Mode::isosurface, is_mesh);
   return command.accuracy.empty() ? render::Method{} : method_of(accuracy_named(command.accuracy));
 }
@@ -74,13 +74,12 @@ int run(ValidateCommand& command) {
   check(command);
   const render::Volume volume = load_volume(command.input, command.field);
   if (volume.file().description().kind == "vdb")
-    throw Error(ErrorCode::unsupported,
-                concat(command.input.string(), ": is an OpenVDB file, and packed files are validated"),
+    throw Error(ErrorCode::unsupported, concat(command.input.string(), ": is an OpenVDB file; expected a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
   const Isovalue isovalue = choose_isovalue(command.isovalue, volume.field());
   refuse_damage(volume.file(), command.common.threads);
   const render::RangeProof range_proof = volume.prove_ranges(command.common.threads);
-  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
+  tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
   validate::Request request{.file = command.input.string(),
                             .field = volume.field().name,
                             .isovalue = isovalue.value,
@@ -119,42 +118,41 @@ int run(ValidateCommand& command) {
 
 Subcommand validate_subcommand() {
   const auto command = std::make_shared<ValidateCommand>();
-  return {
-      .name = "validate",
-      .summary = "Isosurface against surfaces made and ray-shot with CGAL",
-      .examples =
-          "  rhoray validate torso.rho --iso 0.5\n"
-          "  rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation\n"
-          "Needs the program rhoray-validate-worker beside `rhoray`, which links CGAL (GPL-3 or later).\n"
-          "Ends with exit code 6 when a check is outside its limit, 4 when the file's value ranges are wrong.\n",
-      .options = all_options(
-          {{file_option("FILE", "Packed file", command->input),
-            value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",
-                         command->isovalue),
-            value_option("--field", "NAME", "Field; default the first that is not the same everywhere", command->field),
-            choice_option("--accuracy", accuracy_words(),
-                          "Level of the renderer; default double, which is exact enough for the limits",
-                          command->accuracy),
-            value_option("--method", "NAME", method_help(), command->method),
-            value_option("--samples", "N", "Rays sent from around the data; default 100000", command->samples),
-            value_option("--seed", "N",
-                         "Of the random numbers; default 1. In a mesh the same seed gives the same report",
-                         command->seed),
-            value_option("--max-depth-error", "E",
-                         "Largest error along a ray, beyond the bound of a hit that states one: in a mesh in diagonals "
-                         "of its box, default 1e-9; in a grid in "
-                         "cells, default 1e-9",
-                         command->max_depth_error),
-            value_option("--report", "DIR",
-                         "Write the report there as text, JSON and CSV, and pictures of the errors; the folder is made "
-                         "if it is not there",
-                         command->folder),
-            flag_option("--force", "Replace the report if it is there", command->common.force),
-            value_option("--time-limit", "S", "Seconds of CPU for the worker; default 3600", command->time_limit_s)},
-           threads_option(command->common),
-           memory_option(command->common, "Limit for the worker; default: Limits in `rhoray --help`"),
-           message_options(command->common, "The report as one JSON document on stdout")}),
-      .run = [command] { return run(*command); }};
+  return {.name = "validate",
+          .summary = "Check an isosurface against a CGAL reference",
+          .examples =
+              "  rhoray validate torso.rho --iso 0.5\n"
+              "  rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation\n"
+              "Needs the program rhoray-validate-worker beside `rhoray`, which links CGAL (GPL-3 or later).\n"
+              "Exit code 6: a check is outside its limit; 4: the file's value ranges are wrong.\n",
+          .options = all_options(
+              {{file_option("FILE", "Packed file", command->input),
+                value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",
+                             command->isovalue),
+                value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
+                choice_option("--accuracy", accuracy_words(),
+                              "Accuracy of the renderer; default double, which is exact enough for the limits",
+                              command->accuracy),
+                value_option("--method", "NAME", method_help(), command->method),
+                value_option("--samples", "N", "Number of rays, sent from around the data; default 100000",
+                             command->samples),
+                value_option("--seed", "N", "Random seed; default 1. For a mesh the same seed gives the same report",
+                             command->seed),
+                value_option("--max-depth-error", "E",
+                             "Largest error along a ray, beyond the error bound of a hit if it has one: for a mesh in "
+                             "diagonals of its box, default 1e-9; for a grid in cells, default 1e-9",
+                             command->max_depth_error),
+                value_option("--report", "DIR",
+                             "Write the report to this folder as text, JSON and CSV, with pictures of the errors; "
+                             "created if missing",
+                             command->folder),
+                flag_option("--force", "Overwrite an existing report", command->common.force),
+                value_option("--time-limit", "S", "CPU time limit of the worker, in seconds; default 3600",
+                             command->time_limit_s)},
+               threads_option(command->common),
+               memory_option(command->common, "Memory limit of the worker; default: see Limits in `rhoray --help`"),
+               message_options(command->common, "Print the report as JSON to stdout")}),
+          .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

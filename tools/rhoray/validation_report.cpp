@@ -42,8 +42,8 @@ Table ValidationReport::table(const char* key, const char* name, const char* tit
 }
 
 std::vector<Table> ValidationReport::tables() const {
-  return {table("rays", "rays", "Rays, by what they were aimed at"),
-          table("measures", "errors", "Errors, as quantiles"), table("checks", "limits", "Limits")};
+  return {table("rays", "rays", "Rays, by target"), table("measures", "errors", "Error quantiles"),
+          table("checks", "limits", "Limits")};
 }
 
 std::string ValidationReport::text() const {
@@ -86,8 +86,7 @@ void ValidationReport::add_files(const std::filesystem::path& folder, PendingFil
   files.add(folder / "report.json", json_.dump(2) + "\n");
   for (const Table& table : tables()) files.add(folder / (table.name + ".csv"), csv_of(table));
   if (!json_.at("disputed").empty())
-    files.add(folder / "disputed_rays.csv",
-              csv_of(table("disputed", "disputed_rays", "Rays that were answered otherwise")));
+    files.add(folder / "disputed_rays.csv", csv_of(table("disputed", "disputed_rays", "Rays with a different answer")));
 
   const std::vector<std::uint64_t>& shape = answer_.entry(validate::verdict_array).shape;
   const ErrorMap map{.width = static_cast<int>(shape.at(1)),
@@ -122,12 +121,12 @@ void require_report_folder(const std::filesystem::path& folder, bool replace_exi
   const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(parent, ignored))
     throw Error(ErrorCode::usage, concat(folder.string(), ": there is no folder ", parent.string()),
-                "make the folder first");
+                "create the folder first");
   if (std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored))
     throw Error(ErrorCode::usage, concat(folder.string(), ": is not a folder"));
   for (const char* name : file_names)
     if (std::filesystem::exists(folder / name, ignored) && !replace_existing)
-      throw Error(ErrorCode::usage, concat((folder / name).string(), ": is there already"), "--force replaces it");
+      throw Error(ErrorCode::usage, concat((folder / name).string(), " already exists"), "use --force to overwrite it");
 }
 
 }  // namespace rhoray::tools

@@ -122,16 +122,16 @@ int run(const VerifyOptions& options) {
 Subcommand verify_subcommand() {
   const auto options = std::make_shared<VerifyOptions>();
   return {.name = "verify",
-          .summary = "Check packed files: seal, checksums, every damaged block by name",
+          .summary = "Check packed files for damage",
           .examples =
               "  rhoray verify head.rho torso.rho\n"
               "  rhoray verify head.rho --deep --json\n"
-              "Exit code 0: sound; 4: something was found; 3: a file could not be looked at.\n",
+              "Exit code 0: no damage; 4: damage found; 3: a file could not be read.\n",
           .options = all_options(
               {{files_option("FILE", "Packed files", options->files),
-                flag_option("--deep", "Also read every value: ranges, macrocells, boxes, leaf lists", options->deep)},
+                flag_option("--deep", "Also check every value: ranges, macrocells, boxes, leaf lists", options->deep)},
                threads_option(options->common),
-               message_options(options->common, "One JSON document per file and line, on stdout")}),
+               message_options(options->common, "Print one JSON document per file to stdout, one per line")}),
           .run = [options] { return run(*options); }};
 }
 

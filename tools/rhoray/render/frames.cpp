@@ -24,8 +24,7 @@ std::filesystem::path frame_name(const RenderCommand& command, int frame) {
   const std::filesystem::path& pattern = command.common.output;
   if (const auto name = numbered(pattern, frame)) return *name;
   if (command.frame && pattern.filename().string().find('%') == std::string::npos && !pattern.empty()) return pattern;
-  throw Error(ErrorCode::usage,
-              concat("-o: found '", pattern.string(), "'; expected a name with a place for the frame's number"),
+  throw Error(ErrorCode::usage, concat("-o: found '", pattern.string(), "'; expected a name with a frame number"),
               "such as out_%04d.png");
 }
 
@@ -84,14 +83,14 @@ void report_frames(const RenderCommand& command, const ResolvedScene& plan, cons
                     frame.statistics.preparation_s, frame.statistics.wall_s);
       std::puts(line);
     }
-    std::puts(concat("  ranges proven: ", proof_text(range_proof)).c_str());
+    std::puts(concat("  ranges checked: ", proof_text(range_proof)).c_str());
   }
   say_choices(command.common, plan);
-  tell(command.common, concat("stored ranges proven: ", proof_text(range_proof)));
-  say(command.common,
-      concat(frames.front().picture.string(), " to ", frames.back().picture.string(), ": ", frames.size(),
-             " frames by ", frames.back().statistics.machine, " kernels, traced in ", rounded(traced_s, 3), " s, ",
-             rounded(preparation_s, 3), " s of it preparation: ", rounded(rate, 3), " frames per second"));
+  tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
+  say(command.common, concat(frames.front().picture.string(), " to ", frames.back().picture.string(), ": ",
+                             counted(frames.size(), "frame", "frames"), " by ", frames.back().statistics.machine,
+                             " kernels, traced in ", rounded(traced_s, 3), " s, including ", rounded(preparation_s, 3),
+                             " s of preparation: ", rounded(rate, 3), " frames per second"));
 }
 
 /// The scene of a plan with its key frames.
@@ -132,8 +131,7 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const Sc
   drawn.output = command.common.output;
   drawn.plan = std::move(plan);
   const int columns = *command.sheet, frame_count = sweep.frame_count();
-  if (drawn.plan.frame.channels.any())
-    throw Error(ErrorCode::usage, "--sheet: keeps colours alone; expected no --channels beside it");
+  if (drawn.plan.frame.channels.any()) throw Error(ErrorCode::usage, "--sheet and --channels are mutually exclusive");
   ResolvedScene& shown = drawn.plan;
   require_picture(command, drawn.output, shown);
   render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
@@ -186,11 +184,11 @@ void run_frames(const RenderCommand& command, const SceneSpec& scene_spec) {
   if (command.frame && (*command.frame < 0 || *command.frame >= sweep.frame_count()))
     throw Error(ErrorCode::usage,
                 concat("--frame: found ", *command.frame, "; expected 0 to ", sweep.frame_count() - 1));
-  if (!command.picks.empty()) throw Error(ErrorCode::usage, "--pick: looks into one picture, not into frames");
-  if (command.self_check.pixels > 0) throw Error(ErrorCode::usage, "--verify: traces one picture again, not frames");
+  if (!command.picks.empty()) throw Error(ErrorCode::usage, "--pick: works on one picture, not on frames");
+  if (command.self_check.pixels > 0) throw Error(ErrorCode::usage, "--verify: works on one picture, not on frames");
   if (command.goal.is_given())
     throw Error(ErrorCode::usage, "--max-error and --budget-ms choose a method for one picture, not for frames");
-  if (command.frame && command.sheet) throw Error(ErrorCode::usage, "--sheet: shows all frames, --frame one of them");
+  if (command.frame && command.sheet) throw Error(ErrorCode::usage, "--sheet and --frame are mutually exclusive");
   if (command.sheet && !(*command.sheet >= 1 && *command.sheet <= 1000))
     throw Error(ErrorCode::usage, concat("--sheet: found ", *command.sheet, "; expected 1 to 1000"));
   const int frame = command.frame.value_or(0);

@@ -36,7 +36,7 @@ void require_memory(const RenderCommand& command, const ResolvedScene& plan) {
   const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
   const std::uint64_t limit = asked != 0 ? asked : machine;
   if (needed > limit)
-    throw Error(ErrorCode::resource, concat("--size: the picture takes ", bytes_text(needed), " of memory; ",
+    throw Error(ErrorCode::resource, concat("--size: the picture needs ", bytes_text(needed), " of memory; ",
                                             asked != 0 ? "--memory allows " : "this machine has ", bytes_text(limit)));
 }
 
@@ -47,7 +47,7 @@ void refuse_damage(const formats::PackedFile& file, const std::vector<formats::D
   std::string fact = file.name() + ":";
   for (std::size_t i = 0; i < std::min(shown_count, blocks.size()); ++i)
     fact += concat(i == 0 ? " " : "; ", damage_text(file, blocks[i]));
-  if (blocks.size() > shown_count) fact += concat("; and ", blocks.size() - shown_count, " blocks more");
+  if (blocks.size() > shown_count) fact += concat("; and ", blocks.size() - shown_count, " more");
   throw Error(ErrorCode::invalid, fact,
               concat("no picture was written; `rhoray verify ", file.name(), "` lists all blocks"));
 }

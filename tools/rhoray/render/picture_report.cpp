@@ -112,14 +112,14 @@ void report(const RenderCommand& command, const Drawn& drawn) {
   if (plan.page) {
     const std::string shown = word_of(*plan.page);
     say(common, drawn.heat.is_empty()
-                    ? concat("note: nothing to show of ", shown)
+                    ? concat("note: there are no values to show for ", shown)
                     : concat(shown, ": ", rounded(drawn.heat.lo), " (dark) to ", rounded(drawn.heat.hi), " (bright)"));
   }
-  if (drawn.statistics.hits == 0) say(common, "note: the picture is empty: no ray met anything");
-  tell(common, concat("stored ranges proven: ", proof_text(drawn.statistics.range_proof)));
+  if (drawn.statistics.hits == 0) say(common, "note: the picture is empty; no ray hit anything");
+  tell(common, concat("stored value ranges checked: ", proof_text(drawn.statistics.range_proof)));
   say(common,
       concat(drawn.output.string(), ": ", method_text(plan), " by ", drawn.statistics.machine, " kernels, traced in ",
-             rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in all"));
+             rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in total"));
   say(common, concat("reproduce: ", drawn.reproduce));
 }
 
