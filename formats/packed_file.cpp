@@ -91,7 +91,7 @@ std::uint64_t PackedFile::Mapping::checked_header_bytes() const {
 void PackedFile::Mapping::read() {
   const std::string_view beginning(reinterpret_cast<const char*>(start) + envelope::length_bytes,
                                    envelope::start_text.size());
-  if (beginning != envelope::start_text) refuse(name, "byte 8", "other text", "the start of a packed file");
+  if (beginning != envelope::start_text) throw Error(ErrorCode::invalid, concat(name, " is not a .rho file"));
   const std::span<const std::byte, envelope::seal_bytes> seal(start + (bytes - envelope::seal_bytes),
                                                               envelope::seal_bytes);
   envelope::check_seal_itself(name, seal, bytes);

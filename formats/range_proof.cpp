@@ -24,8 +24,8 @@ std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, detai
   const std::vector<std::string> sentences = findings.sentences();
   if (!sentences.empty())
     throw Error(ErrorCode::invalid, concat(data.file().name(), ": ", sentences.front()),
-                concat("nothing can be certified with this file; `rhoray verify --deep ", data.file().name(),
-                       "` lists all that is wrong in it"));
+                concat("this file cannot be used for certified results; `rhoray verify --deep ", data.file().name(),
+                       "` lists all its faults"));
   return read.bytes;
 }
 

@@ -31,7 +31,7 @@ void check_colors(const NeutralVolume& colors, const std::string& source_name) {
                        " x ", n.z, " x ", components));
   if (std::any_of(colors.axes.begin(), colors.axes.end(), [](const auto& table) { return !table.empty(); }))
     throw Error(ErrorCode::unsupported,
-                concat(source_name, ": found colours at uneven steps; expected even ones along every axis"));
+                concat(source_name, ": found colours with uneven spacing; expected even spacing along every axis"));
   check_frame(colors.world_from_grid, source_name);
 }
 

@@ -51,7 +51,7 @@ Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, c
 void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& notes) {
   if (field.no_data_count == 0) return;
   notes.push_back(concat("field \"", field.name, "\" has no data at ", field.no_data_count,
-                         field.no_data_count == 1 ? " point" : " points", ": cells that touch one are absent"));
+                         field.no_data_count == 1 ? " point" : " points", "; adjacent cells are not drawn"));
 }
 
 formats::FieldSummary summary_of(const PointField& field) {

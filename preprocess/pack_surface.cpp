@@ -129,8 +129,8 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
     }
   }
   if (triangles.empty())
-    throw Error(ErrorCode::invalid,
-                concat(source_name, ": ", facet_count, " facets, none of three finite corners apart"));
+    throw Error(ErrorCode::invalid, concat(source_name, ": ", facet_count,
+                                           " facets; expected at least one with three different finite corners"));
   require_index(triangles.size(), "triangles", source_name);
 
   Array<std::array<double, 3>> points;
@@ -147,11 +147,11 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
   packed.has_source_order = cut_count == 0 && packed.dropped_facet_count == 0;
   packed.unused_point_count = surface.points.size() - points.size();
   packed.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
-  note(report.notes, cut_count, "facet", "facets", "of more than three corners cut into triangles");
+  note(report.notes, cut_count, "facet", "facets", "with more than three corners cut into triangles");
   note(report.notes, packed.dropped_facet_count, "facet", "facets",
-       "dropped: a corner twice, or a coordinate that is not finite");
-  note(report.notes, packed.flat_triangle_count, "triangle", "triangles", "without area kept");
-  note(report.notes, packed.unused_point_count, "point", "points", "of no triangle dropped");
+       "dropped because of a repeated corner or a coordinate that is not finite");
+  note(report.notes, packed.flat_triangle_count, "triangle", "triangles", "of zero area kept");
+  note(report.notes, packed.unused_point_count, "point", "points", "without a triangle dropped");
 
   if (progress) progress("writing", 0, 0);
   formats::PackedFileWriter writer(path, formats::describe(packed), formats::surface_mesh_arrays(packed),

@@ -100,7 +100,7 @@ void check_one_lattice(std::span<const NeutralVolume> fields, const std::string&
     if (field.sample_count != first.sample_count || field.world_from_grid != first.world_from_grid ||
         field.axes != first.axes || field.length_unit != first.length_unit)
       throw Error(ErrorCode::invalid, concat(source_name, ", field '", name_of(field),
-                                             "': found a lattice of its own; expected that of '", name_of(first), "'"));
+                                             "': found a different lattice; expected that of '", name_of(first), "'"));
     for (std::size_t other = 0; other < f; ++other)
       if (name_of(fields[other]) == name_of(field))
         throw Error(ErrorCode::invalid,

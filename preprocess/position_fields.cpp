@@ -138,14 +138,13 @@ void add_position_fields(NeutralMesh& mesh) {
   }
   mesh.point_fields.insert(mesh.point_fields.begin(), std::make_move_iterator(fields.begin()),
                            std::make_move_iterator(fields.end()));
-  mesh.notes.push_back(
-      boundary.empty() ? "no field varies: the coordinates x, y and z were added"
-                       : "no field varies: boundary_distance (of each point to the mesh's boundary), interior (0 at "
-                         "the boundary, 1 inside), x, y and z were added");
+  mesh.notes.push_back(boundary.empty() ? "no field varies; added the coordinates x, y and z"
+                                        : "no field varies; added boundary_distance (distance of each point to the "
+                                          "mesh's boundary), interior (0 at the boundary, 1 inside), x, y and z");
   if (cut > 0)
-    mesh.notes.push_back(concat(cut,
-                                " tetrahedra with all corners on the boundary were cut in four at their middle, so "
-                                "that boundary_distance shows them too"));
+    mesh.notes.push_back(
+        concat(count_text(cut, "tetrahedron", "tetrahedra"),
+               " with all corners on the boundary split in four, so that boundary_distance is above 0 inside"));
 }
 
 }  // namespace rhoray::preprocess

@@ -134,7 +134,7 @@ Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   if (file.description().kind == formats::SurfaceMesh::kind) return Volume(load_surface(file, field));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
-                "colours cover a surface of other data: --texture FILE, or the key \"texture\" of a scene's layer");
+                "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
   throw Error(ErrorCode::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }

@@ -151,8 +151,8 @@ void PendingFile::fail(const std::string& act, int error, std::uint64_t needed_b
 }
 
 void PendingFile::refuse_existing() const {
-  throw Error(ErrorCode::usage, concat(name_, ": found a file of that name; expected none"),
-              "choose another name, or allow it to be replaced (--force)");
+  throw Error(ErrorCode::usage, concat(name_, " already exists"),
+              "use --force to overwrite it, or choose another name");
 }
 
 void PendingFile::open_target(const fs::path& target) {

@@ -35,4 +35,10 @@ std::string concat(const Parts&... parts) {
   return out;
 }
 
+/// A count and its noun: "1 cell", "2 cells".
+template <std::integral T>
+std::string count_text(T count, std::string_view singular, std::string_view plural) {
+  return concat(count, " ", count == 1 ? singular : plural);
+}
+
 }  // namespace rhoray

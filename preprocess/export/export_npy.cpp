@@ -47,12 +47,13 @@ ExportReport export_npy(const std::filesystem::path& packed, const std::filesyst
   });
   file.publish();
   if (description.is_rectilinear()) {
-    report.notes.push_back("an array holds no geometry: positions are arrays axis.0 to axis.2 of the packed file");
+    report.notes.push_back(
+        "a .npy file stores no geometry; the positions are arrays axis.0 to axis.2 of the packed file");
     return report;
   }
   const Affine& map = description.world_from_grid;
   const auto text = [](const Vec3& v) { return concat("(", v.x, ", ", v.y, ", ", v.z, ")"); };
-  report.notes.push_back(concat("an array holds no geometry: sample [k, j, i] lies at ", text(map.origin), " + i ",
+  report.notes.push_back(concat("a .npy file stores no geometry; sample [k, j, i] is at ", text(map.origin), " + i ",
                                 text(map.x_axis), " + j ", text(map.y_axis), " + k ", text(map.z_axis),
                                 description.length_unit.empty() ? "" : " ", description.length_unit));
   return report;

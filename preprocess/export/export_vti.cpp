@@ -77,7 +77,7 @@ std::string head_of(const formats::GridDescription& grid, const std::vector<std:
 std::vector<std::string> notes_on(const formats::GridDescription& grid, const std::vector<std::size_t>& fields) {
   std::vector<std::string> notes;
   const auto lost = [&](const std::string& unit, const std::string& of) {
-    if (!unit.empty()) notes.push_back(concat("the unit ", unit, " of ", of, " has no place in the file"));
+    if (!unit.empty()) notes.push_back(concat("the unit ", unit, " of ", of, " cannot be stored in the file"));
   };
   lost(grid.length_unit, "lengths");
   for (const std::size_t f : fields) lost(grid.fields[f].unit, concat("field '", grid.fields[f].name, "'"));

@@ -25,7 +25,7 @@ OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field
 void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format) {
   if (!opened.description().is_rectilinear()) return;
   throw Error(ErrorCode::unsupported,
-              concat(path.string(), ": samples stand at uneven steps; ", format, " knows even ones"),
+              concat(path.string(), ": the samples have uneven spacing; ", format, " needs even spacing"),
               ".npy keeps the samples; the positions are arrays axis.0 to axis.2 of the packed file");
 }
 

@@ -77,17 +77,17 @@ struct Advice {
   std::string_view text;
 };
 
-constexpr std::string_view convert = "ParaView or meshio may convert it to .vtu";
-constexpr std::string_view name_a_piece = "it only lists other files: name one of those, a .vtu or .vti";
-constexpr std::string_view mesh_it = "it describes a shape, not a mesh: Gmsh fills it (gmsh -3) and writes .msh";
-constexpr std::string_view unpack_it = "unpack it first: gunzip";
+constexpr std::string_view convert = "convert it to .vtu, for example with ParaView or meshio";
+constexpr std::string_view name_a_piece = "it only lists other files; name one of them, a .vtu or .vti";
+constexpr std::string_view mesh_it = "it describes a shape, not a mesh; mesh it with Gmsh (gmsh -3) and use the .msh";
+constexpr std::string_view unpack_it = "decompress it first: gunzip";
 constexpr Advice advices[] = {
     {".lvs.fld",
-     "SCIRun's samples stand behind a header: --raw with their size, type, byte order and place, such as "
-     "--raw 64x64x64:int32:be:524"},
-    {".fld", "SCIRun's fields are not read: take the .vtu or .ply that was made of it"},
-    {".sol", "it holds values only: name the .mesh or .meshb beside it"},
-    {".solb", "it holds values only: name the .mesh or .meshb beside it"},
+     "SCIRun's samples follow a header; use --raw with their size, type, byte order and offset, such as --raw "
+     "64x64x64:int32:be:524"},
+    {".fld", "SCIRun's fields are not supported; use the .vtu or .ply made from it"},
+    {".sol", "it holds only values; name the .mesh or .meshb beside it"},
+    {".solb", "it holds only values; name the .mesh or .meshb beside it"},
     {".xdmf", convert},
     {".xmf", convert},
     {".h5", convert},
@@ -100,10 +100,10 @@ constexpr Advice advices[] = {
     {".nas", convert},
     {".unv", convert},
     {".med", convert},
-    {".pvti", "it only lists pieces of one grid: ParaView saves the whole (Save Data) as .vti"},
-    {".pvtr", "it only lists pieces of one grid: ParaView saves the whole (Save Data) as .vtr"},
-    {".pvts", "it only lists pieces of one grid: ParaView saves the whole (Save Data) as .vts"},
-    {".pvtp", "it only lists pieces of one surface: ParaView saves the whole (Save Data) as .stl or .ply"},
+    {".pvti", "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vti"},
+    {".pvtr", "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vtr"},
+    {".pvts", "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vts"},
+    {".pvtp", "it only lists pieces of one surface; save the whole surface with ParaView (Save Data) as .stl or .ply"},
     {".vtm", name_a_piece},
     {".vtmb", name_a_piece},
     {".pvd", name_a_piece},
@@ -117,8 +117,9 @@ constexpr Advice advices[] = {
     {".msh.gz", unpack_it},
     {".ply.gz", unpack_it},
     {".stl.gz", unpack_it},
-    {"index.json", "data sets of vtk.js are not read: unpack the .gz in the folder data, then --raw NXxNYxNZ:TYPE"},
-    {".hdr", "a .nii file holds the header and the samples of such a pair together"},
+    {"index.json",
+     "vtk.js data sets are not supported; decompress the .gz in the folder data and use --raw NXxNYxNZ:TYPE"},
+    {".hdr", "use a .nii file, which holds the header and the samples of such a pair"},
 };
 
 constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
@@ -208,7 +209,7 @@ std::filesystem::path header_that_names(const std::filesystem::path& path) {
 
 std::string advice_on(const std::filesystem::path& path) {
   if (const std::filesystem::path header = header_that_names(path); !header.empty())
-    return concat("it holds samples only: name the header that tells of them, ", header.string());
+    return concat("it holds only samples; name their header, ", header.string());
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });

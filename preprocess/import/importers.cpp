@@ -121,7 +121,7 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
     if (!request.length_of_vectors) throw;
     NeutralVolume volume = read(path, vectors.first() + ".mag");
     volume.notes.push_back(
-        concat("no array has a single component; shown is the length of the first. To pack, ", vectors.hint()));
+        concat("no array has a single component; showing the length of the first. To pack, ", vectors.hint()));
     return volume;
   }
 }

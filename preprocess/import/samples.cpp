@@ -120,7 +120,7 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path) {
                  ErrorCode::unsupported);
   set_samples(volume, *std::move(doubles));
   volume.type = ElementType::F64;
-  volume.notes.push_back("64-bit integers became 64-bit floats; each kept its value");
+  volume.notes.push_back("64-bit integers were converted to 64-bit floats without loss");
 }
 
 namespace {
@@ -142,7 +142,7 @@ std::string names_of(const std::vector<GridArray>& arrays) {
 }
 
 std::string ways_to_name(const GridArray& array) {
-  return concat("with --field name one component, ", array.name, ".0 to ", array.name, ".", array.component_count - 1,
+  return concat("use --field with one component, ", array.name, ".0 to ", array.name, ".", array.component_count - 1,
                 array.component_count == 2   ? " or .x .y"
                 : array.component_count == 3 ? " or .x .y .z"
                                              : "",
@@ -332,7 +332,7 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
     else if (i != choice.array)
       volume.other_fields.push_back(arrays[i].name);
   volume.field_name = field.empty() ? array.name : field;
-  if (array.in_cells) volume.notes.push_back("values stand in cells; each became a sample at the middle of its cell");
+  if (array.in_cells) volume.notes.push_back("cell data: each value was placed at its cell's centre");
   set_chosen(volume, array, choice.component);
   finish_volume(volume, path);
   return volume;

@@ -281,7 +281,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 std::string last_words(const std::vector<std::string>& lines) {
   constexpr std::size_t longest = 300;
-  return lines.empty() ? "it said nothing" : concat("last it said: ", lines.back().substr(0, longest));
+  return lines.empty() ? "it printed nothing" : concat("its last output: ", lines.back().substr(0, longest));
 }
 
 std::optional<ErrorCode> error_code_of(int exit_code) {
@@ -326,13 +326,13 @@ std::optional<ErrorCode> error_code_of(int exit_code) {
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
     throw Error(ErrorCode::resource,
                 concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
-                       " s of computing time while ", request.doing, "; ", last_words(lines)),
-                "allow more time, or ask for less");
+                       " s of CPU time while ", request.doing, "; ", last_words(lines)),
+                "allow more time, or reduce the work");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
   throw Error(out_of_memory ? ErrorCode::resource : ErrorCode::invalid,
               concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
                      ") while ", request.doing, "; ", last_words(lines)),
-              out_of_memory ? "it probably needs more memory than it may have"
+              out_of_memory ? "it probably needs more memory; allow more with --memory"
                             : "the input is damaged, or the library that reads it has a defect");
 }
 
@@ -438,8 +438,7 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)
-    return report(ErrorCode::usage,
-                  "this program is started by others, which give it RHORAY_OUTPUT_FD and RHORAY_DOING",
+    return report(ErrorCode::usage, "this program is started by `rhoray`, which sets RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
   is_worker = true;
   try {
@@ -449,7 +448,7 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   } catch (const Error& error) {
     return report(error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
-    return report(ErrorCode::resource, concat(doing, ": out of memory"), "allow more memory");
+    return report(ErrorCode::resource, concat(doing, ": out of memory"), "allow more with --memory");
   } catch (const std::exception& error) {
     return report(ErrorCode::internal, concat(doing, ": ", error.what()), {});
   }

@@ -38,12 +38,11 @@ struct MemoryCap::Before {
 MemoryCap::MemoryCap(std::uint64_t bytes, std::filesystem::path folder)
     : before_(std::make_unique<Before>(std::move(folder))) {
   if (bytes < smallest_bytes)
-    throw Error(ErrorCode::usage,
-                concat("memory: found a cap of ", bytes, " bytes; expected at least ", smallest_bytes >> 20,
-                       "M, which programs, libraries and buffers take by themselves"));
+    throw Error(ErrorCode::usage, concat("memory: found a cap of ", bytes, " bytes; expected at least ",
+                                         smallest_bytes >> 20, "M, which the program and its libraries need"));
   const auto refuse = [&](const char* call) {
-    throw Error(ErrorCode::resource, concat("memory: the system does not hold this process under a cap of ", bytes,
-                                            " bytes: ", call, ": ", std::strerror(errno)));
+    throw Error(ErrorCode::resource, concat("memory: the system cannot limit this process to ", bytes, " bytes: ", call,
+                                            ": ", std::strerror(errno)));
   };
   if (::getrlimit(RLIMIT_DATA, &before_->limit) != 0) refuse("getrlimit");
   rlimit limit = before_->limit;

@@ -14,8 +14,8 @@ namespace rhoray::preprocess {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& folder, std::uint64_t bytes, int error) {
-  throw Error(ErrorCode::resource, concat(folder.string(), ": no scratch file of ", bytes,
-                                          " bytes can be made here: ", std::strerror(error)));
+  throw Error(ErrorCode::resource, concat(folder.string(), ": cannot make a scratch file of ", bytes,
+                                          " bytes here: ", std::strerror(error)));
 }
 
 /// Where the file system has no nameless files: one that loses its name at once.

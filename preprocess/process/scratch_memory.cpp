@@ -18,8 +18,8 @@ void* ScratchMemory::do_allocate(std::size_t bytes, std::size_t alignment) {
   const int error = errno;
   ::close(descriptor);  // the mapping keeps the file
   if (block != MAP_FAILED) return block;
-  throw Error(ErrorCode::resource, concat(folder_.string(), ": a scratch file of ", bytes,
-                                          " bytes cannot be mapped: ", std::strerror(error)));
+  throw Error(ErrorCode::resource,
+              concat(folder_.string(), ": cannot map a scratch file of ", bytes, " bytes: ", std::strerror(error)));
 }
 
 void ScratchMemory::do_deallocate(void* block, std::size_t bytes, std::size_t alignment) {

@@ -28,7 +28,7 @@ std::string why_diffuse(const Scene&, const Layer& layer) {
   return layer.mode == Mode::slice ? "the slice is lit" : "a surface is lit";
 }
 std::string why_true_colors(const Scene&, const Layer& layer) {
-  return layer.mode != Mode::slice ? "they are of slices" : is_unlit_slice(layer) ? not_lit : "the slice is lit";
+  return layer.mode != Mode::slice ? "used only by slices" : is_unlit_slice(layer) ? not_lit : "the slice is lit";
 }
 std::string why_smooth_normals(const Scene&, const Layer& layer) {
   return layer.surface.normals == Normals::smooth ? "normals are smooth"
@@ -48,46 +48,46 @@ std::string why_specular(const Scene&, const Layer& layer) {
 std::string why_intensity(const Scene&, const Layer& layer) {
   return is_projection(layer)
              ? concat("a projection shows values, ", layer.window.lo, " black to ", layer.window.hi, " white")
-             : "it is of projections";
+             : "used only by MIP";
 }
 std::string why_lights(const Scene& scene, const Layer&) {
-  if (is_lit_from_the_eye_alone(scene)) return "one white light at the eye is all that shines";
+  if (is_lit_from_the_eye_alone(scene)) return "one white light at the camera";
   return concat(scene.lights.size(), scene.lights.size() == 1 ? " light" : " lights");
 }
 std::string why_shadows(const Scene& scene, const Layer& layer) {
-  if (effects_called_for(scene, layer).shadows) return "a light casts them, and an opaque surface holds it back";
+  if (effects_called_for(scene, layer).shadows) return "a light casts shadows of an opaque surface";
   const bool asked =
       std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.casts_shadows; });
-  return asked ? "none could be seen: the light stands at the eye or does not shine, or nothing opaque holds it back"
-               : "no light casts any";
+  return asked ? "none visible: every light is at the camera or has no intensity, or no surface is opaque"
+               : "no light casts shadows";
 }
 std::string why_soft_shadows(const Scene& scene, const Layer& layer) {
   if (!effects_called_for(scene, layer).soft_shadows) return "no light that casts shadows has a size";
   int samples = 0;
   for (const Light& light : scene.lights)
     if (light.casts_shadows && light.size > 0) samples = std::max(samples, light.samples);
-  return concat("a light has a size: up to ", samples, " rays a hit and light");
+  return concat("a light has a size: up to ", samples, " rays per hit and light");
 }
 std::string why_occlusion(const Scene& scene, const Layer& layer) {
   const Occlusion& occlusion = scene.occlusion;
   if (!(occlusion.radius > 0)) return "its radius is 0";
   if (effects_called_for(scene, layer).occlusion)
-    return concat(occlusion.samples, " rays a hit, up to ", occlusion.radius, " away");
-  return "there is no ambient light, or nothing opaque that holds it back";
+    return concat(occlusion.samples, " rays per hit, up to ", occlusion.radius, " away");
+  return "there is no ambient light, or no opaque surface";
 }
 std::string why_fog(const Scene& scene, const Layer&) {
-  return scene.fog ? concat("surfaces fade from ", scene.fog->range.lo, " to ", scene.fog->range.hi) : "there is none";
+  return scene.fog ? concat("surfaces fade from ", scene.fog->range.lo, " to ", scene.fog->range.hi)
+                   : "there is no fog";
 }
 
 std::string why_clipped(const Scene& scene, const Layer& layer) {
   if (!scene.clip) return "there is no clip region";
-  if (!layer.clipped) return "the layer is shown whole";
+  if (!layer.clipped) return "the layer is not clipped";
   const std::size_t planes = scene.clip->planes.size();
   const std::string box = scene.clip->box ? "a box" : "";
   const std::string of_planes = planes == 0 ? "" : concat(planes, planes == 1 ? " plane" : " planes");
-  return concat(scene.clip->cuts_away ? "what lies in " : "rays end at ", box,
-                box.empty() || of_planes.empty() ? "" : " and ", of_planes,
-                scene.clip->cuts_away ? " is cut away" : "");
+  return concat(scene.clip->cuts_away ? "the inside of " : "rays end at ", box,
+                box.empty() || of_planes.empty() ? "" : " and ", of_planes, scene.clip->cuts_away ? " is hidden" : "");
 }
 
 struct Row {

@@ -48,10 +48,10 @@ void check_layer(std::span<const Volume> volumes, const Layer& layer) {
   const Volume& volume = volumes[layer.volume];
   if (volume.is_surface() != (layer.mode == Mode::triangles))
     throw Error(ErrorCode::usage, volume.is_surface()
-                                      ? concat(volume.file().name(), ": holds triangles, which are shown as they are")
-                                      : concat(volume.file().name(), ": holds no triangles to be shown"));
+                                      ? concat(volume.file().name(), ": holds triangles; expected a layer of triangles")
+                                      : concat(volume.file().name(), ": holds no triangles"));
   if (layer.mode == Mode::triangles && layer.method.algorithm != Method::Algorithm::direct)
-    throw Error(ErrorCode::usage, concat(volume.file().name(), ": triangles are met at the levels float and double"));
+    throw Error(ErrorCode::usage, concat(volume.file().name(), ": triangles are traced only at float and double"));
   if (layer.mode == Mode::triangles && layer.surface.color_by)
     throw Error(ErrorCode::usage, concat(volume.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))

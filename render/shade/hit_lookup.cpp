@@ -284,10 +284,10 @@ LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume
 LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitAttributes& attributes,
                    unsigned, Machine machine) {
   if (*attributes.field != volume.field.name)
-    throw Error(ErrorCode::unsupported, concat(volume.file.name(), ": field '", *attributes.field,
-                                               "' is a grid of its own, with its own voxels; a surface is "
-                                               "coloured by its own field, '",
-                                               volume.field.name, "'"));
+    throw Error(ErrorCode::unsupported,
+                concat(volume.file.name(), ": field '", *attributes.field,
+                       "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
+                       volume.field.name, "'"));
   return in_grid(view, machine);
 }
 
@@ -297,8 +297,8 @@ HitLookup::HitLookup(const VolumeImplementation& volume, const HitAttributes& at
                      Machine machine) {
   RHORAY_CHECK(!attributes.none());
   if (attributes.smooth_gradients && !volume.point_gradients)
-    throw Error(ErrorCode::usage, concat(volume.file.name(), ": smooth normals are of meshes"),
-                "normals of a grid are the exact gradients of its trilinear field");
+    throw Error(ErrorCode::usage, concat(volume.file.name(), ": only meshes have smooth normals"),
+                "the normals of a grid are the exact gradients of its trilinear field");
   if (attributes.field) check_field_name(volume.file, *attributes.field, volume.field_names);
   look_up_ = std::visit([&](const auto& view) { return look_up_for(view, volume, attributes, threads, machine); },
                         volume.view);

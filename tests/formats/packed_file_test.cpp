@@ -108,7 +108,7 @@ TEST(PackedFile, what_is_no_packed_file_is_refused_as_invalid) {
   tests::write_file(folder / "text", std::string(10000, 'x'));
   expect_error(ErrorCode::invalid, "empty, byte 0: found the end of the file",
                [&] { PackedFile::open(folder / "empty"); });
-  expect_error(ErrorCode::invalid, "expected the start of a packed file", [&] { PackedFile::open(folder / "text"); });
+  expect_error(ErrorCode::invalid, "is not a .rho file", [&] { PackedFile::open(folder / "text"); });
 }
 
 TEST(PackedFile, looks_packed_tells_by_the_first_bytes) {

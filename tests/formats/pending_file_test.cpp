@@ -208,7 +208,7 @@ TEST(PendingFiles, one_that_came_meanwhile_keeps_the_others_away) {
   files.add(folder / "a", "new a");
   files.add(folder / "b", "new b");
   tests::write_file(folder / "b", "of another program");
-  expect_error(ErrorCode::usage, "found a file of that name", [&] { files.publish(); });
+  expect_error(ErrorCode::usage, "already exists", [&] { files.publish(); });
   EXPECT_THAT(names_in(folder.path()), ElementsAre("b"));
   EXPECT_EQ(read_file(folder / "b"), "of another program");
 }

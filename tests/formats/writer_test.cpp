@@ -95,7 +95,7 @@ TEST(PackedFileWriter, nothing_appears_without_commit) {
 TEST(PackedFileWriter, an_existing_file_is_refused_before_any_work_and_stays) {
   const TemporaryFolder folder;
   write_whole(folder / "a.rho", 1);
-  expect_error(ErrorCode::usage, "a.rho: found a file of that name", [&] { writer_for(folder / "a.rho", 1000); });
+  expect_error(ErrorCode::usage, "a.rho already exists", [&] { writer_for(folder / "a.rho", 1000); });
   EXPECT_EQ(value_in(folder / "a.rho"), 1);
 }
 
@@ -104,7 +104,7 @@ TEST(PackedFileWriter, a_file_that_comes_while_writing_is_refused_at_commit_and_
   PackedFileWriter writer = writer_for(folder / "a.rho", 1000);
   writer.write_all("data", std::span<const std::uint8_t>(std::vector<std::uint8_t>(1000, 2)));
   write_whole(folder / "a.rho", 1);
-  expect_error(ErrorCode::usage, "found a file of that name", [&] { writer.commit(); });
+  expect_error(ErrorCode::usage, "already exists", [&] { writer.commit(); });
   EXPECT_EQ(value_in(folder / "a.rho"), 1);
   EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.rho"));
 }
@@ -128,7 +128,7 @@ TEST(PackedFileWriter, a_symbolic_link_stands_for_the_file_it_points_to) {
   write_whole(folder / "link.rho", 1);
   EXPECT_TRUE(fs::is_symlink(folder / "link.rho"));
   EXPECT_EQ(value_in(folder / "store/real.rho"), 1);
-  expect_error(ErrorCode::usage, "found a file of that name", [&] { write_whole(folder / "link.rho", 2); });
+  expect_error(ErrorCode::usage, "already exists", [&] { write_whole(folder / "link.rho", 2); });
   write_whole(folder / "link.rho", 2, true);
   EXPECT_TRUE(fs::is_symlink(folder / "link.rho"));
   EXPECT_EQ(value_in(folder / "store/real.rho"), 2);
@@ -351,7 +351,7 @@ void write_named(const fs::path& path, std::string_view content, bool replace) {
 TEST(PendingFile, a_named_temporary_does_the_same) {
   const TemporaryFolder folder;
   write_named(folder / "a", "one", false);
-  expect_error(ErrorCode::usage, "found a file of that name", [&] { write_named(folder / "a", "two", false); });
+  expect_error(ErrorCode::usage, "already exists", [&] { write_named(folder / "a", "two", false); });
   EXPECT_EQ(tests::read_file(folder / "a"), "one");
   write_named(folder / "a", "two", true);
   EXPECT_EQ(tests::read_file(folder / "a"), "two");
@@ -371,7 +371,7 @@ TEST(PendingFile, a_named_temporary_does_not_replace_what_came_meanwhile) {
   const TemporaryFolder folder;
   PendingFile file(folder / "a", {.anonymous = false});
   tests::write_file(folder / "a", "other");
-  expect_error(ErrorCode::usage, "found a file of that name", [&] { file.publish(); });
+  expect_error(ErrorCode::usage, "already exists", [&] { file.publish(); });
   EXPECT_EQ(tests::read_file(folder / "a"), "other");
 }
 

@@ -70,7 +70,7 @@ TEST(PackColors, refuses_what_is_no_volume_of_colours) {
           [](auto& c) { c.sample_count.z = 6; });
   refuses(ErrorCode::invalid, "expected 1 to 1048576 on every axis", [](auto& c) { c.sample_count.x = 0; });
   refuses(ErrorCode::invalid, "span a volume of 0", [](auto& c) { c.world_from_grid.z_axis = {1, 0, 0}; });
-  refuses(ErrorCode::unsupported, "uneven steps", [](auto& c) { c.axes[0] = {0, 1, 3}; });
+  refuses(ErrorCode::unsupported, "uneven spacing", [](auto& c) { c.axes[0] = {0, 1, 3}; });
   refuses(ErrorCode::usage, "brick edge: found 65", [](auto&) {}, {.brick_edge = 65});
 }
 

@@ -177,10 +177,10 @@ TEST(PackMesh, reports_what_it_met_and_keeps_the_ids_of_cells) {
   const std::vector<std::uint64_t> ids = sorted_ids(opened);
   EXPECT_EQ(ids[6], 6u);
   EXPECT_EQ(ids[7], 8u);
-  EXPECT_THAT(notes, ElementsAre("1 cell with a vertex named twice: dropped (cell 7)",
+  EXPECT_THAT(notes, ElementsAre("1 cell with a repeated vertex: dropped (cell 7)",
                                  "1 point without a cell: dropped (point 125)",
                                  "1 cell of negative orientation: two vertices exchanged (cell 5)",
-                                 "field \"value\" has no data at 1 point: cells that touch one are absent"));
+                                 "field \"value\" has no data at 1 point; adjacent cells are not drawn"));
 }
 
 TEST(PackMesh, keeps_ids_that_the_importer_gave_also_where_no_cell_is_dropped) {

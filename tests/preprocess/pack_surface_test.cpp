@@ -61,7 +61,7 @@ TEST_F(PackSurface, cuts_squares_and_leads_back_to_them) {
   const formats::SurfaceMesh mesh = packed(tests::cube_surface(false));
   EXPECT_EQ(mesh.description().triangle_count, 12U);
   for (std::uint64_t t = 0; t < 12; ++t) EXPECT_EQ(mesh.triangle_id(t), t / 2);
-  EXPECT_THAT(report_.notes, testing::ElementsAre("6 facets of more than three corners cut into triangles"));
+  EXPECT_THAT(report_.notes, testing::ElementsAre("6 facets with more than three corners cut into triangles"));
 }
 
 TEST_F(PackSurface, drops_what_is_no_triangle_and_says_so) {
@@ -76,12 +76,12 @@ TEST_F(PackSurface, drops_what_is_no_triangle_and_says_so) {
   EXPECT_EQ(mesh.triangle_id(0), 1U);
   EXPECT_EQ(mesh.triangle_id(1), 3U);
   EXPECT_THAT(report_.notes,
-              testing::ElementsAre("2 facets dropped: a corner twice, or a coordinate that is not finite",
-                                   "1 triangle without area kept", "2 points of no triangle dropped"));
+              testing::ElementsAre("2 facets dropped because of a repeated corner or a coordinate that is not finite",
+                                   "1 triangle of zero area kept", "2 points without a triangle dropped"));
 }
 
 TEST_F(PackSurface, refuses_what_leaves_no_triangle) {
-  expect_error(ErrorCode::invalid, "none of three finite corners", [&] {
+  expect_error(ErrorCode::invalid, "three different finite corners", [&] {
     packed(surface_of({{0, 0, 0}, {1, 0, 0}}, {{0, 1, 1}}));
   });
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.rho"));

@@ -454,7 +454,7 @@ TEST(PackGrid, refuses_fields_of_different_lattices_or_of_one_name) {
            },
            [](NeutralVolume& b) { b.world_from_grid.origin.x = 1; },
            [](NeutralVolume& b) { b.axes[2] = {0, 1, 2, 3, 4, 5, 7}; }, [](NeutralVolume& b) { b.length_unit = "m"; }})
-    EXPECT_EQ(refusal_of(spoil), "two.vti, field 'b': found a lattice of its own; expected that of 'a'");
+    EXPECT_EQ(refusal_of(spoil), "two.vti, field 'b': found a different lattice; expected that of 'a'");
 }
 
 TEST(PackVolume, keeps_positions_along_axes_and_takes_uniform_ones_into_the_map) {

@@ -40,7 +40,7 @@ TEST(ImportCommand, makes_tetrahedra_of_other_cells_and_says_what_it_did) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("2 hexahedra became 12 tetrahedra"));
   EXPECT_THAT(run.err, HasSubstr("1 pyramid became 2 tetrahedra"));
-  EXPECT_THAT(run.err, HasSubstr("1 lines left out"));
+  EXPECT_THAT(run.err, HasSubstr("1 line left out"));
   const nlohmann::json json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["cells"], 14);
 
@@ -103,8 +103,8 @@ TEST(ImportCommand, cuts_curved_cells_for_the_fields_that_are_kept_and_so_does_p
     SCOPED_TRACE(verb);
     const RunResult all = bench.shell(concat("rhoray ", verb, " --force"));
     ASSERT_EQ(all.exit_code, 0) << all.err;
-    EXPECT_THAT(all.err, HasSubstr("1 curved cell cut finer than the corners need: 100 % of the cuts for field "
-                                   "\"curved\""));
+    EXPECT_THAT(all.err,
+                HasSubstr("1 curved cell cut finer than the corners require: 100 % of the cuts for field \"curved\""));
     const RunResult one = bench.shell(concat("rhoray ", verb, " --force --field linear"));
     ASSERT_EQ(one.exit_code, 0) << one.err;
     EXPECT_THAT(one.err, HasSubstr("1 quadratic tetrahedron became 1 tetrahedron\n"));

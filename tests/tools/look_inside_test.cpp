@@ -80,8 +80,8 @@ TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_says_what_to_name)
   const RunResult refused = bench.rhoray({"pack", "flow.vti"});
   EXPECT_EQ(refused.exit_code, 7);
   EXPECT_THAT(refused.err, HasSubstr("flow (2 components)"));
-  EXPECT_THAT(refused.err, HasSubstr("with --field name one component, flow.0 to flow.1 or .x .y, or the length, "
-                                     "flow.mag"));
+  EXPECT_THAT(refused.err,
+              HasSubstr("use --field with one component, flow.0 to flow.1 or .x .y, or the length, flow.mag"));
   EXPECT_EQ(bench.rhoray({"pack", "flow.vti", "--field", "flow.mag"}).exit_code, 0);
 }
 

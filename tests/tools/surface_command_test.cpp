@@ -15,7 +15,7 @@ using testing::HasSubstr;
 void make_cube(const Workbench& bench) {
   const RunResult packed = bench.make_cube();
   EXPECT_THAT(packed.err, HasSubstr("12 triangles, 8 points"));
-  EXPECT_THAT(packed.err, HasSubstr("note: 6 facets of more than three corners cut into triangles"));
+  EXPECT_THAT(packed.err, HasSubstr("note: 6 facets with more than three corners cut into triangles"));
 }
 
 TEST(SurfaceCommands, pack_and_look_inside) {

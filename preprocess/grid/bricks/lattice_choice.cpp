@@ -17,7 +17,7 @@ void check_frame(const Affine& world_from_grid, const std::string& source_name) 
     throw Error(ErrorCode::invalid,
                 concat(source_name, ": found grid axes that span a volume of ", world_from_grid.determinant(),
                        "; expected three independent, finite axes, not too small to be inverted, and a finite origin"),
-                "give the spacing and the origin yourself");
+                "give the spacing and the origin as options");
 }
 
 }  // namespace rhoray::preprocess

@@ -97,7 +97,7 @@ class Resampling {
       throw Error(ErrorCode::resource,
                   concat(source_name_, ": ", size_text(lattice.count), " need ", mebibytes(bytes), "; allowed are ",
                          mebibytes(static_cast<double>(limit_))),
-                  "take fewer samples, or allow more memory");
+                  "use fewer samples, or allow more memory");
   }
 
   /// In the first field's unit. A share of a field that hardly varies is at least what rounding in single precision
@@ -163,7 +163,7 @@ class Resampling {
         best_is_covered = is_covered(grid);
         best = grid.lattice;
       } else if (spacing < shorter_in_vain * best.spacing.x) {
-        report_.why_not_reached = "finer grids hardly lower it: the field jumps, or changes within a step";
+        report_.why_not_reached = "finer grids hardly reduce it, because the field jumps or changes within one step";
         break;
       }
       double order = 1;
@@ -196,7 +196,7 @@ class Resampling {
       count[a] = static_cast<std::int64_t>(std::ceil(static_cast<double>(lattice.count[a] - 1) / shorter)) + 1;
       if (count[a] > SampleLattice::largest_axis)
         throw Error(ErrorCode::resource,
-                    concat(source_name_, ": ", size_text(count), " are wanted; a grid has at most ",
+                    concat(source_name_, ": ", size_text(count), " are needed; a grid has at most ",
                            SampleLattice::largest_axis, " on an axis"));
     }
     if (options_.lattice.spacing != Vec3(0, 0, 0))
@@ -223,10 +223,10 @@ class Resampling {
     if (report_.overlap_count > 0)
       report_.notes.push_back(concat(report_.overlap_count,
                                      report_.overlap_count == 1 ? " sample lies" : " samples lie",
-                                     " in several cells that overlap: the first one counts"));
+                                     " in several overlapping cells; the first cell counts"));
     if (report_.inside_count == 0)
       report_.notes.push_back(
-          "no sample lies in the mesh, which is thinner than the steps: all values stand beside it");
+          "no sample lies inside the mesh, which is thinner than the sample spacing; all values are extrapolated");
   }
 
   const ResampleOptions& options_;

@@ -221,7 +221,7 @@ class ExodusReader {
       for (std::size_t point = 0; point < owners; ++point) field.values[point * width + c] = all[first + point];
     }
     if (in_capitals(field.name).starts_with("DISPL"))
-      mesh_.notes.push_back(concat("points stand where the file has them, not moved by field '", field.name, "'"));
+      mesh_.notes.push_back(concat("points are not displaced by field '", field.name, "'"));
     field.was_single_precision = !is_double || fits_single_precision(field.values);
     mesh_.point_fields.push_back(std::move(field));
     return width;

@@ -361,8 +361,8 @@ class MshReader {
     for (const auto& [group, name] : names_)
       mesh_.notes.push_back(concat("cell field 'physical': ", group, " is ", in_quotes(name)));
     if (volumes_in_several_groups_ > 0)
-      mesh_.notes.push_back(concat(volumes_in_several_groups_,
-                                   " volumes belong to several physical groups; cell field 'physical' has the first"));
+      mesh_.notes.push_back(concat(count_text(volumes_in_several_groups_, "volume belongs", "volumes belong"),
+                                   " to several physical groups; cell field 'physical' has the first"));
   }
 
   void read_fields() {

@@ -174,15 +174,16 @@ class Merging {
 
   void tell() {
     if (merged_count_ > 0)
-      mesh_.notes.push_back(concat(merged_count_, " points merged with those at the same place in pieces before them"));
+      mesh_.notes.push_back(concat(count_text(merged_count_, "point", "points"),
+                                   " merged with points at the same position in earlier pieces"));
     for (std::size_t f = 0; f < differences_.size(); ++f)
       if (differences_[f].count > 0)
         mesh_.notes.push_back(concat("field '", mesh_.point_fields[f].name, "' differs at ", differences_[f].count,
                                      " of the merged points, by up to ", differences_[f].largest,
-                                     ": the first piece's values are kept"));
+                                     "; the first piece's values are kept"));
     if (left_apart_count_ > 0)
-      mesh_.notes.push_back(concat(left_apart_count_,
-                                   " points not merged with those at the same place in other pieces: a piece has "
+      mesh_.notes.push_back(concat(count_text(left_apart_count_, "point", "points"),
+                                   " not merged with points at the same position in other pieces, because a piece has "
                                    "several there and their values differ"));
   }
 

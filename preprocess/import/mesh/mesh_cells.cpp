@@ -79,9 +79,23 @@ const ForeignKindOfCell* kind_numbered(std::uint8_t number) {
   return row < 0 ? nullptr : &kinds_of_cells[row];
 }
 
+/// "triangle" of "triangles", "quadratic tetrahedron of 14 nodes" of "quadratic tetrahedra of 14 nodes".
+std::string singular_of(std::string_view plural) {
+  const std::size_t end = std::min(plural.find(" of "), plural.size());
+  std::string name(plural.substr(0, end));
+  if (name.ends_with("vertices"))
+    name.replace(name.size() - 4, 4, "ex");
+  else if (name.ends_with("hedra"))
+    name.replace(name.size() - 1, 1, "on");
+  else if (name.ends_with('s'))
+    name.pop_back();
+  return name + std::string(plural.substr(end));
+}
+
 std::string in_words(const std::map<std::string_view, std::uint64_t>& counts) {
   std::string text;
-  for (const auto& [name, count] : counts) text += concat(text.empty() ? "" : ", ", count, " ", name);
+  for (const auto& [name, count] : counts)
+    text += concat(text.empty() ? "" : ", ", count_text(count, singular_of(name), name));
   return text;
 }
 
@@ -91,7 +105,8 @@ void check_kinds(const ForeignCells& cells, const std::filesystem::path& path) {
     if (kind_numbered(number) == nullptr) ++unknown[number];
   if (!unknown.empty())
     refuse_input(path, "cells",
-                 concat(unknown.begin()->second, " cells of VTK's kind ", static_cast<int>(unknown.begin()->first)),
+                 concat(count_text(unknown.begin()->second, "cell", "cells"), " of VTK's kind ",
+                        static_cast<int>(unknown.begin()->first)),
                  "kinds 0 to 16, 21 to 37, 42 or 68 to 74", ErrorCode::unsupported);
 }
 
@@ -244,15 +259,15 @@ LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::pa
 
 void finish_cells(CellMesh& mesh, const LeftOut& left_out, const std::filesystem::path& path) {
   std::vector<std::string> notes;
-  const auto note = [&](std::uint64_t count, const char* text) {
-    if (count > 0) notes.push_back(concat(count, text));
+  const auto note = [&](std::uint64_t count, const char* singular, const char* plural, const char* text) {
+    if (count > 0) notes.push_back(concat(count_text(count, singular, plural), text));
   };
   if (!left_out.not_filling.empty())
     notes.push_back(in_words(left_out.not_filling) + " left out: only cells that fill space are kept");
-  note(left_out.duplicates, " ghost cells left out: another piece holds them");
-  note(left_out.refined, " refined cells left out: finer ones stand for them");
-  note(left_out.hidden, " hidden cells left out");
-  note(left_out.blanked, " cells left out: one of their points is hidden");
+  note(left_out.duplicates, "ghost cell", "ghost cells", " left out; another piece has the same");
+  note(left_out.refined, "refined cell", "refined cells", " left out; finer cells are used instead");
+  note(left_out.hidden, "hidden cell", "hidden cells", " left out");
+  note(left_out.blanked, "cell", "cells", " with a hidden point left out");
   if (mesh.kinds.empty()) {
     std::string found = in_words(left_out.not_filling);
     const bool is_surface = !found.empty();

@@ -226,7 +226,7 @@ CellMesh read_plot3d(const fs::path& path) {
   if (given.layout.is_solution)
     refuse_input(path, "PLOT3D solution", "no grid beside it", "its points in " + looked_for, ErrorCode::unreadable);
   CellMesh mesh = read_blocks(given, nullptr);
-  mesh.notes.push_back(concat("no solution file beside it: looked for ", looked_for));
+  mesh.notes.push_back(concat("no solution file found; looked for ", looked_for));
   return mesh;
 }
 

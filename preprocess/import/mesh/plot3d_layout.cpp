@@ -203,7 +203,8 @@ std::string in_words(const Plot3dLayout& layout) {
   std::string text = layout.is_solution ? "a solution of " : "a grid of ";
   const Index3& first = layout.blocks.front();
   text += concat(first[0], " x ", first[1], " x ", first[2], " points");
-  if (layout.blocks.size() > 1) text += concat(" and ", layout.blocks.size() - 1, " blocks more");
+  if (layout.blocks.size() > 1)
+    text += concat(" and ", count_text(layout.blocks.size() - 1, "more block", "more blocks"));
   if (layout.is_text)
     text += ", text";
   else

@@ -61,8 +61,8 @@ void order_nodes(CellMesh& mesh, Array<std::uint64_t>& nodes, const std::filesys
     refuse_input(path, "tetrahedra",
                  concat("middle nodes that lie ", std::sqrt(distances[best]), " edge lengths from the middles"),
                  concat("at most ", farthest, ", in one of the two orders that are known"));
-  mesh.notes.push_back(concat("middle nodes of tetrahedra stand in the order of ", best == 1 ? "TetGen 1.5" : "Chaste",
-                              ", as their places tell"));
+  mesh.notes.push_back(concat("edge nodes of tetrahedra are in the order of ", best == 1 ? "TetGen 1.5" : "Chaste",
+                              ", judged by their positions"));
   for (std::size_t first = 0; first < nodes.size(); first += 10) {
     std::array<std::uint64_t, 10> given;
     std::copy_n(nodes.begin() + static_cast<std::ptrdiff_t>(first), 10, given.begin());

@@ -1,6 +1,7 @@
 #include "preprocess/import/mesh/time_steps.h"
 
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "formats/base/checks.h"
@@ -10,9 +11,12 @@
 namespace rhoray::preprocess {
 namespace {
 
-std::string text_of(std::span<const double> times, std::size_t step) {
-  return concat("time step #", step, " of ", times.size(),
-                std::isnan(times[step]) ? std::string() : concat(", at time ", times[step]));
+/// " (t = 2)"; nothing where the file tells no time.
+std::string time_text(double time) {
+  if (std::isnan(time)) return {};
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", time);
+  return concat(" (t = ", text, ")");
 }
 
 std::size_t nearest(std::span<const double> times, double time) {
@@ -35,7 +39,8 @@ std::size_t choose_time_step(std::span<const double> times, const std::string& r
   if (request == "last") return times.size() - 1;
   if (request.empty()) {
     if (times.size() > 1)
-      notes.push_back(concat(text_of(times, times.size() - 1), " was taken, the last: --time chooses another"));
+      notes.push_back(concat("using the last of ", times.size(), " time steps", time_text(times.back()),
+                             "; choose another with --time"));
     return times.size() - 1;
   }
   if (request.starts_with('#')) {
@@ -46,7 +51,9 @@ std::size_t choose_time_step(std::span<const double> times, const std::string& r
   const std::optional<double> time = parse_number<double>(request);
   if (!time || !std::isfinite(*time)) throw refuse("first, last, #N or a time");
   const std::size_t step = nearest(times, *time);
-  if (times[step] != *time) notes.push_back(concat(text_of(times, step), " was taken, the nearest to time ", *time));
+  if (times[step] != *time)
+    notes.push_back(concat("using time step #", step, " of ", times.size(), time_text(times[step]),
+                           ", the nearest to t = ", *time));
   return step;
 }
 

@@ -19,7 +19,7 @@ class BovHeader {
       throw Error(
           ErrorCode::invalid,
           concat(path_.string(), ", byte 0: found bytes that are no text; expected lines KEY: value of a BOV header"),
-          concat("if these are the samples themselves, say how they lie: --raw NXxNYxNZ:float32"));
+          concat("if these are the samples, describe them with --raw NXxNYxNZ:float32"));
     LineReader lines(file);
     while (lines.next()) {
       std::string key(lines.words().front());

@@ -167,7 +167,7 @@ std::vector<DicomImage> one_series(Found found, const std::string& wanted, const
     names += concat(names.empty() ? "" : ", ", "'", name_of(images), "' (", images.size(), " images)");
   if (chosen == series.end())
     throw Error(ErrorCode::usage, concat(path.string(), ": found no series '", wanted, "'; expected one of ", names));
-  if (series.size() > 1) notes.push_back(concat("series '", name_of(chosen->second), "' taken of ", names));
+  if (series.size() > 1) notes.push_back(concat("using series '", name_of(chosen->second), "' of ", names));
   for (auto at = series.begin(); at != series.end(); ++at)
     if (at != chosen) others.push_back(name_of(at->second));
   return std::move(chosen->second);
@@ -227,7 +227,7 @@ void place_images(NeutralVolume& volume, std::vector<DicomImage>& images, const 
   }
   volume.world_from_grid.z_axis = way.normalized();
   volume.axes[2] = std::move(places);
-  volume.notes.push_back(concat("steps between images differ, ", smallest, " to ", largest, " mm: kept as they are"));
+  volume.notes.push_back(concat("steps between images differ, ", smallest, " to ", largest, " mm; they are kept"));
 }
 
 /// The value of a stored sample of at most 32 bits, before scaling.

@@ -156,9 +156,10 @@ void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
       sample = static_cast<T>(0.2126 * static_cast<double>(sample) + 0.7152 * static_cast<double>(value(pixel, 1)) +
                               0.0722 * static_cast<double>(value(pixel, 2)));
     } else if (choice.channel == Choice::grey && (sample != value(pixel, 1) || sample != value(pixel, 2))) {
-      throw Error(ErrorCode::unsupported,
-                  concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
-                  "take one channel: --field R, G, B or luminance; or all of them, as a texture: --color");
+      throw Error(
+          ErrorCode::unsupported,
+          concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
+          "choose one channel with --field R, G, B or luminance, or keep all of them as a texture with --color");
     }
     std::memcpy(to.data() + pixel * sizeof(T), &sample, sizeof sample);
   }
@@ -179,7 +180,7 @@ void check_colors(const OIIO::ImageSpec& spec, const fs::path& path) {
 }
 
 constexpr const char* no_spacing =
-    "pictures do not say how far apart samples are: 1 x 1 x 1 taken; --spacing X,Y,Z says it";
+    "pictures have no sample spacing; using 1 x 1 x 1, choose another with --spacing X,Y,Z";
 
 }  // namespace
 

@@ -167,7 +167,7 @@ void apply_scale(NeutralVolume& volume, const Header& header) {
                             : scaled<T, float>(volume.samples, slope, intercept);
               }));
   volume.type = wide ? ElementType::F64 : ElementType::F32;
-  volume.notes.push_back(concat("stored numbers became values: ", slope, " times the number plus ", intercept));
+  volume.notes.push_back(concat("stored numbers were scaled: ", slope, " times the number plus ", intercept));
 }
 
 std::span<const std::byte> samples_in(const ForeignFile& file, std::uint64_t first, std::uint64_t count) {

@@ -25,7 +25,7 @@ constexpr TypeName type_names[] = {
 
 [[noreturn]] void refuse_part(const std::string& text, std::string_view part, std::string_view expected) {
   throw Error(ErrorCode::usage, concat("raw volume '", text, "': found '", part, "'; expected ", expected),
-              "say NXxNYxNZ:TYPE[:le|be][:SKIP], for example 256x256x128:uint16:le");
+              "use NXxNYxNZ:TYPE[:le|be][:SKIP], for example 256x256x128:uint16:le");
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

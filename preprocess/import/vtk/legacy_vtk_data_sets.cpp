@@ -106,7 +106,8 @@ NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path) {
   });
   if (parts.thin_cell_count > 0) surface.notes.push_back(concat(parts.thin_cell_count, " vertices and lines left out"));
   if (!parts.arrays.empty())
-    surface.notes.push_back(concat(parts.arrays.size(), " fields left out: a surface keeps none"));
+    surface.notes.push_back(
+        concat(count_text(parts.arrays.size(), "field", "fields"), " left out; a surface has no fields"));
   finish_surface(surface, path);
   return surface;
 }

@@ -69,7 +69,7 @@ std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::strin
       fields.push_back(std::move(added));
     else
       notes.push_back(concat("field \"", added.name, is_of_cells ? "\" of cells" : "\" of points",
-                             " has the name of an earlier one: left out"));
+                             " has the name of an earlier field; it is left out"));
   };
   for (const NeutralField& field : mesh.point_fields) add(field, false, mesh.points.size());
   for (const NeutralField& field : mesh.cell_fields) add(field, true, mesh.cells.size());
@@ -135,7 +135,7 @@ std::optional<Selection> find_selection(const std::vector<SourceField>& fields, 
       throw Error(ErrorCode::usage,
                   concat(source_name, ", field \"", asked, "\": found a vector of ", source.field->component_count,
                          " components; expected one scalar of: ", offer),
-                  concat("for its length ask for \"", asked, ".mag\""));
+                  concat("for its length use \"", asked, ".mag\""));
   throw Error(ErrorCode::usage, concat(source_name, ": no field \"", asked, "\"; expected one of: ", offer),
               did_you_mean(asked, names));
 }
@@ -148,7 +148,7 @@ Selection select(const std::vector<SourceField>& fields, const std::string& aske
     throw Error(
         ErrorCode::usage,
         concat(source_name, ", field \"", asked, "\": found a value for each cell; expected one for each point"),
-        "ask for cell fields to be averaged to the points");
+        "--cell-data averages cell fields to the points");
   return *found;
 }
 
@@ -265,12 +265,12 @@ std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& 
   for (const std::string& asked : wanted) {
     selections.push_back(select(sources, asked, cells_to_points, source_name));
     if (!chosen.insert(selections.back().name).second)
-      throw Error(ErrorCode::usage, concat("field \"", asked, "\": found it named twice; expected each field once"));
+      throw Error(ErrorCode::usage, concat("field \"", asked, "\": given twice; expected each field once"));
   }
   if (wanted.empty()) selections = select_all(sources, cells_to_points);
   if (selections.empty())
     throw Error(ErrorCode::invalid, concat(source_name, ": found no field at points; expected at least one"),
-                mesh.cell_fields.empty() ? "" : "its cell fields can be averaged to the points");
+                mesh.cell_fields.empty() ? "" : "--cell-data averages its cell fields to the points");
 
   Array<double> weights;
   if (std::any_of(selections.begin(), selections.end(), [](const Selection& s) { return s.source->is_of_cells; }))

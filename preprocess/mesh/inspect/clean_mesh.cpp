@@ -94,7 +94,7 @@ void choose_cells(const NeutralMesh& mesh, CleanMesh& clean) {
       clean.source_cells.push_back(c);
   }
   clean.dropped_cell_count = repeating.count() + not_finite.count();
-  repeating.note(clean.notes, "cell", "with a vertex named twice: dropped");
+  repeating.note(clean.notes, "cell", "with a repeated vertex: dropped");
   not_finite.note(clean.notes, "cell", "with a coordinate that is not finite: dropped");
 }
 
@@ -194,7 +194,7 @@ CleanMesh clean_mesh(const NeutralMesh& mesh, const std::string& source_name) {
   choose_cells(mesh, clean);
   if (clean.source_cells.empty())
     throw Error(ErrorCode::invalid, concat(source_name, ": found ", mesh.cells.size(),
-                                           " cells, all with a vertex named twice or a coordinate that is not finite; "
+                                           " cells, all with a repeated vertex or a coordinate that is not finite; "
                                            "expected at least one tetrahedron"));
   choose_points(mesh, source_name, clean);
   place_points(mesh, source_name, clean);

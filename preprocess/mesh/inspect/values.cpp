@@ -59,7 +59,7 @@ std::vector<Finding> look_at(const NeutralVolume& volume) {
   if (is_constant && !volume.samples.empty()) constant.count = volume.samples.size() / sizeof(T);
   Finding labels{.name = "different whole numbers, which look like labels",
                  .thing = "label",
-                 .packing = "kept: between two labels lie values that mean nothing; isovalues at halves part them"};
+                 .packing = "kept: values between two labels have no meaning; use isovalues at halves"};
   if (distinct.size() > 1 && distinct.size() <= most_labels) labels.count = distinct.size();
   return {std::move(not_finite)
               .finding("samples that are not finite", "sample", "cells that touch them have no data and are not drawn"),

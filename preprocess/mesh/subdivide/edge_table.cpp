@@ -22,7 +22,7 @@ std::size_t EdgeTable::slot_of(const std::array<std::uint32_t, 2>& ends) const {
 
 void EdgeTable::grow() {
   if (edges.size() >= empty / 4)
-    throw Error(ErrorCode::resource, "curved cells: found more than 2^30 edges on the way; expected fewer",
+    throw Error(ErrorCode::resource, "curved cells: found more than 2^30 edges; expected fewer",
                 "a larger --max-error makes fewer tetrahedra");
   slots_.assign(4 * slots_.size(), empty);
   for (std::uint32_t e = 0; e < edges.size(); ++e) {

@@ -79,7 +79,7 @@ class Refinement {
         std::min<std::size_t>(no_point - 1, old_point_count_ + most_in_any_mesh + most_per_cell * cells_.size());
     if (count <= most) return;
     throw Error(ErrorCode::resource,
-                concat("curved cells: found more than ", most, " points or tetrahedra on the way, for ", cells_.size(),
+                concat("curved cells: found more than ", most, " points or tetrahedra for ", cells_.size(),
                        " curved cells; expected fewer"),
                 "a larger --max-error makes fewer tetrahedra; a damaged cell needs very many");
   }

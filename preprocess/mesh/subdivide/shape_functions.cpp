@@ -341,7 +341,7 @@ ShapeFunctions::ShapeFunctions(CellKind kind, std::size_t node_count)
                                            description.node_count));
   if (kind == CellKind::lagrange_pyramid && node_count != 13 && node_count != 14)
     throw Error(ErrorCode::unsupported, concat("found a Lagrange pyramid of ", node_count,
-                                               " nodes, an order that nobody has written down; expected 5, 13 or 14"));
+                                               " nodes, which is not defined; expected 5, 13 or 14"));
   const int order = is_lagrange(kind) ? order_of(description, node_count) : 0;
   if (order > 0)
     build_lattice(description.corners, order);

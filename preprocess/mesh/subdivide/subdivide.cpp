@@ -362,12 +362,12 @@ void note_findings(const std::vector<Part>& parts, std::vector<std::string>& not
   }
   if (center_count > 0)
     notes.push_back(concat(with_commas(center_count), center_count == 1 ? " point" : " points",
-                           " added inside cells that could not be cut without"));
-  if (vanished.count > 0) notes.push_back(concat(vanished.cells(), " collapsed to nothing left out", vanished.which()));
+                           " added inside cells that cannot be cut otherwise"));
+  if (vanished.count > 0) notes.push_back(concat(vanished.cells(), " of zero volume left out", vanished.which()));
   if (overlapping.count > 0)
     notes.push_back(concat(overlapping.cells(), overlapping.count == 1 ? " has" : " have",
-                           " no point that sees all faces: ", counted(inverted_count, CellKind::tetrahedron),
-                           " there turned inside out and overlapping", overlapping.which()));
+                           " no inner point that sees all faces; ", counted(inverted_count, CellKind::tetrahedron),
+                           " there are inverted and overlap", overlapping.which()));
 }
 
 std::string share_text(double share) {
@@ -388,7 +388,7 @@ void note_error(const RefinementError& error, const std::vector<NeutralField>& f
     note += concat(", of field \"", fields[f].name, "\" ", share_text(error.of_fields[f]), " of its range");
   }
   if (largest > max_error)
-    note += concat(": more than the ", share_text(max_error), " asked for, as edges are not cut any shorter");
+    note += concat("; more than the ", share_text(max_error), " requested, because edges are not cut shorter");
   notes.push_back(note);
 }
 
@@ -410,7 +410,7 @@ void note_cuts(const RefinedCells& refined, const std::vector<NeutralField>& fie
   std::stable_sort(reasons.begin(), reasons.end(), [](const Reason& a, const Reason& b) { return a.cuts > b.cuts; });
   const auto total = static_cast<double>(std::accumulate(refined.cut_for.begin(), refined.cut_for.end(), 0ULL));
   std::string note = concat(with_commas(refined.cut_cells), refined.cut_cells == 1 ? " curved cell" : " curved cells",
-                            " cut finer than the corners need: ");
+                            " cut finer than the corners require: ");
   for (std::size_t r = 0; r < reasons.size(); ++r)
     note += concat(r == 0 ? "" : ", ", percent_text(static_cast<double>(reasons[r].cuts) / total),
                    r == 0 ? " of the cuts for " : " for ", reasons[r].name);

@@ -34,14 +34,14 @@ double resolve_crossings(TriangleMesh& part, RepairReport& report) {
   remove_flat_facets(part);
   std::optional<TriangleMesh> nearest;
   double least = std::numeric_limits<double>::infinity();
-  for (const Way way : {Way{"replacing facets that cross", with_facets_replaced},
-                        Way{"cutting facets where they cross", with_facets_cut}}) {
+  for (const Way way : {Way{"replacing intersecting facets", with_facets_replaced},
+                        Way{"cutting intersecting facets", with_facets_cut}}) {
     announce(way.step);
     std::optional<TriangleMesh> candidate = way.without_crossings(part);
     if (!candidate || candidate->number_of_faces() == 0) continue;
     fill_holes(*candidate, report);
     if (count_crossings(*candidate) > 0) continue;
-    announce("measuring how far that moved the surface");
+    announce("measuring how far the surface moved");
     const double moved = distance(part, *candidate, report.distance_error);
     if (moved < least) {
       least = moved;
@@ -79,7 +79,7 @@ TriangleMesh mended(TriangleMesh mesh, const RepairOptions& options, RepairRepor
   stitch(mesh, report);
   announce("filling holes");
   fill_holes(mesh, report);
-  announce("searching facets that cross");
+  announce("searching intersecting facets");
   report.crossing_pairs = count_crossings(mesh);
 
   std::vector<TriangleMesh> parts = parts_of(mesh);
@@ -92,7 +92,7 @@ TriangleMesh mended(TriangleMesh mesh, const RepairOptions& options, RepairRepor
   }
   if (report.crossing_pairs > 0) {
     for (TriangleMesh& part : parts) report.moved = std::max(report.moved, resolve_crossings(part, report));
-    announce("uniting parts that cross");
+    announce("uniting intersecting parts");
     unite_crossing_parts(parts, report);
   }
   return without_needles(parts, report);
@@ -117,10 +117,10 @@ void refuse_if_moved_too_far(const RepairReport& report, double max_move) {
   const double share = report.moved / report.box_diagonal;
   if (!(share > max_move)) return;
   throw Error(ErrorCode::invalid,
-              concat("surface: the repair would move it by ", report.moved, ", ", 100 * share,
+              concat("surface: the repair would move it by ", rounded(report.moved), ", ", rounded(100 * share),
                      " % of the box diagonal; expected at most ", 100 * max_move, " %"),
               concat("--max-move ", std::ceil(1000 * share) / 1000,
-                     " accepts that; --wrap 0.01 makes a new closed surface around it instead"));
+                     " accepts this; --wrap 0.01 wraps it in a new closed surface instead"));
 }
 
 double diagonal_of(const Soup& soup) {
@@ -152,7 +152,7 @@ RepairedSurface mend(const NeutralSurface& surface, const RepairOptions& options
     before = mesh_of(std::move(soup), report);
     after = mended(before, options, report);
   }
-  if (after.number_of_faces() == 0) throw Error(ErrorCode::invalid, "surface: nothing was left of it by the repair");
+  if (after.number_of_faces() == 0) throw Error(ErrorCode::invalid, "surface: the repair removed all of it");
   if (!report.wrapped) refuse_if_moved_too_far(report, options.max_move);
   announce("measuring the distance between the old surface and the new");
   report.farthest_new_from_old = farthest(after, before, report.distance_error);

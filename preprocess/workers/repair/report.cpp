@@ -1,6 +1,7 @@
 #include "preprocess/workers/repair/report.h"
 
 #include <charconv>
+#include <cstdio>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -57,6 +58,12 @@ RepairOptions options_from(std::span<const char* const> arguments) {
   return options;
 }
 
+std::string rounded(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", number);
+  return text;
+}
+
 std::string text_of(const RepairReport& report) {
   std::string text;
   for_each_number(report, [&]<class T>(const T& number) { text += concat(static_cast<double>(number), " "); });
@@ -79,29 +86,32 @@ RepairReport report_from(const std::string& text) {
 
 std::vector<std::string> sentences(const RepairReport& r) {
   std::vector<std::string> all;
-  const auto say = [&](std::uint64_t count, std::string_view what) {
-    if (count > 0) all.push_back(concat("repair: ", count, " ", what));
+  const auto say = [&](std::uint64_t count, std::string_view singular, std::string_view plural, std::string_view what) {
+    if (count > 0) all.push_back(concat("repair: ", count_text(count, singular, plural), " ", what));
   };
-  say(r.dropped_not_finite, "facets with a coordinate that is not a finite number were dropped");
-  say(r.merged_points, "points with the coordinates of another were merged with it");
-  say(r.dropped_flat, "facets without area were dropped");
-  say(r.dropped_twins, "facets that were there twice were dropped");
-  say(r.split_points, "points were doubled where more than two facets meet in an edge or sheets in a point");
-  say(r.stitched_edges, "pairs of open edges were joined");
-  say(r.filled_holes, "holes were filled");
-  say(r.dropped_parts, "parts were dropped beside the largest");
-  say(r.crossing_pairs, "pairs of facets crossed");
-  say(r.mended_parts, "parts that crossed themselves got new facets there");
-  say(r.united_parts, "closed parts that crossed others became one solid with them");
+  const auto say_facets = [&](std::uint64_t count, std::string_view what) { say(count, "facet", "facets", what); };
+  say_facets(r.dropped_not_finite, "with a coordinate that is not a finite number dropped");
+  say(r.merged_points, "point", "points", "merged with another at the same coordinates");
+  say_facets(r.dropped_flat, "without area dropped");
+  say_facets(r.dropped_twins, "dropped as duplicates");
+  say(r.split_points, "point", "points", "doubled where more than two facets meet in an edge, or sheets in a point");
+  say(r.stitched_edges, "pair", "pairs", "of open edges joined");
+  say(r.filled_holes, "hole", "holes", "filled");
+  say(r.dropped_parts, "part", "parts", "dropped beside the largest");
+  say(r.crossing_pairs, "pair", "pairs", "of intersecting facets found");
+  say(r.mended_parts, "self-intersecting part was", "self-intersecting parts were", "remeshed");
+  say(r.united_parts, "closed part", "closed parts", "united with other parts");
   if (r.wrapped) all.push_back("repair: the surface was wrapped in a new one");
-  const auto share = [&](double length) { return r.box_diagonal > 0 ? 100 * length / r.box_diagonal : 0; };
+  const auto share = [&](double length) {
+    return concat(rounded(r.box_diagonal > 0 ? 100 * length / r.box_diagonal : 0), " %");
+  };
   if (r.moved > r.distance_error)
-    all.push_back(concat("repair: what was mended moved by at most ", r.moved, " (", share(r.moved),
-                         " % of the box diagonal); filled holes and inner walls do not count"));
-  all.push_back(concat("repair: the new surface lies at most ", r.farthest_new_from_old, " (",
-                       share(r.farthest_new_from_old), " % of the box diagonal) from the old, the old at most ",
-                       r.farthest_old_from_new, " (", share(r.farthest_old_from_new),
-                       " %) from the new; both to within ", r.distance_error));
+    all.push_back(concat("repair: repaired parts moved by at most ", rounded(r.moved), " (", share(r.moved),
+                         " of the box diagonal), without filled holes and inner walls"));
+  all.push_back(concat("repair: the new surface is at most ", rounded(r.farthest_new_from_old), " (",
+                       share(r.farthest_new_from_old), " of the box diagonal) from the old one, the old one at most ",
+                       rounded(r.farthest_old_from_new), " (", share(r.farthest_old_from_new),
+                       ") from the new one; both to within ", rounded(r.distance_error)));
   return all;
 }
 

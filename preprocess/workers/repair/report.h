@@ -16,6 +16,9 @@ RepairOptions options_from(std::span<const char* const> arguments);
 std::string text_of(const RepairReport& report);
 RepairReport report_from(const std::string& text);
 
+/// A number for a sentence, with three significant digits.
+std::string rounded(double number);
+
 /// What was done, one sentence each.
 std::vector<std::string> sentences(const RepairReport& report);
 

@@ -185,21 +185,21 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
       throw Error(ErrorCode::resource, "TetGen ran out of memory while filling the surface",
                   "allow more memory, or ask for larger tetrahedra");
     case 3:
-      throw Error(ErrorCode::invalid, concat("surface: TetGen found facets that cross", facets),
-                  "mend the surface at this place");
+      throw Error(ErrorCode::invalid, concat("surface: TetGen found facets that intersect", facets),
+                  "repair the surface at this place");
     case 4:
-      throw Error(ErrorCode::invalid, concat("surface: TetGen met a feature too small to keep apart", facets),
+      throw Error(ErrorCode::invalid, concat("surface: TetGen found a feature too small to resolve", facets),
                   "merge points that nearly coincide");
     case 5:
-      throw Error(ErrorCode::invalid, concat("surface: TetGen met two facets that nearly touch", facets),
-                  "move them apart, or make them one");
+      throw Error(ErrorCode::invalid, concat("surface: TetGen found two facets that nearly touch", facets),
+                  "move them apart, or merge them");
     case 10:
       throw Error(ErrorCode::invalid, concat("surface: TetGen refused the points and facets as given", facets),
                   "look for points that nearly coincide or nearly lie in one plane");
     default:
       throw Error(ErrorCode::invalid,
                   concat("surface: TetGen could not fill it and gave up with its internal error ", code, facets),
-                  "a coarser quality (0) or a surface with better shaped triangles may succeed");
+                  "try --quality 0, or a surface with better shaped triangles");
   }
 }
 
@@ -218,11 +218,11 @@ class SizeJudge {
   void refuse_if_useless() const {
     if (bad_)
       throw Error(ErrorCode::invalid,
-                  concat("size field: found a wanted edge length of ", bad_->second, " at (", bad_->first[0], ", ",
+                  concat("size field: found an edge length of ", bad_->second, " at (", bad_->first[0], ", ",
                          bad_->first[1], ", ", bad_->first[2], "); expected one above 0"));
     if (!answered_)
       throw Error(ErrorCode::invalid, "size field: has no value anywhere in the surface",
-                  "look whether both are in the same place and unit");
+                  "check that both use the same position and unit");
   }
 
  private:

@@ -224,9 +224,9 @@ void check_crossings(const NeutralSurface& s, const Triangles& triangles, Findin
   for (const Crossing& c : crossings.first_pairs)
     places += concat(places.empty() ? "" : "; ", "facets ", triangles.facets[c.first], " and ",
                      triangles.facets[c.second], " at ", text_of(c.place));
-  found.add(concat(crossings.pair_count, " pairs of facets cross: ", places,
+  found.add(concat(crossings.pair_count, " pairs of facets intersect: ", places,
                    crossings.pair_count > crossings.first_pairs.size() ? "; ..." : "", "; expected none"),
-            "mend the surface at these places, or make it anew from the volume");
+            "repair the surface at these places, or make it again from the volume");
   for (const std::uint64_t t : crossings.triangles) found.facets.push_back({triangles.facets[t], FacetFault::crossing});
 }
 
@@ -257,7 +257,8 @@ void check_closed(const NeutralSurface& s, const Triangles& triangles, bool soli
     for (std::size_t k = i; k < next; ++k)
       found.facets.push_back({edges[k].facet, count == 1 ? FacetFault::at_open_edge : FacetFault::at_crowded_edge});
   }
-  found.add(open, "open edges (one facet where two should meet)", "close the surface: its inside is not defined");
+  found.add(open, "open edges (one facet where two should meet)",
+            "close the surface; without that its inside is not defined");
   found.add(crowded, "edges where more than two facets meet",
             "separate the parts, or give .smesh with a region seed in each region");
 }

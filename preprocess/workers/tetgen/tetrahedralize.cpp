@@ -34,7 +34,7 @@ void check(const TetrahedralizeOptions& options) {
   const double q = options.quality.value_or(usual_quality);
   if (!(q == 0 || (q >= 1 && std::isfinite(q))))
     throw Error(ErrorCode::usage, concat("quality ", q, "; expected 0 or a ratio of at least 1"),
-                "1.4 is a good ratio; below about 1.2 TetGen may not come to an end");
+                "1.4 is a good ratio; below about 1.2 TetGen may not terminate");
   check_volume(options.max_volume);
   for (const auto& limit : options.region_volumes) check_volume(limit.max_volume);
   if (!options.regions && (!options.region_volumes.empty() || options.empty_cavities))
@@ -96,8 +96,8 @@ NeutralMesh fill_once(const NeutralSurface& surface, const TetrahedralizeOptions
   } catch (const Error& error) {
     if (error.code() != ErrorCode::resource || has_switch(options, 'Y')) throw;
     throw Error(error.code(), error.what(),
-                "ask for larger cells, allow more, or keep the surface's own triangles (TetGen's switch Y): needles "
-                "among them call for very many points");
+                "use larger cells, raise the limit, or keep the surface's triangles (--tetgen Y); thin triangles need "
+                "very many points");
   }
 }
 
@@ -114,7 +114,7 @@ std::string percent(double share) {
 NeutralMesh noted(Filling filling, const std::string& how) {
   const BadShare& bad = filling.bad;
   filling.mesh.notes.push_back(concat(how, "; ", percent(bad.of_cells), " of the cells, ", percent(bad.of_volume),
-                                      " of the volume, miss a quality of ", usual_quality));
+                                      " of the volume, do not reach a quality of ", usual_quality));
   return std::move(filling.mesh);
 }
 
@@ -134,7 +134,7 @@ Filling split_within_reason(const NeutralSurface& surface, const TetrahedralizeO
     throw Error(ErrorCode::resource,
                 concat("surface: splitting its triangles for a quality of ", usual_quality, " took more than ",
                        most_new_points, " new points"),
-                "a wanted quality of 0 adds none for quality; one that is given is sought without this limit");
+                "--quality 0 adds no points; a given --quality has no such limit");
   return judged(std::move(mesh));
 }
 
@@ -149,13 +149,13 @@ NeutralMesh fill_to_an_end(const NeutralSurface& surface, const TetrahedralizeOp
   }
   if (kept->bad.of_volume <= 0.1 && kept->bad.of_cells <= 0.5)
     return noted(std::move(*kept), "the surface's triangles were kept as they are");
-  std::string why = "no better with them split";
+  std::string why = "splitting them is not better";
   try {
     Filling split = split_within_reason(surface, options);
     if (split.bad.of_volume < kept->bad.of_volume) return noted(std::move(split), "the surface's triangles were split");
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid && error.code() != ErrorCode::resource) throw;
-    why = concat("with them split: ", error.what());
+    why = concat("splitting them failed: ", error.what());
   }
   return noted(std::move(*kept), concat("the surface's triangles were kept as they are (", why, ")"));
 }

@@ -49,9 +49,8 @@ NeutralVolume dense_volume(const ScalarGrid& scalar, std::uint64_t limit_bytes, 
     if (name != scalar.name) volume.other_fields.push_back(name);
   volume.notes = scalar.notes;
   if (!scalar.inactive_is_no_data)
-    volume.notes.push_back(concat("voxels of grid '", scalar.name,
-                                  "' that are not active have its background; the samples reach one voxel beyond the "
-                                  "active ones"));
+    volume.notes.push_back(concat("inactive voxels of grid '", scalar.name,
+                                  "' have its background value; the samples extend one voxel beyond the active ones"));
   return volume;
 }
 

@@ -18,7 +18,7 @@ std::vector<std::string> notes_on(const formats::FieldSummary& field) {
   if (needs_doubles)
     notes.push_back(concat("field '", field.name, "' is written as a grid of doubles, which some programs refuse"));
   if (field.no_data_count != 0)
-    notes.push_back(concat(field.no_data_count, " samples without data became voxels that are not active"));
+    notes.push_back(concat(count_text(field.no_data_count, "sample", "samples"), " without data written as inactive"));
   return notes;
 }
 

@@ -257,7 +257,7 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
     throw Error(ErrorCode::unsupported, concat(path.string(), ": found ", found, "; expected a grid of scalars"));
   if (field.empty())
     throw Error(ErrorCode::usage, concat(path.string(), ": found vectors only: ", found, "; expected a choice"),
-                concat("say --field with one of ", in_list(scalars)));
+                concat("use --field with one of ", in_list(scalars)));
   throw Error(ErrorCode::usage,
               concat(path.string(), ": found no field '", field, "'; expected one of ", in_list(scalars)),
               did_you_mean(field, scalars));

@@ -86,12 +86,12 @@ TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
 
 TEST_F(Worker, turns_a_crash_into_a_sentence) {
   expect_refusal([] { run_worker(request("segfault")); }, ErrorCode::invalid,
-                 {"signal 11 (Segmentation fault)", "reading bone.vtu", "last it said: about to fall"});
+                 {"signal 11 (Segmentation fault)", "reading bone.vtu", "its last output: about to fall"});
 }
 
 TEST_F(Worker, turns_an_abort_into_a_sentence) {
   expect_refusal([] { run_worker(request("abort")); }, ErrorCode::invalid,
-                 {"signal 6", "reading bone.vtu", "said nothing"});
+                 {"signal 6", "reading bone.vtu", "printed nothing"});
 }
 
 TEST_F(Worker, is_stopped_at_its_time_limit) {
@@ -223,7 +223,8 @@ TEST_F(Worker, may_complain_without_end) {
 }
 
 TEST_F(Worker, is_reported_when_it_breaks_its_promise) {
-  expect_refusal([] { run_worker(request("exit-99")); }, ErrorCode::internal, {"code 99", "last it said: unexpected"});
+  expect_refusal([] { run_worker(request("exit-99")); }, ErrorCode::internal,
+                 {"code 99", "its last output: unexpected"});
   expect_refusal([] { run_worker(request("nothing")); }, ErrorCode::internal, {"reading bone.vtu", "handed over"});
 }
 

@@ -227,10 +227,10 @@ TEST(Exodus, reads_blocks_and_fields_of_the_last_time_step) {
   const NeutralField& q = field_of(mesh.cell_fields, "q");
   EXPECT_TRUE(std::isnan(q.values[0]) && std::isnan(q.values[1])) << "the truth table says that block 10 lacks q";
   EXPECT_EQ(q.values[2], ExodusFile::cell_value(2, 1, 3, 0));
-  EXPECT_THAT(mesh.notes, testing::UnorderedElementsAre(
-                              testing::HasSubstr("time step #2 of 3, at time 2 was taken, the last"),
-                              testing::HasSubstr("not moved by field 'DISPL'"),
-                              "1 quadrilaterals, 1 vertices left out: only cells that fill space are kept"));
+  EXPECT_THAT(mesh.notes,
+              testing::UnorderedElementsAre(testing::HasSubstr("using the last of 3 time steps (t = 2)"),
+                                            testing::HasSubstr("not displaced by field 'DISPL'"),
+                                            "1 quadrilateral, 1 vertex left out: only cells that fill space are kept"));
 }
 
 TEST(Exodus, takes_the_time_step_that_was_asked_for) {
@@ -377,7 +377,7 @@ TEST(Exodus, refuses_what_does_not_fit) {
         file.cell_names.clear();
         file.truth.clear();
       },
-      ErrorCode::invalid, {"1 quadrilaterals", "fills space"});
+      ErrorCode::invalid, {"1 quadrilateral", "fills space"});
   {
     NetcdfWriter other(folder / "a.e", 0);
     other.dimension("x", 3);

@@ -50,9 +50,10 @@ TEST(Gmsh, reads_version_2_with_groups) {
   EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(2, 3, 4));
   EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 0));
   EXPECT_THAT(field_of(mesh.cell_fields, "entity").values, testing::ElementsAre(20, 21, 0));
-  EXPECT_THAT(mesh.notes, testing::UnorderedElementsAre(
-                              "cell field 'physical': 11 is 'the core'", testing::HasSubstr("time step #1"),
-                              "1 triangles, 1 vertices left out: only cells that fill space are kept"));
+  EXPECT_THAT(mesh.notes,
+              testing::UnorderedElementsAre("cell field 'physical': 11 is 'the core'",
+                                            testing::HasSubstr("using the last of 2 time steps"),
+                                            "1 triangle, 1 vertex left out: only cells that fill space are kept"));
 }
 
 TEST(Gmsh, reads_version_4_with_groups) {
@@ -62,7 +63,7 @@ TEST(Gmsh, reads_version_4_with_groups) {
   EXPECT_TRUE(is_complete(mesh));
   EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 11));
   EXPECT_THAT(field_of(mesh.cell_fields, "entity").values, testing::ElementsAre(20, 21, 21));
-  EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr("1 volumes belong to several physical groups")));
+  EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr("1 volume belongs to several physical groups")));
 }
 
 TEST(Gmsh, reads_fields_at_the_time_step_that_was_asked_for) {
@@ -165,7 +166,7 @@ TEST(Gmsh, refuses_what_does_not_fit) {
   refuses(text_4, "2 6 1 9", "2 7 1 9", ErrorCode::invalid, {"6 nodes", "7"});
   refuses(text_4, "4 5 1 5", "4 6 1 5", ErrorCode::invalid, {"5 elements", "6"});
   refuses(format_2 + nodes_2 + elements_2, elements_2, "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n",
-          ErrorCode::invalid, {"1 triangles", "fills space"});
+          ErrorCode::invalid, {"1 triangle", "fills space"});
   try {
     write_file(folder / "a.msh", format_2 + nodes_2 + "$Elements\n1\n2 2 2 5 6 1 2 3\n$EndElements\n");
     read_cells(folder / "a.msh", {});

@@ -121,7 +121,7 @@ TEST_F(Import, says_what_to_do_with_formats_that_it_knows_and_does_not_read) {
   EXPECT_THAT(advice_on("torso.tvt.fld"), testing::HasSubstr(".vtu"));
   EXPECT_THAT(advice_on("a.xdmf"), testing::HasSubstr("meshio"));
   for (const char* name : {"a.pvti", "a.pvtr", "a.pvts", "a.pvtp"})
-    EXPECT_THAT(advice_on(name), testing::HasSubstr("ParaView saves the whole")) << name;
+    EXPECT_THAT(advice_on(name), testing::HasSubstr("with ParaView (Save Data)")) << name;
   EXPECT_EQ(advice_on("a.vtu"), "");
   EXPECT_EQ(advice_on("fld"), "");
   try {

@@ -122,7 +122,7 @@ TEST(LegacyVtkMesh, keeps_tetrahedra_with_their_fields) {
               testing::ElementsAre(std::array<std::uint64_t, 4>{0, 1, 2, 3}, std::array<std::uint64_t, 4>{1, 2, 3, 4}));
   EXPECT_EQ(mesh.points[4], (std::array{1.0, 1.0, 1.5}));
   EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(0, 2));
-  EXPECT_THAT(mesh.notes, testing::ElementsAre(testing::HasSubstr("1 lines left out")));
+  EXPECT_THAT(mesh.notes, testing::ElementsAre(testing::HasSubstr("1 line left out")));
   ASSERT_EQ(mesh.point_fields.size(), 2U);
   EXPECT_EQ(mesh.point_fields[0].name, "voltage");
   EXPECT_TRUE(std::isnan(mesh.point_fields[0].values[4]));
@@ -190,7 +190,7 @@ TEST(LegacyVtkMesh, refuses_what_does_not_fit) {
   refuses("4 1 2 3 4", "3 1 2 3 4", ErrorCode::invalid, {"CELLS", "12 numbers", "13"});
   refuses("4 1 2 3 4", "9 1 2 3 4", ErrorCode::invalid, {"cell 2", "more corners"});
   refuses("10 3 10", "10 3 12", ErrorCode::invalid, {"cell 2", "4 corners", "8, as hexahedra have"});
-  refuses("10 3 10", "24 24 99", ErrorCode::unsupported, {"1 cells of VTK's kind 99"});
+  refuses("10 3 10", "24 24 99", ErrorCode::unsupported, {"1 cell of VTK's kind 99"});
   refuses("10 3 10", "3 3 3", ErrorCode::invalid, {"3 lines", "at least one that fills space"});
   refuses("2 0 4", "1 0", ErrorCode::invalid, {"a.vtk"});
   refuses("CELL_TYPES 3\n10 3 10", "CELL_TYPES 2\n10 3", ErrorCode::invalid, {"2 kinds for 3 cells"});
@@ -235,7 +235,7 @@ TEST(LegacyVtkSurface, takes_polygons_and_strips_that_vtk_writes) {
       EXPECT_THAT(surface.facet_offsets, testing::ElementsAre(0, 3, 7, 10, 13, 16));
       EXPECT_THAT(surface.facet_corners, testing::ElementsAre(0, 1, 2, 0, 1, 3, 2, 0, 1, 2, 1, 3, 2, 2, 3, 4));
       EXPECT_EQ(surface.points[5], (std::array{1.0, 2.0, 1.0}));
-      EXPECT_THAT(surface.notes, testing::ElementsAre("3 vertices and lines left out", testing::HasSubstr("1 fields")));
+      EXPECT_THAT(surface.notes, testing::ElementsAre("3 vertices and lines left out", testing::HasSubstr("1 field")));
     }
   const std::string head =
       "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";

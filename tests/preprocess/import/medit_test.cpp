@@ -22,7 +22,7 @@ void expect_whole(const CellMesh& mesh) {
               testing::ElementsAre(0, 1, 3, 4, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 3, 4, 5, 7, 0, 1, 2, 3, 8));
   EXPECT_THAT(mesh.cell_fields[0].values, testing::ElementsAre(20, 30, 40, 50));
   EXPECT_EQ(mesh.cell_fields[0].name, "reference");
-  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangles left out: only cells that fill space are kept"));
+  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangle left out: only cells that fill space are kept"));
 }
 
 /// The binary form of the same, by the rules of libMeshb.

@@ -65,7 +65,7 @@ TEST(MergePoints, takes_equal_values_as_the_guide_where_a_piece_has_several_poin
   merge_coincident_points(mesh, std::vector<std::uint64_t>{0, 2, 4, 5});
   EXPECT_THAT(mesh.cell_nodes, ElementsAre(0, 1, 1, 0, 2, 0, 1, 1));
   EXPECT_THAT(mesh.point_fields[0].values, ElementsAre(1, 2, 3));
-  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("2 points merged"), HasSubstr("1 points not merged")));
+  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("2 points merged"), HasSubstr("1 point not merged")));
 }
 
 TEST(MergePoints, renumbers_the_faces_of_polyhedra_but_not_their_counts) {

@@ -62,7 +62,7 @@ void expect_rectilinear(const std::filesystem::path& path) {
   EXPECT_THAT(cells.axes[0], ElementsAre(0.5, 2.5));
   EXPECT_THAT(cells.axes[2], ElementsAre(-4.5, -3, -1.5, 0));
   expect_near(cells.world_from_grid.origin, {0, 10.25, 0});
-  EXPECT_THAT(cells.notes, ElementsAre(HasSubstr("middle of its cell")));
+  EXPECT_THAT(cells.notes, ElementsAre(HasSubstr("at its cell's centre")));
 }
 
 TEST(Rectilinear, axes_with_uneven_steps_keep_a_table) {

@@ -202,7 +202,7 @@ TEST(Plot3d, finds_the_other_file_by_its_name) {
     write_file(folder / grid, grid_file(style));
     const CellMesh alone = read_cells(folder / grid, {});
     expect_blocks(alone, style, false);
-    EXPECT_THAT(alone.notes, ElementsAre(HasSubstr("no solution file beside it: looked for " + solution)));
+    EXPECT_THAT(alone.notes, ElementsAre(HasSubstr("no solution file found; looked for " + solution)));
     write_file(folder / solution, solution_file(style));
     expect_blocks(read_cells(folder / grid, {}), style);
     expect_blocks(read_cells(folder / solution, {}), style);
@@ -216,7 +216,7 @@ TEST(Plot3d, counts_cells_with_blanked_corners) {
   TemporaryFolder folder;
   write_file(folder / "a.xyz", grid_file({.has_iblank = true}));
   EXPECT_THAT(read_cells(folder / "a.xyz", {}).notes,
-              testing::Contains(HasSubstr("1 cells left out: one of their points")));
+              testing::Contains(HasSubstr("1 cell with a hidden point left out")));
 }
 
 TEST(Plot3d, refuses_every_beginning_and_what_is_longer) {
@@ -259,7 +259,7 @@ TEST(Plot3d, refuses_sizes_that_are_not_those_of_the_grid) {
   write_file(folder / "a.xyz", grid_file({}));
   write_file(folder / "a.q", solution_file({.has_block_count = true, .blocks = 2}));
   expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid,
-                 {"a.q, header", "1 blocks more", "a.xyz"});
+                 {"a.q, header", "1 more block", "a.xyz"});
   write_file(folder / "a.q", grid_file({}));
   expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::invalid,
                  {"a.q, size", "expected a PLOT3D solution"});
@@ -304,7 +304,7 @@ TEST(Plot3d, names_the_candidates_where_several_layouts_fit) {
   write_file(folder / "a.xyz", sizes + std::string(460 - sizes.size(), '\0'));
   expect_refusal([&] { read_cells(folder / "a.xyz", {}); }, ErrorCode::unsupported,
                  {"2 layouts that fit", "a grid of 2 x 2 x 7 points, 32 bits, little-endian, IBLANK; or",
-                  "a grid of 2 x 7 x 2 points and 1 blocks more, 32 bits, little-endian, with a block count"});
+                  "a grid of 2 x 7 x 2 points and 1 more block, 32 bits, little-endian, with a block count"});
 }
 
 }  // namespace

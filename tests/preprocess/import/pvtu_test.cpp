@@ -85,7 +85,7 @@ TEST_F(Pvtu, leaves_ghost_cells_and_fields_of_single_pieces_out) {
   EXPECT_THAT(mesh.cell_fields[0].values, ElementsAre(1, 8, 1201, 1208, 1215));
   EXPECT_EQ(mesh.point_fields.size(), 1U);
   EXPECT_THAT(mesh.notes,
-              ElementsAre(HasSubstr("1 ghost cells"), HasSubstr("'rank' at points left out: not every piece"),
+              ElementsAre(HasSubstr("1 ghost cell"), HasSubstr("'rank' at points left out: not every piece"),
                           HasSubstr("2 points merged")));
 }
 

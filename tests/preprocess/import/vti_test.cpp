@@ -105,7 +105,7 @@ TEST(Vti, shows_the_length_of_the_first_vector_where_that_is_asked_for_and_nothi
   EXPECT_EQ(volume.vectors[0].component_count, 2);
   EXPECT_EQ(volume.vectors[1].name, "turn");
   EXPECT_EQ(volume.vectors[1].component_count, 3);
-  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("with --field name one component, flow.0")));
+  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("use --field with one component, flow.0")));
 
   const std::string one = "<DataArray type=\"UInt8\" Name=\"one\" format=\"ascii\">7 9</DataArray>";
   write_file(folder / "a.vti", by_hand("0 0 0 0 0 1", flow + one + "</PointData>"));

@@ -79,8 +79,8 @@ TEST(VtuCells, of_other_pieces_are_left_out_where_they_are_ghosts) {
   EXPECT_THAT(mesh.cell_fields[0].values, ElementsAre(1, 29, 43));
   EXPECT_EQ(mesh.point_fields.size(), 1U);
   EXPECT_EQ(mesh.cell_fields.size(), 1U);
-  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("1 lines left out"), HasSubstr("1 ghost cells"), HasSubstr("1 refined"),
-                                      HasSubstr("1 hidden cells"), HasSubstr("1 cells left out: one of their points")));
+  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("1 line left out"), HasSubstr("1 ghost cell"), HasSubstr("1 refined"),
+                                      HasSubstr("1 hidden cell"), HasSubstr("1 cell with a hidden point left out")));
 }
 
 TEST(LegacyVtkCells, come_back_from_every_version_that_vtk_writes) {
@@ -157,7 +157,7 @@ TEST(ForeignCells, are_refused_where_ghosts_and_cells_differ_in_number) {
   ForeignCells cells{.kinds = {10}, .offsets = {0, 4}, .nodes = {0, 1, 2, 3}, .ghosts = {0, 0}};
   expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"vtkGhostType", "2 numbers"});
   cells.ghosts = {1};
-  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"1 ghost cells left out"});
+  expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"1 ghost cell left out"});
   cells.ghosts = {};
   cells.point_ghosts = {0, 0, 0};
   expect_refusal([&] { take_cells(mesh, cells, "a.vtu"); }, ErrorCode::invalid, {"vtkGhostType", "3 numbers"});

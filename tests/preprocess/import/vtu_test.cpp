@@ -55,7 +55,7 @@ TEST(Vtu, keeps_tetrahedra_with_their_fields) {
   const NeutralMesh mesh = read_mesh(folder / "a.vtu");
   EXPECT_TRUE(is_complete(mesh));
   EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(0, 2));
-  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangles left out: only cells that fill space are kept"));
+  EXPECT_THAT(mesh.notes, testing::ElementsAre("1 triangle left out: only cells that fill space are kept"));
   EXPECT_EQ(mesh.point_fields[0].name, "voltage");
   EXPECT_FALSE(mesh.point_fields[0].was_single_precision);
   EXPECT_EQ(mesh.point_fields[1].component_count, 3);

@@ -152,7 +152,7 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
   scene.layers[0] = lit_surface();
   const auto called_for = [&] { return effects_called_for(scene, scene.layers[0]); };
   EffectSet set = called_for();
-  EXPECT_TRUE(!set.lights && !set.shadows && !set.occlusion && !set.fog) << "one white light at the eye";
+  EXPECT_TRUE(!set.lights && !set.shadows && !set.occlusion && !set.fog) << "one white light at the camera";
   scene.lights[0].color = {1, 1, 0.5};
   EXPECT_TRUE(called_for().lights);
   scene.lights = {{}, {.kind = render::Light::Kind::point, .color = {0, 0, 0}, .casts_shadows = true}};

@@ -400,7 +400,7 @@ TEST(HitLookup, refuses_what_does_not_apply) {
   TracedVolume grid(made_grid({}, grid_fields()).file());
   expect_error(ErrorCode::usage, "no field 'colour'; it has 'value'",
                [&] { HitLookup(mesh.volume().implementation(), {.smooth_gradients = false, .field = "colour"}, 1); });
-  expect_error(ErrorCode::usage, "smooth normals are of meshes",
+  expect_error(ErrorCode::usage, "only meshes have smooth normals",
                [&] { HitLookup(grid.volume().implementation(), {.smooth_gradients = true, .field = {}}, 1); });
 }
 

@@ -115,8 +115,8 @@ TEST(ChooseFields, refuses_an_unknown_name_with_the_nearest_and_all_others) {
 TEST(ChooseFields, refuses_a_vector_without_component_a_cell_field_unasked_and_a_name_given_twice) {
   EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum"}).hint(), HasSubstr("Momentum.mag"));
   EXPECT_THAT(refusal(mesh_with_fields(), {"tissue"}).what(), HasSubstr("found a value for each cell"));
-  EXPECT_THAT(refusal(mesh_with_fields(), {"voltage", "voltage"}).what(), HasSubstr("named twice"));
-  EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum.x", "Momentum.0"}).what(), HasSubstr("named twice"));
+  EXPECT_THAT(refusal(mesh_with_fields(), {"voltage", "voltage"}).what(), HasSubstr("given twice"));
+  EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum.x", "Momentum.0"}).what(), HasSubstr("given twice"));
 }
 
 TEST(ChooseFields, refuses_a_mesh_without_fields_and_fields_of_the_wrong_size) {
@@ -193,7 +193,7 @@ TEST(ChooseFields, leaves_out_a_second_field_of_one_name_with_a_note) {
   std::vector<std::string> notes;
   const auto fields = choose_fields(mesh, clean_mesh(mesh, "mesh"), {"voltage"}, true, "torso.vtu", notes);
   EXPECT_THAT(values_of(fields.at(0)), ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_THAT(notes, ElementsAre("field \"voltage\" of cells has the name of an earlier one: left out"));
+  EXPECT_THAT(notes, ElementsAre("field \"voltage\" of cells has the name of an earlier field; it is left out"));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(CleanMesh, drops_turns_keeps_and_counts_each_kind_of_cell) {
   EXPECT_THAT(clean.source_cells, ElementsAre(0, 3, 4, 5));
   EXPECT_THAT(clean.source_points, ElementsAre(0, 2, 3, 4, 5, 6));
   EXPECT_THAT(clean.cells, ElementsAre(Cell{0, 1, 2, 3}, Cell{0, 2, 3, 1}, Cell{0, 1, 2, 5}, Cell{1, 5, 2, 4}));
-  EXPECT_THAT(clean.notes, ElementsAre("1 cell with a vertex named twice: dropped (cell 1)",
+  EXPECT_THAT(clean.notes, ElementsAre("1 cell with a repeated vertex: dropped (cell 1)",
                                        "1 cell with a coordinate that is not finite: dropped (cell 2)",
                                        "3 points without a cell: dropped (points 1, 7, 8)",
                                        "1 cell of negative orientation: two vertices exchanged (cell 3)",
@@ -111,7 +111,7 @@ TEST(CleanMesh, refuses_a_mesh_without_cells_or_with_none_left) {
   EXPECT_EQ(refusal(mesh), "heart.vtu: found no tetrahedra; expected at least one");
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.cells = {{0, 1, 2, 2}};
-  EXPECT_THAT(refusal(mesh), HasSubstr("found 1 cells, all with a vertex named twice"));
+  EXPECT_THAT(refusal(mesh), HasSubstr("found 1 cells, all with a repeated vertex"));
 }
 
 TEST(CleanMesh, refuses_a_mesh_without_volume) {

@@ -458,8 +458,8 @@ TEST(CurvedCells, say_what_they_were_cut_for) {
   const auto notes = [&](double error, std::vector<std::string> names = {}) {
     return subdivide(mesh, {.max_error = error, .fields = std::move(names)}).notes;
   };
-  EXPECT_THAT(notes(0.005), Contains("1 curved cell cut finer than the corners need: 100 % of the cuts for field "
-                                     "\"steep\""))
+  EXPECT_THAT(notes(0.005),
+              Contains("1 curved cell cut finer than the corners require: 100 % of the cuts for field \"steep\""))
       << "wherever the gentle one strays too far, the steep one does more";
   EXPECT_THAT(notes(0.005, {"gentle"}), Contains(HasSubstr("100 % of the cuts for field \"gentle\"")));
   EXPECT_THAT(notes(0.005, {"gentle"}), testing::Not(Contains(HasSubstr("steep"))));
@@ -468,7 +468,7 @@ TEST(CurvedCells, say_what_they_were_cut_for) {
   CurvedMeshMaker maker([](const Point& p) { return Point{p[0], p[1] + 0.2 * p[0] * (1 - p[0]), p[2]}; });
   maker.add(CellKind::quadratic_tetrahedron, 10, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   EXPECT_THAT(subdivide(maker.mesh, {.max_error = 0.01}).notes,
-              Contains("1 curved cell cut finer than the corners need: 100 % of the cuts for the shape"));
+              Contains("1 curved cell cut finer than the corners require: 100 % of the cuts for the shape"));
   // Along x the shape strays, along z a field.
   add_field(maker.mesh, "bowl", [](double, double, double z) { return z * z; });
   EXPECT_THAT(subdivide(maker.mesh, {.max_error = 0.01}).notes,
@@ -514,7 +514,7 @@ TEST(CurvedCells, that_would_be_cut_without_end_are_refused) {
   CellMesh mesh;
   mesh.points = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};
   add_cell(mesh, CellKind::quadratic_tetrahedron, {0, 1, 2, 3, 4, 1, 5, 6, 8, 7});
-  expect_error(ErrorCode::resource, "points or tetrahedra on the way, for 1 curved cells", [&] { subdivide(mesh); });
+  expect_error(ErrorCode::resource, "points or tetrahedra for 1 curved cells", [&] { subdivide(mesh); });
 }
 
 TEST(CurvedCells, refuse_node_counts_with_the_cell) {

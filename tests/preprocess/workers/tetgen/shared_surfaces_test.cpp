@@ -78,11 +78,11 @@ TEST_F(SharedSurfaces, the_rabbit_heart_is_filled) {
 
 // CGAL's own search on the mesh (PMP::self_intersections) counts the same pairs here and in the gears.
 TEST_F(SharedSurfaces, five_crossings_of_the_lung_lobe_are_named) {
-  EXPECT_THAT(refusal_with_places("lungs/lul.stl"), testing::HasSubstr("surface: 5 pairs of facets cross"));
+  EXPECT_THAT(refusal_with_places("lungs/lul.stl"), testing::HasSubstr("surface: 5 pairs of facets intersect"));
 }
 
 TEST_F(SharedSurfaces, the_gears_cross_each_other_in_many_places) {
-  EXPECT_THAT(refusal_with_places("gears.stl"), testing::HasSubstr("surface: 110 pairs of facets cross"));
+  EXPECT_THAT(refusal_with_places("gears.stl"), testing::HasSubstr("surface: 110 pairs of facets intersect"));
 }
 
 TEST_F(SharedSurfaces, the_example_of_tetgen_keeps_its_holes_and_regions) {

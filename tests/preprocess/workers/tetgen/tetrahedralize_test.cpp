@@ -223,7 +223,7 @@ TEST(Tetrahedralize, says_where_two_facets_cross) {
   const Refusal refusal = refusal_of(boxes);
   EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
   EXPECT_THAT(refusal.text,
-              AllOf(HasSubstr("3 pairs of facets cross"), HasSubstr("and 12 at (4,"), HasSubstr("expected none")));
+              AllOf(HasSubstr("3 pairs of facets intersect"), HasSubstr("and 12 at (4,"), HasSubstr("expected none")));
 }
 
 TEST(Tetrahedralize, sees_facets_folded_onto_their_neighbour) {
@@ -238,7 +238,7 @@ TEST(Tetrahedralize, sees_facets_folded_onto_their_neighbour) {
   add_facet(folded, {3, 1, 2});
   add_facet(folded, {0, 1, 3});
   folded.regions = {{.seed = {1, 1, 1}, .attribute = 1}};  // walls are legal, crossings are not
-  EXPECT_THAT(refusal_of(folded).text, AllOf(HasSubstr("pairs of facets cross"), HasSubstr("facets 0 and 1 at")));
+  EXPECT_THAT(refusal_of(folded).text, AllOf(HasSubstr("pairs of facets intersect"), HasSubstr("facets 0 and 1 at")));
 }
 
 TEST(Tetrahedralize, says_which_facets_are_there_twice) {
