@@ -31,7 +31,7 @@ struct Output {
 
 void add_output(CLI::App& command, Output& output, const std::string& what) {
   command.add_option("-o,--output", output.path, what)->required();
-  command.add_flag("--force", output.replace_existing, "Replace files that exist");
+  command.add_flag("--force", output.replace_existing, "Overwrite existing files");
 }
 
 /// "512x512x1734"
@@ -53,9 +53,9 @@ void add_torso_surface(CLI::App& program) {
   static std::uint64_t cell_count = 100'000;
   static bool each_as_ply = false;
   CLI::App* command =
-      program.add_subcommand("torso-surface", "Skin, heart and lungs as closed surfaces, with wanted sizes");
+      program.add_subcommand("torso-surface", "Skin, heart and lungs as closed surfaces, with target sizes");
   add_output(*command, output, "Surface to write (.smesh); the sizes go beside it (.mtr)");
-  command->add_option("--cells", cell_count, "Tetrahedra that TetGen shall make of it, within a quarter")
+  command->add_option("--cells", cell_count, "Target number of tetrahedra, reached within a quarter")
       ->capture_default_str();
   command->add_flag("--ply", each_as_ply, "Write each surface as .ply as well");
   command->footer(
@@ -77,7 +77,7 @@ void add_torso_potential(CLI::App& program) {
   CLI::App* command = program.add_subcommand("torso-potential", "Electric potential of a dipole in the heart, in mV");
   command->add_option("mesh", mesh_path, "Tetrahedra of the torso (.vtu) with cell field \"region\"")->required();
   add_output(*command, output, "Mesh to write (.vtu), with the point field \"potential\"");
-  command->add_option("--at", dipole.at_mm, "Place of the dipole, mm")->delimiter(',')->capture_default_str();
+  command->add_option("--at", dipole.at_mm, "Position of the dipole, mm")->delimiter(',')->capture_default_str();
   command->add_option("--moment", dipole.moment_ma_mm, "Strength of the dipole, mA mm")
       ->delimiter(',')
       ->capture_default_str();
@@ -169,8 +169,8 @@ void add_test_volume(CLI::App& program, const std::string& name, recipes::TestVo
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is reported as an error of write
-  CLI::App program("Makes the surfaces, meshes and volumes that rhoray shows and measures", "rhoray-recipes");
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of file size is met by an error of write
+  CLI::App program("Make the surfaces, meshes and volumes for Rhoray's examples and measurements", "rhoray-recipes");
   program.require_subcommand(1);
   program.footer("Example:\n  rhoray-recipes torso-ct -o torso_ct.nhdr --size 64x64x64");
   add_torso_surface(program);

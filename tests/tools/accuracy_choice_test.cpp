@@ -85,10 +85,11 @@ TEST(AccuracyChoice, takes_the_best_that_keeps_the_time_and_says_so_when_none_do
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return line_after(run.err, "method ");
   };
-  EXPECT_THAT(said("--iso 60 --budget-ms 100000"), testing::StartsWith("exact: the most exact that keeps the time"));
-  EXPECT_THAT(said("--iso 60 --budget-ms 1e-6"), HasSubstr("no method keeps the time: the fastest"));
+  EXPECT_THAT(said("--iso 60 --budget-ms 100000"),
+              testing::StartsWith("exact: the most accurate method within the time limit"));
+  EXPECT_THAT(said("--iso 60 --budget-ms 1e-6"), HasSubstr("no method keeps the time limit; this is the fastest"));
   EXPECT_THAT(said("--iso 60 --budget-ms 1e-6 --max-error 1e-10"),
-              HasSubstr("keeps the error in 99 % of the pixels, beyond the time"));
+              HasSubstr("within the error limit in 99 % of the pixels, but above the time limit"));
   EXPECT_THAT(said("--mode mip --max-error 1e-6"), HasSubstr("of the field's range"));
 }
 
@@ -158,14 +159,14 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   EXPECT_THAT(check(wrong).broken, HasSubstr("beyond their bound"));
   EXPECT_GT(check(wrong).random.largest, 0.01);
   EXPECT_GT(check(wrong).random.largest_value_error, 0.1);
-  EXPECT_THAT(check(wrong, 1e-3).broken, HasSubstr("more than 1 in 100, at a confidence of 97.5 %"));
+  EXPECT_THAT(check(wrong, 1e-3).broken, HasSubstr("more than 1 % at a confidence of 97.5 %"));
   EXPECT_EQ(check(right, 1e-3).broken, "");
   EXPECT_THAT(check(wrong, 10.0).broken,
-              testing::AllOf(HasSubstr("beyond their bound"), testing::Not(HasSubstr("1 in"))))
+              testing::AllOf(HasSubstr("beyond their bound"), testing::Not(HasSubstr("confidence"))))
       << "a wider limit does not excuse a proof that is wrong";
   wrong = right;
   for (float& depth : wrong.depth) depth = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(check(wrong).broken, HasSubstr("missed"));
+  EXPECT_THAT(check(wrong).broken, HasSubstr("false negatives"));
   EXPECT_EQ(check(wrong).random.false_hits, 0U);
   for (float& depth : wrong.depth) depth = 1;
   EXPECT_GT(check(wrong).random.false_hits, 0U);
@@ -230,7 +231,7 @@ TEST(SelfCheck, ends_with_exit_code_6_for_a_method_that_is_worse_on_purpose) {
     const RunResult bad = run(worse.picture + " " + worse.bad + limit);
     EXPECT_EQ(bad.exit_code, 6) << worse.picture << bad.out;
     EXPECT_THAT(bad.out, HasSubstr("OUTSIDE THE LIMIT"));
-    EXPECT_THAT(bad.err, HasSubstr("more than 1 in 100, at a confidence of 97.5 %"));
+    EXPECT_THAT(bad.err, HasSubstr("more than 1 % at a confidence of 97.5 %"));
     EXPECT_TRUE(std::filesystem::exists(bench / "p.png")) << "the picture is written all the same";
     EXPECT_EQ(run(worse.picture + " " + worse.bad).exit_code, 0) << "such a method promises nothing by itself";
     const RunResult as_json = run(worse.picture + " " + worse.bad + limit + " --json");
@@ -262,11 +263,11 @@ TEST(SelfCheck, refuses_pictures_whose_pixels_are_of_several_places) {
     EXPECT_THAT(run.err, HasSubstr(fact));
   };
   refused("--slice z=10 --verify 10", "--verify: a layer is a slice");
-  refused("--iso 60 --verify-limit 0.1", "--verify-limit: how many pixels");
+  refused("--iso 60 --verify-limit 0.1", "--verify-limit: needs --verify");
   refused("--iso 60 --verify 10 --verify-limit 0", "--verify-limit: found 0");
   const RunResult run = bench.shell("rhoray render ball.rho --iso 60,120 --opacity 0.5 --verify 10 -o p.png");
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("--verify: a clear surface"));
+  EXPECT_THAT(run.err, HasSubstr("--verify: a transparent surface"));
 }
 
 }  // namespace

@@ -172,8 +172,8 @@ TEST(AccuracyReport, measures_every_effect_of_the_scene_by_its_number_of_samples
   EXPECT_TRUE(row_named(results, "4 rays to a light").at("judged_pixels").is_null()) << "the same places are hit";
   EXPECT_TRUE(std::filesystem::exists(bench / "out/layer1_1_ray_to_a_light_error.png"));
   const std::string page = read_file(bench / "out/report.html");
-  EXPECT_THAT(page, HasSubstr("Pictures that differ in looks alone"));
-  EXPECT_THAT(page, HasSubstr("Shadows of lights that have a size"));
+  EXPECT_THAT(page, HasSubstr("Pictures that differ only in appearance"));
+  EXPECT_THAT(page, HasSubstr("Soft shadows with this many rays"));
   run_well(bench, "ball.rho --iso 60 -o plain" + small);
   for (const json& row : results_of(bench, "plain").at("rows"))
     EXPECT_THAT(row.at("group").get<std::string>(), testing::Not(HasSubstr("samples"))) << "of a scene without effects";
@@ -260,7 +260,7 @@ TEST(AccuracyReport, measures_largest_values_and_meshes) {
   EXPECT_LE(row_named(mip, "double").at("value_max"), 1e-9);
   EXPECT_GT(row_named(mip, "sampled:2+linear").at("value_median"),
             row_named(mip, "sampled:0.25+linear").at("value_median"));
-  EXPECT_THAT(row_named(mip, "8 bits").at("note").get<std::string>(), HasSubstr("whole numbers of 8 bits"));
+  EXPECT_THAT(row_named(mip, "8 bits").at("note").get<std::string>(), HasSubstr("integers of 8 bits"));
 
   run_well(bench, "box.rho --field length --iso 0.8 -o mesh --time-limit 30" + small);
   const json mesh = results_of(bench, "mesh");

@@ -121,7 +121,7 @@ const Case cases[] = {
      5,
      "--memory allows 1.0 MiB"},
     {"unknown picture format", {"render", "ball.rho", "-o", "x.bmp"}, 2, "expected .png"},
-    {"channels in a PNG", {"render", "ball.rho", "--channels", "depth", "-o", "x.png"}, 2, "only EXR keeps"},
+    {"channels in a PNG", {"render", "ball.rho", "--channels", "depth", "-o", "x.png"}, 2, "only EXR stores"},
     {"unknown channel",
      {"render", "ball.rho", "--channels", "deptj", "-o", "x.exr"},
      2,

@@ -18,7 +18,8 @@ TEST(ValidateCommand, finds_a_mesh_and_a_grid_within_their_limits) {
   for (const std::string words : {"box.rho --field length --iso 0.7", "ball.rho --iso 100"}) {
     const RunResult run = bench.shell("rhoray validate " + words + " --samples 1000");
     EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
-    EXPECT_THAT(run.out, AllOf(HasSubstr("within the limits"), HasSubstr("Hausdorff distance"), HasSubstr("missed")));
+    EXPECT_THAT(run.out,
+                AllOf(HasSubstr("within the limits"), HasSubstr("Hausdorff distance"), HasSubstr("false negatives")));
     EXPECT_EQ(run.err, "");
   }
 }
@@ -105,7 +106,8 @@ TEST(ValidateCommand, catches_methods_that_are_wrong) {
   bench.make_ball();
   const RunResult sampled = bench.shell("rhoray validate ball.rho --iso 100 --samples 1000 --method sampled:1");
   EXPECT_EQ(sampled.exit_code, 6);
-  EXPECT_THAT(sampled.err, AllOf(HasSubstr("ball.rho: outside the limits: missed "), HasSubstr("elsewhere ")));
+  EXPECT_THAT(sampled.err,
+              AllOf(HasSubstr("ball.rho: outside the limits: false negatives "), HasSubstr("different cell ")));
 }
 
 TEST(ValidateCommand, refuses_a_damaged_file) {

@@ -124,20 +124,21 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
     const bool is_error = goal.max_error.has_value();
     choice.chosen = is_error ? *std::min_element(candidates.begin(), candidates.end(), better)
                              : *std::min_element(candidates.begin(), candidates.end(), cheaper);
-    why =
-        is_error ? "no method is known to keep the error: the most exact one" : "no method keeps the time: the fastest";
+    why = is_error ? "no method is known to keep the error limit; this is the most accurate"
+                   : "no method keeps the time limit; this is the fastest";
   } else if (goal.max_error) {
     choice.chosen = *std::min_element(left.begin(), left.end(), cheaper);
     choice.meets_goal = in_time(choice.chosen);
-    why = choice.meets_goal ? "the cheapest that keeps the error in 99 % of the pixels"
-                            : "the cheapest that keeps the error in 99 % of the pixels, beyond the time";
+    why = choice.meets_goal
+              ? "the fastest method within the error limit in 99 % of the pixels"
+              : "the fastest method within the error limit in 99 % of the pixels, but above the time limit";
   } else {
     choice.chosen = *std::min_element(left.begin(), left.end(), better);
-    why = "the most exact that keeps the time";
+    why = "the most accurate method within the time limit";
   }
   choice.sentence =
-      concat("method ", choice.chosen.word, ": ", why, "; foreseen ", rounded(choice.chosen.foreseen_ms, 2),
-             " ms a picture, 99 % within ", error_text(alone, choice.chosen.error), " (tried ", candidates.size(),
+      concat("method ", choice.chosen.word, ": ", why, "; predicted ", rounded(choice.chosen.foreseen_ms, 2),
+             " ms, 99 % of the pixels within ", error_text(alone, choice.chosen.error), " (tried ", candidates.size(),
              " methods on ", alone.size.width, " x ", alone.size.height, " pixels)");
   return choice;
 }
@@ -146,12 +147,12 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 
 std::vector<Option> goal_options(Goal& goal) {
   return {value_option("--max-error", "E",
-                       "Choose the cheapest method whose error is at most this in 99 % of the pixels, tried on a small "
-                       "picture: cells along the ray; of a projection a share of the field's range",
+                       "Choose the fastest method with at most this error in 99 % of the pixels, tried on a small "
+                       "picture: cells along the ray; for a projection a share of the field's range",
                        goal.max_error),
           value_option("--budget-ms", "B",
-                       "Choose the most exact method that traces the picture in so many milliseconds on this machine; "
-                       "with --max-error the error is kept first",
+                       "Choose the most accurate method that traces the picture in this many milliseconds on this "
+                       "machine; --max-error has priority",
                        goal.budget_ms)};
 }
 

@@ -46,16 +46,18 @@ std::string wrong_text(const ResultRow& row) {
   const ErrorCounts& errors = *row.measured->errors;
   if (row.measured->judges_all) {
     if (errors.missed == 0 && errors.false_hits == 0)
-      return concat("of ", grouped(errors.rays), " pixels it misses none and invents none");
-    return concat("of ", grouped(errors.rays), " pixels it misses ", grouped(errors.missed), " and invents ",
-                  grouped(errors.false_hits));
+      return concat("no false negatives and no false positives in ", grouped(errors.rays),
+                    " pixels it misses none and invents none");
+    return concat("in ", grouped(errors.rays), " pixels: false negatives ", grouped(errors.missed),
+                  ", false positives ", grouped(errors.false_hits));
   }
   const auto ppm = [&](std::uint64_t count) {
     const Share share = share_of(count, errors.rays, false);
     return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
                   short_number(1e6 * share.high, 2), ")");
   };
-  return concat("of a million pixels it misses ", ppm(errors.missed), " and invents ", ppm(errors.false_hits));
+  return concat("per million pixels: false negatives ", ppm(errors.missed), ", false positives ",
+                ppm(errors.false_hits));
 }
 
 /// Says which method is sufficient for which error.
@@ -66,7 +68,7 @@ void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::str
   const auto say = [&](double limit, const ResultRow& best) {
     out.push_back(concat("The fastest method that is within ", rounded(limit),
                          is_projection ? " of the field's range" : " cells", " in 99 % of the pixels is ", called(best),
-                         ": ", ms_text(best.cpu_ms), " of CPU a picture; ", wrong_text(best), "."));
+                         ": ", ms_text(best.cpu_ms), " of CPU time per picture; ", wrong_text(best), "."));
   };
   // If one method is the answer for several limits, the tightest one is enough.
   constexpr double limits[] = {0.1, 0.01, 0.001, 1e-6};
@@ -90,9 +92,9 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
     sentence += concat(", exact arithmetic for every ray (`exact`) ", times_text(exact->cpu_ms / quick->cpu_ms));
   out.push_back(sentence + ".");
   if (layer.scene().layers[0].mode != render::Mode::mip)
-    out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depths lie within ",
+    out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depth errors are within ",
                          short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
-                         " cells in 99 of 100 pixels that both see."));
+                         " cells in 99 % of the pixels that both hit."));
 }
 
 void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
@@ -109,10 +111,10 @@ void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::str
     const std::string within =
         std::isfinite(half->kept.value_or(0))
             ? concat("99 % of the pixels are within ", short_number(half->kept.value_or(0), 2), " ", error_unit(layer))
-            : std::string("more than 1 % of the pixels are missed or false");
-    out.push_back(concat("Samples every half cell, as many renderers take them (`", half->measured->method, "`), ",
-                         time, "; ", within, ", of `", own->measured->method, "` within ",
-                         short_number(own->kept.value_or(0), 2), "; ", wrong_text(*half), "."));
+            : std::string("more than 1 % of the pixels are false negatives or false positives");
+    out.push_back(concat("Samples every half cell, as in many renderers (`", half->measured->method, "`), ", time, "; ",
+                         within, ", of `", own->measured->method, "` within ", short_number(own->kept.value_or(0), 2),
+                         "; ", wrong_text(*half), "."));
   }
 }
 
@@ -123,9 +125,10 @@ void say_copies(const LayerStudy& layer, const Rows& rows, std::vector<std::stri
     for (const ResultRow& row : rows) {
       const Measured& measured = *row.measured;
       if (measured.variant.group != group || !row.kept) continue;
-      const std::string within = std::isfinite(*row.kept) ? concat("99 % of the pixels within ",
-                                                                   short_number(*row.kept, 2), " ", error_unit(layer))
-                                                          : concat("more than 1 % of the pixels missed or false");
+      const std::string within =
+          std::isfinite(*row.kept)
+              ? concat("99 % of the pixels within ", short_number(*row.kept, 2), " ", error_unit(layer))
+              : concat("more than 1 % of the pixels false negatives or false positives");
       list += concat(list.empty() ? "" : "; ", called(row), ": ", within, ", ", ms_text(row.cpu_ms), " of CPU, ",
                      bytes_text(measured.memory_bytes), " of memory");
     }
@@ -147,9 +150,8 @@ void say_order(const Rows& rows, std::vector<std::string>& out) {
     }
     if (n < 4) continue;
     const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-    out.push_back(concat("Of the group `", group, "`: half the step makes the median error ",
-                         short_number(std::exp2(slope), 2), " times smaller (order ", short_number(slope, 2),
-                         ", fitted over steps of at most one cell)."));
+    out.push_back(concat(group, ": halving the step divides the median error by ", short_number(std::exp2(slope), 2),
+                         " (order ", short_number(slope, 2), ", fitted over steps of at most one cell)."));
   }
 }
 

@@ -86,7 +86,7 @@ std::uint64_t memory_limit(const FormOptions& options) {
 
 void require_grid(const render::Volume& volume) {
   if (volume.file().description().kind != "grid")
-    throw Error(ErrorCode::unsupported, "an OpenVDB file; packed grids are copied with fewer bits");
+    throw Error(ErrorCode::unsupported, "an OpenVDB file; only packed grids are copied with fewer bits");
 }
 
 }  // namespace
@@ -123,9 +123,9 @@ FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const 
   const formats::FieldSummary& field = volume_.field();
   const std::size_t position = grid.find_field(field.name).value();
   if (grid.description().layout.is_sparse || field.no_data_count > 0)
-    throw Error(ErrorCode::unsupported, "samples without data, which whole numbers do not hold");
+    throw Error(ErrorCode::unsupported, "samples without data, which integers cannot store");
   if (whole_bits(field.type) <= bits)
-    throw Error(ErrorCode::unsupported, concat("the data are whole numbers of ", whole_bits(field.type), " bits"));
+    throw Error(ErrorCode::unsupported, concat("the data are already integers of ", whole_bits(field.type), " bits"));
   const std::uint64_t needed = 4 * static_cast<std::uint64_t>(volume(grid.description().layout.sample_count)) *
                                static_cast<std::uint64_t>(bits / 8);
   if (needed > memory_limit(options))
@@ -190,7 +190,7 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   double sampling_s = sampled == made_.end() ? 0 : sampled->second.preprocess_s;
   if (!is_vdb || sampled == made_.end()) {
     if (options.seconds > 0 && foreseen_s(form) > options.seconds)
-      throw Error(ErrorCode::resource, concat("would take some ", rounded(foreseen_s(form), 2), " s to make"));
+      throw Error(ErrorCode::resource, concat("would take about ", rounded(foreseen_s(form), 2), " s to make"));
     const preprocess::NeutralMesh& whole = mesh();
     const Stopwatch watch;
     preprocess::resample(whole, grid,

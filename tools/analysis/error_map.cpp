@@ -18,7 +18,8 @@ namespace {
 const Vec3 background(0.03, 0.03, 0.03), wrong(1, 0, 1), undecided(1, 0.8, 0), below(0.02, 0.12, 0.6),
     above(0.6, 0.02, 0.05);
 
-constexpr const char* marks = "magenta: missed, false or elsewhere; yellow: undecided; dark: nothing";
+constexpr const char* marks =
+    "magenta: false negative, false positive or different cell; yellow: undecided; dark: nothing";
 
 render::Framebuffer painted(const ErrorMap& map, const std::function<Vec3(std::size_t)>& color_of) {
   render::Framebuffer picture(map.width, map.height, {});

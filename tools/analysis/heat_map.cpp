@@ -67,8 +67,8 @@ std::string legend_html(const HeatScale& scale) {
     return concat("<span class=\"square\" style=\"background:", css_color(color), "\"></span> ", meaning, " ");
   };
   const std::string marks = scale.is_of_hits
-                                ? square(missed, "missed") + square(false_hit, "false") + "(both drawn 3 × 3 pixels) " +
-                                      square(nothing, "nothing there, or not judged")
+                                ? square(missed, "false negative") + square(false_hit, "false positive") +
+                                      "(both drawn 3 × 3 pixels) " + square(nothing, "nothing there, or not checked")
                                 : square(nothing, "less");
   return concat("<p class=\"legend\">", html_text(scale.unit), ": ", scale.is_of_hits ? "≤ " : "",
                 with_powers(rounded(scale.least)), " <span class=\"bar\" style=\"background:linear-gradient(to right,",

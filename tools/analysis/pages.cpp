@@ -40,7 +40,7 @@ HeatScale scale_of_errors(const LayerStudy& layer) {
 }
 
 HeatScale scale_of_looks() {
-  return {.least = 1e-3, .most = 1, .unit = "FLIP, how different the pictures look", .is_of_hits = false};
+  return {.least = 1e-3, .most = 1, .unit = "FLIP: visible difference of the pictures", .is_of_hits = false};
 }
 
 /// Edge length of the blocks of pixels drawn in one colour, so that a sample fills the picture.
@@ -163,14 +163,15 @@ std::string results_table(const LayerStudy& layer) {
                                                 : std::string("error of depth <small>cells");
   std::string out = concat(
       "<div class=\"wide\"><table><thead><tr><th rowspan=2>variant</th><th rowspan=2>CPU time<br><small>ms</small></th>"
-      "<th colspan=2>pixels wrong <small>of a million</small></th><th colspan=3>",
+      "<th colspan=2>wrong pixels <small>per million</small></th><th colspan=3>",
       unit, "</small></th>",
       is_projection(layer)
           ? ""
           : "<th rowspan=2>value at hit<br><small>99 %</small></th><th rowspan=2>normal<br><small>99 %, "
             "°</small></th>",
       "<th colspan=2>picture</th><th rowspan=2>file</th><th rowspan=2>memory</th><th rowspan=2>made "
-      "in<br><small>s</small></th></tr><tr><th>missed</th><th>false</th><th>median</th><th>99 %</th><th>largest</th>"
+      "in<br><small>s</small></th></tr><tr><th>false negatives</th><th>false positives</th><th>median</th><th>99 "
+      "%</th><th>largest</th>"
       "<th>RMSE <small>of 255</small></th><th>FLIP</th></tr></thead><tbody>\n");
   const std::vector<ResultRow> rows = rows_of(result);
   for (std::size_t first = 0; first < result.rows.size();) {
@@ -188,19 +189,18 @@ std::string results_table(const LayerStudy& layer) {
     }
     out += left_out_html(left_out);
   }
-  return concat(
-      out,
-      "</tbody></table></div>\n<p><small>◆ no other variant is both faster and closer. CPU time: median, ± half the "
-      "spread of the repeated times. 99 %: of the pixels that both hit, 99 % are within it. ",
-      "≈: too slow for pictures in the time given; judged on a random sample of pixels, whose time is taken for all. "
-      "[a, b]: 95 % interval of what was found in a sample. ",
-      "Border: of the pixels to the left, those where the mesh and the grid that it was resampled on do not both "
-      "reach; "
-      "errors of depth are those of the other pixels, which the samples make. ",
-      "Value at hit: how far the field is from the isovalue at the place that was found. File and memory: what is "
-      "read, "
-      "and what is mapped or kept to draw from. Made in: time to make the copy. –: not measured, or does not apply."
-      "</small></p>\n");
+  return concat(out,
+                "</tbody></table></div>\n"
+                "<p><small>◆ no other variant is both faster and more accurate. CPU time: median, ± half the spread of "
+                "the repeated times. 99 %: of the pixels that both hit, 99 % are within it. ",
+                "≈: too slow for pictures in the given time; measured on a random sample of pixels, and the time is "
+                "extrapolated. [a, b]: 95 % confidence interval of a sample. ",
+                "Border: among the pixels to the left, those that only the mesh or only its resampled grid covers; "
+                "errors of depth are those of the other pixels. ",
+                "Value at hit: difference between the field at the found position and the isovalue. File and memory: "
+                "what is read, and what is mapped or kept for drawing. Made in: time to make the copy. –: not "
+                "measured, or does not apply. False negative: a pixel that should show something and does "
+                "not. False positive: a pixel that shows something and should not.</small></p>\n");
 }
 
 std::string glossary(const LayerStudy& layer) {
@@ -236,8 +236,8 @@ std::optional<std::pair<std::string, std::string>> fact_words(const std::string&
   if (key == "command" || key.starts_with("instruments_")) return std::nullopt;
   if (key == "memory_bytes") return std::pair{std::string("memory"), bytes_text(value.get<std::uint64_t>())};
   if (key == "time_limit_s") return std::pair{std::string("time limit"), concat(rounded(value.get<double>()), " s")};
-  if (key == "ranges_proven") return std::pair{std::string("stored ranges proven"), value_text(value)};
-  if (key == "repeat") return std::pair{std::string("repetitions asked for"), value_text(value)};
+  if (key == "ranges_proven") return std::pair{std::string("stored value ranges checked"), value_text(value)};
+  if (key == "repeat") return std::pair{std::string("requested repetitions"), value_text(value)};
   if (key == "size") return std::pair{std::string("picture"), concat(value_text(value), " pixels")};
   return std::pair{key, value_text(value)};
 }
@@ -255,10 +255,11 @@ std::string instruments_html(const Json& facts) {
   if (!facts.contains("instruments_share_of_time")) return {};
   const auto per_cent = [&](const char* key) { return with_powers(rounded(100 * facts.at(key).get<double>(), 2)); };
   return concat(
-      " What measures (a reading of the clocks around each picture, and a look at each tile whether to end) "
-      "changes the CPU time of a picture by ",
-      per_cent("instruments_share_of_time"), " %: the least of ", facts.at("instruments_pictures").dump(),
-      " pictures with them against the least of as many without, drawn in turn; two series without them differ by ",
+      "The measurement itself (reading clocks around each picture, and checking at each tile whether to stop) changes "
+      "the CPU time of a picture by ",
+      per_cent("instruments_share_of_time"), " %: the minimum of ", facts.at("instruments_pictures").dump(),
+      " pictures with it, compared with the minimum of as many without it, drawn alternately; two series without it "
+      "differ by ",
       per_cent("instruments_noise"), " %.");
 }
 
@@ -269,10 +270,11 @@ std::string how_measured(const LayerStudy& layer) {
       truth.are_all()
           ? concat("all ", grouped(truth.pixels.size()), " pixels")
           : concat(grouped(truth.pixels.size()), " of ", grouped(truth.pixel_count()),
-                   " pixels, drawn at random because exact arithmetic was too slow for all in the time given");
-  return concat("<p class=\"lead\">", result.size.width, " × ", result.size.height, " pixels. Exact arithmetic judged ",
-                judged, " (", number_html(truth.cpu_s, 3), " s of CPU); ", grouped(truth.hit_count()),
-                " of them show something. Pictures are compared with the one drawn at the level <code>",
+                   " pixels, chosen at random because exact arithmetic was too slow for all in the given time");
+  return concat("<p class=\"lead\">", result.size.width, " × ", result.size.height,
+                " pixels. Exact arithmetic computed ", judged, " (", number_html(truth.cpu_s, 3), " s of CPU time); ",
+                grouped(truth.hit_count()),
+                " of them show something. Pictures are compared with the picture drawn at the level <code>",
                 html_text(result.picture_method), "</code>.</p>\n");
 }
 
@@ -285,8 +287,8 @@ void require_results_folder(const std::filesystem::path& folder, bool may_replac
     if (!std::filesystem::is_directory(whole, ignored))
       throw Error(ErrorCode::usage, concat(folder.string(), ": is not a folder"));
     if (!may_replace && !std::filesystem::is_empty(whole, ignored))
-      throw Error(ErrorCode::usage, concat(folder.string(), ": is there already, and is not empty"),
-                  "--force replaces what stands in it under the names of the results");
+      throw Error(ErrorCode::usage, concat(folder.string(), " already exists and is not empty"),
+                  "use --force to overwrite the results in it");
   } else if (::access(whole.parent_path().c_str(), W_OK | X_OK) != 0) {
     const int error = errno;
     throw Error(std::filesystem::is_directory(whole.parent_path(), ignored) ? ErrorCode::resource : ErrorCode::usage,
@@ -341,9 +343,10 @@ std::string ResultsFolder::pictures(const LayerStudy& layer, const std::string& 
   const auto pair = [](const std::string& title, const std::string& left, const std::string& right) {
     return concat("<figure><div class=\"pair\">", left, right, "</div><figcaption>", title, "</figcaption></figure>\n");
   };
-  const std::string truth = picture(result.true_picture->picture(), prefix + "true", "the true picture");
-  std::string by_place = pair(
-      concat("<b>True picture</b>, drawn at the level <code>", html_text(result.picture_method), "</code>"), truth, "");
+  const std::string truth = picture(result.true_picture->picture(), prefix + "true", "the reference picture");
+  std::string by_place =
+      pair(concat("<b>Reference picture</b>, drawn at the level <code>", html_text(result.picture_method), "</code>"),
+           truth, "");
   std::string by_look;
   for (const Measured& measured : result.rows) {
     if (!measured.picture) continue;
@@ -365,11 +368,11 @@ std::string ResultsFolder::pictures(const LayerStudy& layer, const std::string& 
   std::string out =
       concat("<h3>Pictures and their errors</h3>\n", legend_html(scale_of_errors(layer)),
              block == 1 ? std::string()
-                        : concat("<p>The errors are those of a sample of the pixels: every block of ", block, " × ",
-                                 block, " pixels has the colour of the largest error in it.</p>\n"),
+                        : concat("<p>The errors are those of a sample of the pixels: each block of ", block, " × ",
+                                 block, " pixels has the colour of its largest error.</p>\n"),
              "<div class=\"pictures\">\n", by_place, "</div>\n");
   if (!by_look.empty())
-    out += concat("<h3>Pictures that differ in looks alone</h3>\n", legend_html(scale_of_looks()),
+    out += concat("<h3>Pictures that differ only in appearance</h3>\n", legend_html(scale_of_looks()),
                   "<div class=\"pictures\">\n", by_look, "</div>\n");
   return out;
 }
@@ -382,8 +385,8 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
   for (const Figure& plot : plots(layer, prefix, context))
     out += concat("<figure>", plot.body, "<figcaption><b>", html_text(plot.title), ".</b> ",
                   with_powers(html_text(plot.caption)), "</figcaption></figure>\n");
-  out += concat("<h3>All variants</h3>\n", results_table(layer), "<h3>What the variants are</h3>\n", glossary(layer));
-  // Pictures change only from pass to pass.
+  out += concat("<h3>All variants</h3>\n", results_table(layer), "<h3>Variants</h3>\n", glossary(layer));
+  // Pictures change from pass to pass only.
   auto& [of_pass, shown] = pictures_[prefix];
   const std::size_t drawn = layer.result()->rows.size();
   const auto pass = drawn == layer.variants().size() ? layer.result()->true_picture : nullptr;
@@ -394,16 +397,17 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
 
 void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyContext& context) {
   if (!has_gnuplot() && std::exchange(has_gnuplot_, false))
-    context.notes.push_back(concat("no plots were drawn: they need gnuplot (Debian's package ", gnuplot_package, ")"));
+    context.notes.push_back(concat("no plots: they need gnuplot (Debian package ", gnuplot_package, ")"));
   files_.emplace(/*replace_existing=*/true);
   files_->add(folder_ / "results.csv", csv_of(table_of(layers, context)));
-  std::string body =
-      concat("<h1>What accuracy costs in time</h1>\n<p class=\"lead\">",
-             html_text(value_text(context.facts.at("input"))), " · ", html_text(value_text(context.facts.at("date"))),
-             "</p>\n<p>One picture, drawn in every way there is for these data. Each way is compared with "
-             "exact arithmetic for the same rays and the same data: which pixels it misses or invents, how "
-             "far its surface or value is off, how different its picture looks, and what it takes in time "
-             "and memory.</p>\n");
+  std::string body = concat(
+      "<h1>Accuracy and time</h1>\n"
+      "<p class=\"lead\">",
+      html_text(value_text(context.facts.at("input"))), " · ", html_text(value_text(context.facts.at("date"))),
+      "</p>\n"
+      "<p>One picture, drawn with every method for these data. Each method is compared with exact arithmetic for the "
+      "same rays and the same data: false negatives and false positives, errors of surface or value, visible "
+      "difference of the picture, time and memory.</p>\n");
   if (!context.stage.empty()) body += concat("<p class=\"stage\">", html_text(context.stage), "</p>\n");
   std::size_t number = 0;
   for (const LayerStudy* layer : layers) {
@@ -417,16 +421,17 @@ void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyCon
     body += "</ul>\n";
   }
   body += concat(
-      "<h2>How it was measured</h2>\n<p>Every variant is asked for the same pixels, and its answers are compared with "
-      "those of exact arithmetic for the same rays and the same data: where a value lies on a side of the isovalue is "
-      "decided without rounding. Depth errors are distances along the ray in cells, of meshes in longest edges of the "
-      "tetrahedron that is hit. Times are CPU times of all threads for a picture whose isovalue is prepared; all "
-      "variants take turns, round after round, so that what else runs on the machine meets all of them. A copy of the "
-      "data is judged against the data it was made from.",
+      "<h2>How it was measured</h2>\n"
+      "<p>Every variant computes the same pixels, and its answers are compared with those of exact arithmetic for the "
+      "same rays and the same data, which compares values with the isovalue without rounding. Depth errors are "
+      "distances along the ray in cells, or for a mesh in longest edges of the tetrahedron that is hit. Times are CPU "
+      "times of all threads for a picture whose isovalue is prepared. All variants are timed in turn, round after "
+      "round, so that other load on the machine affects all of them. A copy of the data is compared with the original "
+      "data.",
       instruments_html(context.facts), "</p>\n<h3>Machine and version</h3>\n", facts_table(context.facts),
       "<h3>Command</h3>\n<pre>", html_text(value_text(context.facts.at("command"))),
       "</pre>\n<details><summary>Columns of results.csv and results.json</summary>\n", columns_table(), "</details>\n");
-  files_->add(folder_ / "report.html", html_page("What accuracy costs in time", body));
+  files_->add(folder_ / "report.html", html_page("Accuracy and time", body));
   files_->add(folder_ / "results.json", dump_lines(results_json(layers, context)));
   files_->publish();
 }

@@ -98,13 +98,12 @@ Plot error_against_time(const LayerStudy& layer, const std::vector<ResultRow>& r
                               "$front using 1:2 with steps lw 2 lc rgb '#bbbbbb' title 'Pareto front', \\\n     ",
                               scatter(groups), ", \\\n     $above", named, "0.7",
                               below.empty() ? std::string() : concat(", \\\n     $below", named, "-0.8"), "\n");
-  return {
-      "error_time", "Error against time",
-      "Down and to the left is better. The error is the one within which 99 % of the pixels lie that show or should "
-      "show something. The grey line joins the variants that no other beats in both time and error; these are named. "
-      "Thin lines join variants of a kind. Points at the upper edge miss or invent more than 1 % of the pixels; "
-      "points at the lower edge have no error beyond rounding.",
-      std::move(script)};
+  return {"error_time", "Error against time",
+          "Down and to the left is better. The error is the bound that 99 % of the pixels keep, among those that show "
+          "or should show something. The grey line joins the variants that no other beats in both time and error; "
+          "these are named. Thin lines join variants of a kind. Points at the upper edge have more than 1 % false "
+          "negatives or false positives; points at the lower edge have no error beyond rounding.",
+          std::move(script)};
 }
 
 /// Nothing if no pixel is wrong.
@@ -121,12 +120,13 @@ std::optional<Plot> wrong_against_time(const LayerStudy& layer, const std::vecto
     return std::max(least,
                     1e6 * static_cast<double>(errors.missed + errors.false_hits) / static_cast<double>(errors.rays));
   });
-  return Plot{"wrong_time", "Wrong pixels against time",
-              concat("Missed and false pixels of a million. Points at 0 have none among the ", grouped(rays),
-                     " pixels that were judged, or among fewer of methods that were too slow."),
-              preamble("CPU time of a picture, ms", "missed and false pixels of a million") + blocks(groups) +
-                  concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":*]\nset ytics add ('0' ",
-                         least, ")\nplot ", scatter(groups), "\n")};
+  return Plot{
+      "wrong_time", "Wrong pixels against time",
+      concat("False negatives and false positives per million pixels. Points at 0 have none among the ", grouped(rays),
+             " pixels that were compared, or among fewer pixels for methods that were too slow."),
+      preamble("CPU time of a picture, ms", "false negatives and false positives per million pixels") + blocks(groups) +
+          concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":*]\nset ytics add ('0' ", least,
+                 ")\nplot ", scatter(groups), "\n")};
 }
 
 Plot flip_against_time(const std::vector<ResultRow>& rows) {
@@ -139,9 +139,9 @@ Plot flip_against_time(const std::vector<ResultRow>& rows) {
     if (!row.measured->picture_errors) return std::nullopt;
     return std::max(least, row.measured->picture_errors->flip);
   });
-  return {"flip_time", "Seen difference against time",
-          "Mean FLIP of the picture against the true one, 0 to 1: how different they look to someone who flips between "
-          "them on a screen of 67 pixels per degree. Points at 0 are the same picture.",
+  return {"flip_time", "Visible difference against time",
+          "Mean FLIP of the picture against the reference, 0 to 1: the visible difference for a viewer who alternates "
+          "between them on a screen of 67 pixels per degree. Points at 0 are the same picture.",
           preamble("CPU time of a picture, ms", "mean FLIP") + blocks(groups) +
               concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", least / 2, ":1]\nset ytics add ('0' ",
                      least, ")\nplot ", scatter(groups), "\n")};
@@ -165,17 +165,16 @@ std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vec
     if (variant.group == group_bits || variant.group == group_grids) names.push_back(point);
   }
   if (names.empty()) return std::nullopt;
-  return Plot{
-      "error_memory", "Error against memory",
-      "Median error of pixels that both see, against what is mapped and kept to draw from: the data as they are, "
-      "by Rhoray's levels, and copies of them, by the level that is the default for each. Copies are judged "
-      "against the data as they are.",
-      preamble("memory, MiB", concat("median error, ", error_unit(layer))) + blocks(groups) +
-          data_block("names", names) +
-          concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 30, ":", axis.most * 3,
-                 "]\nset offsets graph 0.05, graph 0.15, 0, 0\nplot ", scatter(groups),
-                 ", \\\n     $names using 1:2:3 notitle with labels left noenhanced font ',12' offset "
-                 "0.8,0.7\n")};
+  return Plot{"error_memory", "Error against memory",
+              "Median error of the pixels that both hit, against the memory that is mapped and kept for drawing: the "
+              "original data with Rhoray's levels, and copies with the default level of each. Copies are compared with "
+              "the original data.",
+              preamble("memory, MiB", concat("median error, ", error_unit(layer))) + blocks(groups) +
+                  data_block("names", names) +
+                  concat("set logscale xy\nset format y '10^{%L}'\nset yrange [", axis.least / 30, ":", axis.most * 3,
+                         "]\nset offsets graph 0.05, graph 0.15, 0, 0\nplot ", scatter(groups),
+                         ", \\\n     $names using 1:2:3 notitle with labels left noenhanced font ',12' offset "
+                         "0.8,0.7\n")};
 }
 
 /// Nothing if no steps were measured.
@@ -196,16 +195,15 @@ std::optional<Plot> convergence(const LayerStudy& layer, const std::vector<Resul
   for (const int order : {1, 2})
     guides += concat(", \\\n     ", anchor, "*(x/2.0)**", order, " with lines dt 2 lc rgb '#999999' title 'order ",
                      order, "'");
-  return Plot{
-      "convergence", "Convergence of samples",
-      "Median error of pixels that both see, against the distance of samples along the ray. Dashed: errors that "
-      "fall with the step and with its square. Bisection halves a step a fixed number of times, so its error "
-      "falls with the step.",
-      preamble("distance of samples, cells", concat("median error, ", error_unit(layer))) + blocks(groups) +
-          concat("set logscale x 2\nset logscale y\nset format y '10^{%L}'\nset xrange [0.0125:2.5]\n"
-                 "set xtics ('1/64' 0.015625, '1/32' 0.03125, '1/16' 0.0625, '1/8' 0.125, '1/4' 0.25, "
-                 "'1/2' 0.5, '1' 1, '2' 2)\nplot ",
-                 scatter(groups), guides, "\n")};
+  return Plot{"convergence", "Convergence of samples",
+              "Median error of the pixels that both hit, against the step of the samples along the ray. Dashed: errors "
+              "proportional to the step and to its square. Bisection halves a step a fixed number of times, so its "
+              "error is proportional to the step.",
+              preamble("step of the samples, cells", concat("median error, ", error_unit(layer))) + blocks(groups) +
+                  concat("set logscale x 2\nset logscale y\nset format y '10^{%L}'\nset xrange [0.0125:2.5]\n"
+                         "set xtics ('1/64' 0.015625, '1/32' 0.03125, '1/16' 0.0625, '1/8' 0.125, '1/4' 0.25, "
+                         "'1/2' 0.5, '1' 1, '2' 2)\nplot ",
+                         scatter(groups), guides, "\n")};
 }
 
 /// For the levels and the rows shown as pictures.
@@ -235,9 +233,9 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
     plots += concat(l == 0 ? "" : ", \\\n     ", "$g", l, " using 1:2 with lines lw ",
                     l % 2 == 0 ? "3.5" : "2 dt (12,8)", " lc rgb '", color_of(l), "' title ", in_quotes(lines[l].name));
   return {
-      "distribution", "How errors are distributed",
-      "Which share of the pixels, of those that show or should show something, is within an error. A line that ends "
-      "below 100 % misses or invents the rest. Every other line is dashed, so that it shows one that it covers.",
+      "distribution", "Distribution of errors",
+      "Share of the pixels within an error, among those that show or should show something. A line that ends below 100 "
+      "% has false negatives or false positives. Every other line is dashed, so that a covered line stays visible.",
       preamble(concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
                       error_unit(layer)),
                "pixels within it, %") +

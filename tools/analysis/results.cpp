@@ -101,24 +101,24 @@ void mark_front(std::vector<ResultRow>& rows) {
 const std::vector<ResultColumn>& result_columns() {
   static const std::vector<ResultColumn> columns{
       {"layer", "", "what is shown"},
-      {"group", "", "variants that belong together"},
-      {"variant", "", "what was drawn"},
-      {"data", "", "the data as they are, or the copy that was drawn"},
-      {"method", "", "as --accuracy or --method take it"},
+      {"group", "", "group of the variant"},
+      {"variant", "", "variant that was drawn"},
+      {"data", "", "original data, or the copy that was drawn"},
+      {"method", "", "value of --accuracy or --method"},
       {"width", "pixels", "of the picture"},
       {"height", "pixels", "of the picture"},
       {"judged_pixels", "", "pixels that were compared with the exact answer: all, or a random sample"},
-      {"true_hits", "", "of these, pixels that show something"},
-      {"missed", "", "pixels that should show something and do not"},
-      {"false_hits", "", "pixels that show something and should not"},
-      {"border_missed", "",
-       "of the missed pixels: the grid that a mesh was resampled on has no value where the surface is"},
-      {"border_false", "", "of the false ones: the grid shows something beside the mesh"},
+      {"true_hits", "", "judged pixels that show something"},
+      {"missed", "", "false negatives: pixels that should show something and do not"},
+      {"false_hits", "", "false positives: pixels that show something and should not"},
+      {"border_missed", "", "false negatives where the resampled grid has no value at the surface"},
+      {"border_false", "", "false positives where the resampled grid shows something outside the mesh"},
       {"border_off", "",
-       "pixels where both show something, one of them where only the mesh or only the grid is: not in the depths "
-       "below"},
+       "pixels where both show something, but only the mesh or only the grid exists at one of the hits; not in the "
+       "depths below"},
       {"missed_ppm", "of a million judged pixels", "missed"},
-      {"missed_ppm_low", "of a million", "lower end of the 95 % interval (Wilson); the same where all were judged"},
+      {"missed_ppm_low", "of a million",
+       "lower end of the 95 % interval (Wilson); the value itself where all were judged"},
       {"missed_ppm_high", "of a million", "upper end"},
       {"false_ppm", "of a million judged pixels", "false hits"},
       {"false_ppm_low", "of a million", "lower end of the 95 % interval"},
@@ -128,8 +128,8 @@ const std::vector<ResultColumn>& result_columns() {
       {"depth_p99_cells", "cells", "99 % quantile of the same"},
       {"depth_max_cells", "cells", "largest of the same"},
       {"depth_kept_by_99_cells", "cells",
-       "error that 99 % of the pixels keep that show or should show something; missed and false ones keep none"},
-      {"value_median", "of the field", "the field at the place that was found, against the isovalue or largest value"},
+       "error that 99 % of the pixels keep, among those that show or should show something; wrong pixels keep none"},
+      {"value_median", "of the field", "field at the found position, compared with the isovalue or the largest value"},
       {"value_p99", "of the field", "99 % quantile of the same"},
       {"value_max", "of the field", "largest of the same"},
       {"normal_median_deg", "degrees", "angle between the normals that light the pictures"},
@@ -138,23 +138,21 @@ const std::vector<ResultColumn>& result_columns() {
       {"rmse_of_255", "8-bit levels", "root of the mean square difference of the pictures, in sRGB"},
       {"flip", "0 to 1", "mean of FLIP (Andersson et al. 2020), 67 pixels per degree"},
       {"cpu_ms", "ms",
-       "CPU time of all threads for the picture, median; where `times` is 0, that of the judged pixels alone, taken "
-       "for "
-       "all"},
+       "CPU time of all threads for the picture, median; where `times` is 0, extrapolated from the judged pixels"},
       {"cpu_ms_min", "ms", "smallest"},
       {"cpu_ms_max", "ms", "largest"},
-      {"wall_ms", "ms", "time that passed, median"},
+      {"wall_ms", "ms", "elapsed time, median"},
       {"wall_ms_min", "ms", "smallest"},
       {"wall_ms_max", "ms", "largest"},
-      {"times", "", "how often the picture was timed"},
-      {"prepare_ms", "ms", "what the first picture of data just loaded, or of a new isovalue, takes beside that"},
-      {"preprocess_s", "s", "to make the copy of the data"},
-      {"data_bytes", "bytes", "file that is mapped or read"},
+      {"times", "", "number of timed pictures"},
+      {"prepare_ms", "ms", "additional time of the first picture after loading data or changing the isovalue"},
+      {"preprocess_s", "s", "time to make the copy of the data"},
+      {"data_bytes", "bytes", "size of the file that is mapped or read"},
       {"memory_bytes", "bytes",
-       "that is mapped, and what loading the data and drawing a first picture keeps beside it: by how much the "
-       "process's anonymous memory has grown, what was given back to the allocator not counted"},
-      {"front", "", "no other variant of the layer is both faster and closer"},
-      {"note", "", "why it was left out, or what is to be known"}};
+       "memory that is mapped, plus the growth of the process's anonymous memory by loading the data and drawing a "
+       "first picture, without memory given back to the allocator"},
+      {"front", "", "no other variant of the layer is both faster and more accurate"},
+      {"note", "", "why it was left out, or a remark"}};
   return columns;
 }
 
@@ -171,7 +169,7 @@ std::vector<ResultRow> rows_of(const PassResult& result) {
 }
 
 Table table_of(const std::vector<const LayerStudy*>& layers, const StudyContext& context) {
-  Table table{"accuracy", "What accuracy costs in time", context.facts, {}};
+  Table table{"accuracy", "Accuracy and time", context.facts, {}};
   for (const LayerStudy* layer : layers) {
     if (layer->result() == nullptr) continue;
     const std::vector<ResultRow> rows = rows_of(*layer->result());

@@ -36,13 +36,15 @@ Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
   using Algorithm = render::Method::Algorithm;
   const Interval<double> range = volume.field().range;
   const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
-  if (render::proves(layer.method)) return {"no pixel missed or false, every error within its bound", 0, HUGE_VAL};
+  if (render::proves(layer.method))
+    return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
   if (layer.method.algorithm != Algorithm::direct) return {};
   if (layer.mode == render::Mode::mip)
-    return {"no pixel missed or false, 99 % of the values within a millionth of the field's range", 0, unit};
+    return {"no false negatives or false positives, 99 % of the values within a millionth of the field's range", 0,
+            unit};
   if (layer.method.precision == render::Method::Precision::float64)
-    return {"at most 1 of 1000 pixels (and one more) missed or false, 99 % within 1e-6 cells", 1e-3, 1e-6};
-  return {"at most 1 of 100 pixels (and one more) missed or false, 99 % within 1e-3 cells", 1e-2, 1e-3};
+    return {"false negatives and false positives at most 0.1 % + 1 pixel, 99 % within 1e-6 cells", 1e-3, 1e-6};
+  return {"false negatives and false positives at most 1 % + 1 pixel, 99 % within 1e-3 cells", 1e-2, 1e-3};
 }
 
 /// The loosest promise of all layers.
@@ -156,8 +158,8 @@ CheckedPixels checked_pixels(const ResolvedScene& plan, const render::Framebuffe
 std::string limit_broken_by(const CheckedPixels& found, double limit, const char* which) {
   if (!(share_of(found.beyond_limit, found.shown, false).low > 0.01)) return {};
   return concat(found.beyond_limit, " of ", found.shown, " ", which,
-                " pixels that show or should show something are missed, false or off by more than ", rounded(limit),
-                ": more than 1 in 100, at a confidence of 97.5 %");
+                " pixels that show or should show something are wrong or have an error above ", rounded(limit),
+                ": more than 1 % at a confidence of 97.5 %");
 }
 
 std::string broken_by(const CheckedPixels& found, const Promise& promise, bool is_proven, const char* which) {
@@ -166,7 +168,8 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
   std::string text;
   const auto add = [&](const std::string& more) { text += concat(text.empty() || more.empty() ? "" : "; ", more); };
   if (wrong > allowed)
-    add(concat(found.missed, " missed and ", found.false_hits, " false of ", found.pixels, " ", which, " pixels"));
+    add(concat(found.missed, " false negatives and ", found.false_hits, " false positives in ", found.pixels, " ",
+               which, " pixels"));
   if (is_proven && found.beyond_bound > 0) add(concat(found.beyond_bound, " ", which, " pixels beyond their bound"));
   if (wrong <= allowed && std::isfinite(promise.kept)) add(limit_broken_by(found, promise.kept, which));
   return text;
@@ -182,8 +185,7 @@ double limit_in_unit(const ResolvedScene& plan, double limit) {
 
 void check(const SelfCheckOptions& options) {
   if (!options.limit) return;
-  if (options.pixels == 0)
-    throw Error(ErrorCode::usage, "--verify-limit: how many pixels are traced again is not said", "--verify 1000");
+  if (options.pixels == 0) throw Error(ErrorCode::usage, "--verify-limit: needs --verify", "--verify 1000");
   if (!(*options.limit > 0))
     throw Error(ErrorCode::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
 }
@@ -203,7 +205,7 @@ void require_checkable(const ResolvedScene& plan) {
       throw Error(ErrorCode::usage,
                   "--verify: a projection beside other layers; expected isosurfaces or one projection");
     if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.surface.opacity < 1)
-      throw Error(ErrorCode::usage, "--verify: a clear surface beside other layers; expected opaque isosurfaces");
+      throw Error(ErrorCode::usage, "--verify: a transparent surface beside other layers; expected opaque isosurfaces");
   }
 }
 
@@ -238,16 +240,18 @@ SelfCheck checked(const ResolvedScene& plan, const render::Framebuffer& picture,
 
 std::string text_of(const SelfCheck& check) {
   const auto line = [&](const char* name, const CheckedPixels& found) {
-    return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " missed, ", found.false_hits,
-                  " false, largest error ", rounded(found.largest), check.unit.empty() ? "" : " ", check.unit,
-                  check.unit.empty() ? "" : concat(", of the value ", rounded(found.largest_value_error)), "\n");
+    return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " false negatives, ",
+                  found.false_hits, " false positives, largest error ", rounded(found.largest),
+                  check.unit.empty() ? "" : " ", check.unit,
+                  check.unit.empty() ? "" : concat(", largest value error ", rounded(found.largest_value_error)), "\n");
   };
-  return concat("traced again exactly, seed ", check.seed, ":\n", line("random", check.random),
-                line("edges ", check.edges),
-                "  limit: ", check.limit.empty() ? "none, the method promises nothing" : check.limit, "\n  ",
-                check.broken.empty() ? (check.limit.empty() ? "not held against anything" : "within the limit")
-                                     : "OUTSIDE THE LIMIT",
-                "\n");
+  return concat(
+      "checked with exact arithmetic, seed ", check.seed,
+      " (false negative: a missed hit; false positive: a hit that does not exist):\n", line("random", check.random),
+      line("edges ", check.edges), "  limit: ", check.limit.empty() ? "none; the method promises nothing" : check.limit,
+      "\n  ",
+      check.broken.empty() ? (check.limit.empty() ? "no limit to check" : "within the limit") : "OUTSIDE THE LIMIT",
+      "\n");
 }
 
 Json json_of(const SelfCheck& check) {

@@ -149,7 +149,7 @@ void LayerStudy::measure(Measured& row, const PassResult& result) {
   draw(variant, result.size, {.normal = is_same_size}, picture);
   if (!is_same_size) picture = enlarged(picture, result.size.width, result.size.height);
   if (is_recolored)
-    row.note = "the copy holds no field that colours it: pictures are not compared";
+    row.note = "the copy has no field to colour it; pictures are not compared";
   else
     row.picture_errors = compared_with(variant, result).against(picture);
   if (variant.has_picture) {
@@ -206,7 +206,7 @@ void LayerStudy::measure_exact(Measured& row, const PassResult& result) {
   }
   const double share = static_cast<double>(result.truth.pixels.size()) / pixels_of(result.size);
   row.cpu_ms = {1e3 * result.truth.cpu_s / share};
-  row.note = "its time is that of the judged pixels, taken for all";
+  row.note = "time extrapolated from the judged pixels";
 }
 
 void LayerStudy::time(Measured& row, const PictureSize& size) {
@@ -271,8 +271,8 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
   row.errors = count_errors(errors_against(part, field_, layer, said));
   row.cpu_ms = {1e3 * cpu_s / static_cast<double>(said.size()) * pixels_of(result.size)};
   row.data_bytes = volume_.file().file_bytes();
-  row.note = concat("too slow for a picture: ", said.size(), " random pixels, whose time is taken for all");
-  row.pass_s = 3e-3 * row.cpu_ms[0];  // time that whole pictures would take
+  row.note = concat("too slow for a picture; ", said.size(), " random pixels, with the time extrapolated");
+  row.pass_s = 3e-3 * row.cpu_ms[0];  // that whole pictures would take
   return row;
 }
 
@@ -332,8 +332,8 @@ void LayerStudy::pass(const Pass& spec) {
   if (result.truth.hit_count() == 0)
     throw Error(ErrorCode::usage,
                 concat(name_, ": none of ", grouped(result.truth.pixels.size()),
-                       " rays meets anything: there is nothing to compare"),
-                "give another --iso, --view or --camera-position");
+                       " rays hits anything; there is nothing to compare"),
+                "choose another --iso, --view or --camera-position");
   draw_truth(result);
   const std::vector<bool> left_out = too_dear(spec);
   const bool is_first = !result_;

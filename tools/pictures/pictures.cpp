@@ -55,8 +55,8 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
     throw Error(ErrorCode::usage, concat(path.string(), ": found extension '", path.extension().string(),
                                          "'; expected .png, .exr, .tif, .tiff, .jpg or .jpeg"));
   if (channels.any() && format != "openexr")
-    throw Error(ErrorCode::usage, concat(path.string(), ": only EXR keeps --channels"),
-                "give the picture a name in .exr");
+    throw Error(ErrorCode::usage, concat(path.string(), ": only EXR stores --channels"),
+                "use a file name ending in .exr");
 }
 
 std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,
@@ -96,7 +96,7 @@ std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_
     if (std::filesystem::is_regular_file(font, ignored)) return font;
   throw Error(ErrorCode::unsupported,
               concat("annotations need the font DejaVu Sans; there is no ", known_fonts.front().string()),
-              "on Debian the package fonts-dejavu-core brings it");
+              "on Debian, install the package fonts-dejavu-core");
 }
 
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
@@ -111,7 +111,8 @@ StoredPicture read_picture(const std::filesystem::path& path) {
   require_input(path);
   StoredPicture picture;
   const std::string error_code = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
-  if (!error_code.empty()) throw Error(ErrorCode::invalid, concat(path.string(), ": no picture: ", error_code));
+  if (!error_code.empty())
+    throw Error(ErrorCode::invalid, concat(path.string(), ": is not a readable picture: ", error_code));
   return picture;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
@@ -19,6 +20,33 @@ namespace {
 constexpr const char* file_names[] = {"report.txt",          "report.json",    "rays.csv",
                                       "errors.csv",          "limits.csv",     "disputed_rays.csv",
                                       "signed_distance.png", "depth_error.png"};
+
+/// The words of the text for keys of the JSON.
+std::string shown_name(const std::string& key) {
+  static const std::map<std::string, std::string> names{{"missed", "false negatives"},
+                                                        {"false", "false positives"},
+                                                        {"elsewhere", "different cell"},
+                                                        {"grazes", "grazing"},
+                                                        {"redecided", "re-evaluated"}};
+  const auto found = names.find(key);
+  return found == names.end() ? key : found->second;
+}
+
+/// A row of a table as the text shows it.
+Json shown(const Json& row) {
+  Json out = Json::object();
+  for (const auto& [key, value] : row.items())
+    if (key != "reason") out[shown_name(key)] = value.is_string() ? Json(shown_name(value.get<std::string>())) : value;
+  return out;
+}
+
+constexpr const char* definitions =
+    "false negative: the surface is there, but the renderer reports no hit\n"
+    "false positive: the renderer reports a hit, but there is no surface\n"
+    "different cell: the hit is not where the ray first crosses the surface\n"
+    "grazing: a ray moved by rounding gives the renderer's answer\n"
+    "undecided: the reference is not exact enough to tell\n"
+    "re-evaluated: the answers differed and were decided again\n\n";
 
 }  // namespace
 
@@ -53,9 +81,10 @@ std::string ValidationReport::text() const {
              grouped(json_.at("straddling_cells").get<std::uint64_t>()), " cells meet the surface, ",
              grouped(json_.at("triangles").get<std::uint64_t>()), " triangles in the reference\n\n");
   for (Table& table : tables()) {
-    for (Json& row : table.rows) row.erase("reason");
+    for (Json& row : table.rows) row = shown(row);
     text += text_of(table) + "\n";
   }
+  text += definitions;
   for (const Json& way : json_.at("hausdorff"))
     if (!way.at("cells").is_null())
       text +=
@@ -109,7 +138,7 @@ void ValidationReport::refuse_outside_limits(const std::string& name) const {
   for (const Json& check : json_.at("checks")) {
     if (check.at("holds").get<bool>()) continue;
     const Json& found = check.at("found");
-    broken += concat(broken.empty() ? " " : "; ", check.at("check").get<std::string>(), " ",
+    broken += concat(broken.empty() ? " " : "; ", shown_name(check.at("check").get<std::string>()), " ",
                      found.is_null() ? "not measured" : rounded(found.get<double>()), ", limit ",
                      rounded(check.at("limit").get<double>()));
   }

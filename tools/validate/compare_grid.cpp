@@ -234,20 +234,18 @@ void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
   });
   if (away > 0)
     report.notes.push_back(concat(
-        away,
-        " hits lie on parts of the surface that the mesh does not show; the field was asked about them all the same"));
+        away, " hits on parts of the surface that the mesh does not contain; they were checked against the field"));
   const auto unproved = std::count_if(far.findings.begin(), far.findings.end(), [&](const Finding& finding) {
     return std::isnan(finding.distance_cells) && !std::isnan(finding.mesh_cells);
   });
   if (unproved > 0)
     report.notes.push_back(concat(unproved,
-                                  " hits lie where the field meets the isovalue and turns back on every side "
-                                  "looked at: no crossing shows how far they are from the surface"));
+                                  " hits where the field only touches the isovalue in every direction examined: no "
+                                  "crossing shows how far they are from the surface"));
   report.notes.push_back(concat("the mesh's triangles have a radius of about ",
                                 std::round(100 * surface.triangle_radius) / 100,
-                                " cells; parts of the surface that are smaller may not be in it"));
-  if (!surface.is_complete)
-    report.notes.push_back("the mesher was stopped before all its triangles were as small as wished");
+                                " cells; smaller parts of the surface may be missing in it"));
+  if (!surface.is_complete) report.notes.push_back("the mesher stopped before all its triangles were small enough");
 }
 
 }  // namespace
@@ -265,21 +263,20 @@ Comparison compare_grid(const GridField& field, const Affine& world_from_frame, 
              .find = [&](const render::Ray& ray, const render::Hit& hit) { return comparer.find(ray, hit); }},
             progress);
   Report report;
-  report.reference =
-      "the trilinear field itself, decided exactly, and the isosurface that CGAL's surface mesher finds in it";
+  report.reference = "the trilinear field itself, decided exactly, and the isosurface from CGAL's surface mesher";
   report.straddling_cells = comparer.edges().cell_count;
   report.triangles = comparer.surface().triangles.corners.size();
   fill(report, rounds,
        {.unit = "cells",
         .depth = comparer.depth_limit(),
         .normal_deg = normal_limit_deg,
-        .why_none_wrong = "counted is what points of the ray on different sides, decided exactly, prove or refute",
-        .why_depth = "what roundings make of rays that do not graze the surface, and a bound that the method states",
-        .why_normal = "the gradient of one cell in double precision, with room for where it is small"});
+        .why_none_wrong = "only what exact decisions at points of the ray prove or refute is counted",
+        .why_depth = "rounding errors of rays that do not graze the surface, and the method's error bound",
+        .why_normal = "the gradient of one cell in double precision, with a margin for small gradients"});
   const RayCounts all = report.total();
   report.checks.push_back({"undecided, share of rays",
                            static_cast<double>(all.undecided) / static_cast<double>(all.rays), undecided_limit,
-                           "with more the mesh would not show this surface"});
+                           "with more, the mesh would not represent this surface"});
   report.measures.push_back(measure("renderer to mesh", "cells", rounds.far, &Finding::mesh_cells));
   report.measures.push_back({"mesh to field", "cells", comparer.surface_error()});
   add_notes(comparer, rounds.far, report);

@@ -240,10 +240,8 @@ Comparison compare_tets(const TetField& field, const Affine& world_from_frame, c
         .depth = comparer.depth_limit(),
         .normal_deg = normal_limit_deg,
         .why_none_wrong = "every difference is decided exactly, so none is due to the reference",
-        .why_depth =
-            "double precision in the cell, with room for rays that graze the surface, and a bound that the method "
-            "states",
-        .why_normal = "the gradient of one cell in double precision, with room for thin cells"});
+        .why_depth = "double precision in the cell, with a margin for grazing rays, and the method's error bound",
+        .why_normal = "the gradient of one cell in double precision, with a margin for thin cells"});
   report.measures.push_back(measure("grazing rays moved", "box", rounds.far, &Finding::moved_box));
   return {std::move(report), std::move(rounds.camera)};
 }
