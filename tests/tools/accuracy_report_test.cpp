@@ -352,7 +352,7 @@ TEST(AccuracyReport, refuses_what_cannot_be_studied_in_one_line) {
   refused("nothing.rho --iso 60 -o out", 3, "nothing.rho");
   refused("ball.rho --iso 60 --repeat 0 -o out", 2, "--repeat");
   refused("ball.rho --iso 60 --camera-position 0,0,500 --camera-target 0,0,1000 --camera-up 0,1,0 -o out", 2,
-          "none of 1,200 rays meets anything");
+          "none of 1,200 rays hits anything");
   EXPECT_EQ(read_file(bench / "full/something"), "x");
 }
 

@@ -95,8 +95,8 @@ TEST(InfoCommand, says_on_demand_what_may_be_wrong_and_what_packing_does) {
   preprocess::export_mesh(mesh, bench / "box.vtu", false);
   ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "-q"}).exit_code, 0);
   const RunResult text = bench.rhoray({"info", "box.vtu", "--stats"});
-  EXPECT_THAT(text.out, HasSubstr("1 flipped cells (cell 7); turned"));
-  EXPECT_THAT(text.out, HasSubstr("1 points without a cell (point 125); dropped"));
+  EXPECT_THAT(text.out, HasSubstr("flipped cells: 1 (cell 7); turned"));
+  EXPECT_THAT(text.out, HasSubstr("points without a cell: 1 (point 125); dropped"));
   EXPECT_THAT(line_after(text.out, "  not found"), HasSubstr("flat cells"));
   EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, testing::Not(HasSubstr("found")));
 

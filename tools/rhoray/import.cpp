@@ -58,7 +58,7 @@ void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
       left_out += concat(left_out.empty() ? "" : ", ", "\"", field.name, "\"");
       return true;
     });
-  if (!left_out.empty()) mesh.notes.push_back(concat("fields left out because --field does not name them: ", left_out));
+  if (!left_out.empty()) mesh.notes.push_back(concat("fields that --field does not name are left out: ", left_out));
 }
 
 /// Where cells became tetrahedra or were left out, each keeps the number of its cell.

@@ -223,7 +223,7 @@ std::string findings_text(const Json& findings) {
     }
     std::string first;
     for (const Json& id : finding["first"]) first += concat(first.empty() ? "" : ", ", id.get<std::uint64_t>());
-    text += row("found", concat(grouped(count), " ", name,
+    text += row("found", concat(name, ": ", grouped(count),
                                 first.empty() ? ""
                                               : concat(" (", finding["of"].get<std::string>(), " ", first,
                                                        count > finding["first"].size() ? ", ..." : "", ")"),

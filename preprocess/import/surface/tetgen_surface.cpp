@@ -112,7 +112,7 @@ NeutralSurface surface_of(const Array<std::array<std::uint64_t, 3>>& faces, cons
     surface.facet_offsets.push_back(surface.facet_corners.size());
   }
   if (const std::uint64_t inside = points.points.size() - surface.points.size(); inside > 0)
-    surface.notes.push_back(concat(inside, " points left out: no face names them"));
+    surface.notes.push_back(concat(count_text(inside, "point", "points"), " that no face uses left out"));
   return surface;
 }
 

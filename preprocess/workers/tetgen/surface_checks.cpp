@@ -49,8 +49,8 @@ class Places {
     if (count_++ < most_places) text_ += concat(text_.empty() ? "" : "; ", place);
   }
   std::uint64_t count() const { return count_; }
-  std::string sentence(std::string_view what) const {
-    return concat(count_, " ", what, ": ", text_, count_ > most_places ? "; ..." : "");
+  std::string sentence(std::string_view singular, std::string_view plural) const {
+    return concat(count_text(count_, singular, plural), ": ", text_, count_ > most_places ? "; ..." : "");
   }
 
  private:
@@ -64,8 +64,8 @@ struct Findings {
   std::string hint;  ///< of the first sentence
   std::vector<FaultyFacet> facets;
 
-  void add(const Places& places, std::string_view what, std::string_view what_to_do) {
-    if (places.count() > 0) add(places.sentence(what), what_to_do);
+  void add(const Places& places, std::string_view singular, std::string_view plural, std::string_view what_to_do) {
+    if (places.count() > 0) add(places.sentence(singular, plural), what_to_do);
   }
   void add(std::string sentence, std::string_view what_to_do) {
     if (sentences.empty()) hint = what_to_do;
@@ -104,8 +104,10 @@ void check_sizes_and_seeds(const NeutralSurface& s, Findings& found) {
   for (const auto& region : s.regions)
     if (!is_finite(region.seed) || !std::isfinite(region.attribute) || !std::isfinite(region.max_volume))
       seeds.add(concat("region ", text_of(region.seed)));
-  found.add(sizes, "wanted sizes that are not 0 (none) or positive", "correct the sizes");
-  found.add(seeds, "seeds that are not finite numbers", "correct the seeds of holes, openings and regions");
+  found.add(sizes, "target size that is not 0 (none) or positive", "target sizes that are not 0 (none) or positive",
+            "correct the sizes");
+  found.add(seeds, "seed that is not finite", "seeds that are not finite",
+            "correct the seeds of holes, openings and regions");
 }
 
 void check_points(const NeutralSurface& s, Findings& found) {
@@ -113,7 +115,8 @@ void check_points(const NeutralSurface& s, Findings& found) {
   for (std::size_t i = 0; i < s.points.size(); ++i)
     if (!is_finite(s.points[i])) points.add(concat("point ", i, " is ", text_of(s.points[i])));
   if (points.count() == 0) return;
-  found.add(points, "points with a coordinate that is not a finite number", "repair the surface first");
+  found.add(points, "point with a coordinate that is not a finite number",
+            "points with a coordinate that is not a finite number", "repair the surface first");
   for (std::uint64_t f = 0; f < facet_count(s); ++f)
     for (const std::uint64_t corner : corners_of(s, f))
       if (!is_finite(s.points[corner])) {
@@ -176,7 +179,7 @@ void check_facets(const NeutralSurface& s, Findings& found) {
       continue;
     found.facets.push_back({f, FacetFault::flat});
   }
-  found.add(flat, "facets without area", "remove them, or collapse their shortest edges");
+  found.add(flat, "facet without area", "facets without area", "remove them, or collapse their shortest edges");
 }
 
 void check_twins(const NeutralSurface& s, Findings& found) {
@@ -196,7 +199,7 @@ void check_twins(const NeutralSurface& s, Findings& found) {
       twice.add(concat("facets ", order[i - 1], " and ", order[i], " at ", text_of(centre_of(s, order[i]))));
       found.facets.push_back({order[i], FacetFault::twin});
     }
-  found.add(twice, "facets that are there twice", "touching bodies must share one facet, given once");
+  found.add(twice, "duplicate facet", "duplicate facets", "touching bodies must share one facet, given once");
 }
 
 /// Triangles with what the search for crossings needs, and which facets they are.
@@ -224,8 +227,8 @@ void check_crossings(const NeutralSurface& s, const Triangles& triangles, Findin
   for (const Crossing& c : crossings.first_pairs)
     places += concat(places.empty() ? "" : "; ", "facets ", triangles.facets[c.first], " and ",
                      triangles.facets[c.second], " at ", text_of(c.place));
-  found.add(concat(crossings.pair_count, " pairs of facets intersect: ", places,
-                   crossings.pair_count > crossings.first_pairs.size() ? "; ..." : "", "; expected none"),
+  found.add(concat(count_text(crossings.pair_count, "pair of facets intersects", "pairs of facets intersect"), ": ",
+                   places, crossings.pair_count > crossings.first_pairs.size() ? "; ..." : "", "; expected none"),
             "repair the surface at these places, or make it again from the volume");
   for (const std::uint64_t t : crossings.triangles) found.facets.push_back({triangles.facets[t], FacetFault::crossing});
 }
@@ -257,9 +260,9 @@ void check_closed(const NeutralSurface& s, const Triangles& triangles, bool soli
     for (std::size_t k = i; k < next; ++k)
       found.facets.push_back({edges[k].facet, count == 1 ? FacetFault::at_open_edge : FacetFault::at_crowded_edge});
   }
-  found.add(open, "open edges (one facet where two should meet)",
+  found.add(open, "open edge (one facet where two should meet)", "open edges (one facet where two should meet)",
             "close the surface; without that its inside is not defined");
-  found.add(crowded, "edges where more than two facets meet",
+  found.add(crowded, "edge where more than two facets meet", "edges where more than two facets meet",
             "separate the parts, or give .smesh with a region seed in each region");
 }
 

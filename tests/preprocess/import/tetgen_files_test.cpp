@@ -165,7 +165,7 @@ TEST(TetgenSurface, reads_faces_in_text_and_binary_with_the_points_they_name) {
     EXPECT_EQ(surface.points[0], (std::array{1.0, 0.0, 0.0}));
     EXPECT_EQ(surface.facet_corners, corners);
     EXPECT_THAT(surface.facet_offsets, testing::ElementsAre(0, 3, 6));
-    EXPECT_THAT(surface.notes, testing::ElementsAre("1 points left out: no face names them"));
+    EXPECT_THAT(surface.notes, testing::ElementsAre("1 point that no face uses left out"));
   };
   write_file(folder / "a.node", binary_nodes);
   write_file(folder / "a.face", "2\t0\tBIN\n" + bytes_of_values(std::vector<std::uint32_t>{1, 2, 4, 2, 3, 4}) + footer);
