@@ -39,7 +39,7 @@ constexpr PictureSize default_size{.width = 640, .height = 480};
 constexpr int coarse_shrink = 4;
 constexpr double coarse_pixels = 40'000;  ///< a picture with no more needs no coarse pass
 
-/// Options of a picture that mean nothing where every method is tried and colours are compared.
+/// Options of a picture that do not apply when every method is tried and colours are compared.
 bool is_of_one_picture(const std::string& names) {
   return names == "--accuracy" || names == "--method" || names == "--channels" || names == "--show";
 }
@@ -83,7 +83,7 @@ void refuse_damage(const ResolvedScene& plan, unsigned threads) {
   }
 }
 
-/// The command that makes this study again, the picture spelled out.
+/// The command that repeats this study, with every choice of the picture.
 std::string study_command(const AccuracyCommand& command, const ResolvedScene& plan) {
   std::vector<std::string> words;
   const std::vector<std::string> picture = reproducing_command(plan, command.common.output);
@@ -132,7 +132,7 @@ std::string size_text(const PictureSize& size) {
   return concat(size.width, " x ", size.height);
 }
 
-/// Null of layers that methods of several kinds draw.
+/// The reason for leaving a layer out; null for layers that several methods can draw.
 const char* why_left_out(const render::Layer& layer) {
   if (layer.mode == render::Mode::triangles) return "holds triangles, for which there is only one method";
   if (layer.mode == render::Mode::slice) return "is a slice, for which there is only one method";
@@ -143,7 +143,7 @@ std::string minutes_text(double seconds) {
   return seconds < 90 ? concat(std::llround(std::max(1.0, seconds)), " s") : concat(std::llround(seconds / 60), " min");
 }
 
-/// The whole of the work: a coarse pass over all layers, one at the full size, then times again and again.
+/// The complete study: a coarse pass over all layers, one pass at full size, then repeated timings.
 class Work {
  public:
   Work(const AccuracyCommand& command, const ResolvedScene& plan, ProgressDisplay& display, StudyContext& context)
@@ -174,7 +174,7 @@ class Work {
       weigh_instruments();
       rounds();
     } catch (const Error&) {
-      // A worker that is interrupted at the same time complains in its own words.
+      // A worker interrupted at the same time reports its own error.
       if (!interrupt_.token().stop_requested() || layers_[0]->result() == nullptr) throw;
       stage_ = concat("Interrupted. ", stage_);
       is_ended_ = true;
@@ -252,7 +252,7 @@ class Work {
     }
   }
 
-  /// Every variant is drawn once in each round, so that what else runs on the machine meets all of them.
+  /// Every variant is drawn once per round, so that other load on the machine affects all of them.
   void rounds() {
     for (int round = 2; round <= command_.repeat && seconds_left() > 0; ++round) {
       const std::string phase = concat("round ", round, " of ", command_.repeat);

@@ -14,7 +14,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// What was asked for, every choice spelled out, and what its files are.
+/// The requested scene with every choice, and its files.
 struct Asked {
   SceneSpec scene_spec;
   ResolvedScene plan;
@@ -62,7 +62,7 @@ bool light_it(SceneSpec& scene, const LightSpec& light) {
   return true;
 }
 
-/// Everything is there and nothing of it can be seen: a light and a surface that are switched off, and one left out.
+/// Everything is present but invisible: a light and a surface switched off, and one layer left out.
 bool add_what_is_off(SceneSpec& scene, const Asked&) {
   LightSpec none = key_light();
   none.intensity = 0, none.shadows = true, none.angular_diameter_deg = 5;
@@ -159,7 +159,8 @@ bool keep_one_shell(SceneSpec& scene, const Asked&) {
   return true;
 }
 
-/// It and another one of the same field, by 2 % of the field's range inside it, or outside where the range ends.
+/// The surface and a second one of the same field, inside it by 2 % of the field's range, or
+/// outside where the range ends.
 bool clear_two_shells(SceneSpec& scene, const Asked& asked) {
   if (!keep_one_shell(scene, asked)) return false;
   LayerSpec& shell = scene.layers[0];
@@ -208,7 +209,7 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneSpec&, cons
                                               {"two clear shells", one_shell, clear_two_shells},
                                               {"the scene as it is", plain, show_all}};
 
-/// Its layers in matte paint under a light at the eye; slices are left out.
+/// Its layers with a matte material under a light at the camera; slices are left out.
 SceneSpec plain_scene(const SceneSpec& asked) {
   SceneSpec scene{.data = asked.data};
   scene.camera = asked.camera;
@@ -225,7 +226,7 @@ SceneSpec plain_scene(const SceneSpec& asked) {
   return scene;
 }
 
-/// A row's picture and what it took, round after round.
+/// A row's picture and its cost, round after round.
 struct Measured {
   const EffectRow* row;
   std::size_t over = 0;  ///< index of the row that it is compared with
@@ -252,8 +253,9 @@ struct Measured {
   }
 };
 
-/// A row's frame just after one of what it is compared with, which is drawn twice: the first finds the caches as the
-/// row before has left them (after ambient occlusion the torso's plain picture takes 2.6 % longer) and is not timed.
+/// A row's frame just after a frame of the picture it is compared with. That picture is drawn
+/// twice: the first frame finds the caches as the previous row left them (after ambient occlusion
+/// the torso's plain picture takes 2.6 % longer) and is not timed.
 /// @return  wall time of the row's frame
 double measure_after(Measured& over, Measured& measured) {
   over.trace();

@@ -10,9 +10,9 @@
 
 namespace rhoray::tools {
 
-// What the tables have in common.
+// Shared by the tables.
 
-/// Where and how a table was measured.
+/// The conditions of a measurement: machine, options and input.
 Json bench_context(const BenchOptions& options);
 
 /// seconds[row] of act(row), every row once untimed and then `repeat` times, round after round.

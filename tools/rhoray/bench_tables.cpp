@@ -88,8 +88,8 @@ std::vector<unsigned> thread_counts(unsigned largest) {
   return counts;
 }
 
-/// Reads the file once and writes as many bytes as the packed data has raw, and waits until they are on disk. The data
-/// file of a detached header is not read, which is to packing's disadvantage.
+/// Reads the file once and writes as many bytes as the packed data has raw, and waits until they
+/// are on disk. The data file of a detached header is not read, which is to packing's disadvantage.
 double copy_seconds(const BenchOptions& options, const std::filesystem::path& folder, std::uint64_t raw_bytes) {
   const Stopwatch watch;
   std::vector<char> buffer(std::size_t{4} << 20);
@@ -135,8 +135,9 @@ void next_view(render::Scene& scene, const render::Volume&) {
                                          sine * from_target.x + cosine * from_target.y, from_target.z);
 }
 
-/// A picture that is changed and shown, then shown again without a change. Before each time a picture of few pixels is
-/// made: what it takes more after a change than without is what the change takes before the first pixel.
+/// A picture that is changed and shown, then shown again without a change. Before each time a
+/// picture of few pixels is made: what it takes more after a change than without is what the change
+/// takes before the first pixel.
 class ChangingPicture {
  public:
   ChangingPicture(const Shot& shot, const Change& change, const render::Volume& volume)

@@ -8,11 +8,12 @@
 
 namespace rhoray::tools {
 
-/// What is said while the measurements run.
+/// Called with a progress message before each measurement.
 using Step = std::function<void(std::string_view what)>;
 
-// One table each. Repetitions are interleaved over the rows; every row is run once before it is timed. Times are
-// medians, with smallest and largest beside them; rows with pictures carry the hash of the picture.
+// One table each. Repetitions are interleaved over the rows; every row is run once before it is
+// timed. Times are medians, with smallest and largest beside them; rows with pictures carry the
+// hash of the picture.
 
 /// The paper's Table 1: share of traversal, intersection and shading, and frames per second.
 Table phases_table(const BenchOptions& options, const Step& step);
@@ -20,14 +21,14 @@ Table phases_table(const BenchOptions& options, const Step& step);
 Table threads_table(const BenchOptions& options, const Step& step);
 /// The paper's four views (views.h): rays per second and core cycles per ray.
 Table views_table(const BenchOptions& options, const Step& step);
-/// The next picture after a changed isovalue or view, and what a change takes before its first pixel (change_ms, CPU
-/// milliseconds).
+/// The first picture after a change of isovalue or view, and what the change takes before its first
+/// pixel (change_ms, CPU milliseconds).
 Table isovalue_table(const BenchOptions& options, const Step& step);
-/// What the process keeps in memory of its own after frames of a scene, beside the file that is mapped.
+/// Memory of the process after frames of a scene, without the mapped file.
 Table memory_table(const BenchOptions& options, const Step& step);
 /// Opening a packed file, with and without reading its checksums. The page cache is warm.
 Table open_table(const BenchOptions& options, const Step& step);
-/// Packing a volume or a mesh, beside reading and writing the bytes once.
+/// Packing a volume or a mesh, compared with reading and writing the bytes once.
 Table pack_table(const BenchOptions& options, const Step& step);
 
 }  // namespace rhoray::tools

@@ -98,7 +98,7 @@ std::vector<std::string> long_names(const Subcommand& subcommand) {
               concat("`rhoray ", subcommand.name, " --help` shows what is expected"));
 }
 
-/// Gives the answer that was asked for, if any was.
+/// Prints the requested answer, if there is one.
 bool answers(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
   for (std::size_t i = 0; i < added.size(); ++i)
     if (subcommand.options[i].kind == Option::Kind::answer && added[i]->count() > 0) {
@@ -108,7 +108,7 @@ bool answers(const Subcommand& subcommand, std::span<CLI::Option* const> added) 
   return false;
 }
 
-/// Hands what was given to the rows, each with its name in front of a refusal.
+/// Passes the given values to the rows; errors get the option's name as prefix.
 void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
   for (std::size_t i = 0; i < added.size(); ++i) {
     const Option& row = subcommand.options[i];

@@ -7,7 +7,8 @@
 
 namespace rhoray::tools {
 
-/// One row of a subcommand's options: how it is spelled, what it takes, what it does, and where the answer goes.
+/// One row of a subcommand's options: how it is spelled, what it takes, what it does, and where the
+/// answer goes.
 struct Option {
   enum class Kind {
     flag,    ///< takes no value; `take` is called with an empty text
@@ -32,8 +33,9 @@ struct Subcommand {
   std::function<int()> run;  ///< returns the exit code
 };
 
-/// Reads the command line, runs the subcommand that it names and returns the exit code. Every Error that comes up ends
-/// as one line `rhoray SUBCOMMAND: fact` and, where it has one, a line `hint: ...` on stderr.
+/// Reads the command line, runs the subcommand that it names and returns the exit code. Every Error
+/// that comes up ends as one line `rhoray SUBCOMMAND: fact` and, where it has one, a line `hint:
+/// ...` on stderr.
 int run_command_line(std::span<const Subcommand> subcommands, int argc, const char* const* argv);
 
 /// The lines in which an Error is shown; `place` is "rhoray pack".

@@ -12,7 +12,7 @@
 
 namespace rhoray::tools {
 
-/// What subcommands have in common. Each offers the rows that mean something to it.
+/// Options shared by subcommands. Each subcommand offers those that apply to it.
 struct CommonOptions {
   std::filesystem::path output;  ///< empty when not given
   bool force = false;
@@ -30,7 +30,7 @@ std::vector<Option> memory_option(CommonOptions& common, const std::string& help
 std::vector<Option> message_options(CommonOptions& common,
                                     const std::string& json_help);  ///< -q, -v, --progress, --json
 
-// What `pack` and `import` ask about meshes.
+// Options of `pack` and `import` for meshes.
 Option max_error_option(std::optional<double>& max_error);  ///< --max-error
 inline constexpr const char* time_help =
     "Time step (meshes): first, last, #N from 0, or a time, for which the nearest step is used; default last";
@@ -43,8 +43,9 @@ void say(const CommonOptions& common, const std::string& line);
 /// Puts a line on stderr when verbose.
 void tell(const CommonOptions& common, const std::string& line);
 
-/// Refuses an output that could not be written at the end of the work: the folder is missing, the name is a folder's, a
-/// file is there and --force is not given, or it is the input (ErrorCode::usage).
+/// Refuses an output that could not be written at the end of the work: the folder is missing, the
+/// name is that of a folder, a file exists and --force is not given, or it is the input
+/// (ErrorCode::usage).
 void require_writable(const CommonOptions& common, const std::filesystem::path& output,
                       const std::filesystem::path& input);
 

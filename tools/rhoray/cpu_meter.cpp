@@ -57,8 +57,8 @@ Cost CpuMeter::difference(const Reading& before, const Reading& after) const {
 }
 
 double core_frequency_hz() {
-  // A multiplication that waits for the one before takes three cycles on the x86-64 processors of many years; additions
-  // would not do, since some processors fold several into one.
+  // A multiplication that waits for the one before takes three cycles on the x86-64 processors of
+  // many years; additions would not do, since some processors fold several into one.
   constexpr int chains = 8, steps = 40'000, multiplications_per_step = 10, cycles_per_multiplication = 3;
   double fastest = 0;
   // The fastest of several, since whatever comes in between only takes time.

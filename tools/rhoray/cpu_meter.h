@@ -5,7 +5,8 @@
 
 namespace rhoray::tools {
 
-/// What some work took: CPU time of all threads of this process, and what the processor counted in user mode.
+/// The cost of some work: CPU time of all threads of this process, and the processor's counters in
+/// user mode.
 struct Cost {
   double cpu_s = 0;
   std::optional<double> cycles;        ///< core cycles; nothing where the system offers no such counter

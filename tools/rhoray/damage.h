@@ -7,7 +7,8 @@
 
 namespace rhoray::tools {
 
-/// Names of the arrays that have bytes in the block, in the file's order; empty when only padding lies there.
+/// Names of the arrays that have bytes in the block, in the file's order; empty when only padding
+/// lies there.
 std::vector<std::string> arrays_touched(const formats::PackedFile& file, const formats::DamagedBlock& block);
 
 /// "bytes 4096 to 69631 are damaged (arrays samples, macro.1)".

@@ -68,7 +68,7 @@ bool varies(const formats::FieldSummary& field) {
   return field.range.lo < field.range.hi;
 }
 
-/// The first field; where that is the same everywhere, the first one that is not.
+/// The first field, or if it is constant the first field that is not.
 render::Volume load_field_that_varies(const std::filesystem::path& path) {
   const render::Volume first = render::Volume::load(path);
   if (varies(first.field())) return first;

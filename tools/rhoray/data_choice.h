@@ -8,28 +8,29 @@
 
 namespace rhoray::tools {
 
-// What is shown of a file about which little is said.
+// Defaults for a file: isovalue, field and kind.
 
-/// The isovalue that `text` stands for, and where it came from: "given", "percentile 95", "Otsu's threshold". Refuses
-/// one outside the field's range and percentages outside [0, 100] (ErrorCode::usage).
+/// The isovalue that `text` names, and its origin: "given", "percentile 95", "Otsu's threshold".
+/// Refuses a value outside the field's range and percentages outside [0, 100] (ErrorCode::usage).
 struct Isovalue {
   double value = 0;
   std::string from;
 };
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field);
 
-/// True for a number that the field nowhere has: choose_isovalue refuses it.
+/// True for a number outside the field's range, which choose_isovalue refuses.
 bool is_outside(const std::string& isovalue, const formats::FieldSummary& field);
 
-/// Opens a packed file, or an OpenVDB file, for rendering: refuses other foreign files with the way to pack them, and
-/// an unknown field with the nearest one. Without a name it takes the first field that is not the same everywhere, or
-/// the first when all are.
+/// Opens a packed file or an OpenVDB file for rendering. Refuses other foreign files and names the
+/// command that packs them; refuses an unknown field and names the nearest one. Without a name it
+/// takes the first field that is not constant, or the first field if all are.
 render::Volume load_shown(const std::filesystem::path& path, const std::string& field);
 
 /// As above; refuses a surface, which has no fields (ErrorCode::invalid).
 render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
 
-/// Opens a packed file of colours; refuses others with the way to pack colours (ErrorCode::invalid).
+/// Opens a packed file of colours; refuses others and names the command that packs colours
+/// (ErrorCode::invalid).
 render::Texture load_texture(const std::filesystem::path& path);
 
 }  // namespace rhoray::tools

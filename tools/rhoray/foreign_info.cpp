@@ -113,7 +113,7 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
   return json;
 }
 
-/// What may be wrong is looked for in the grid that is shown without a choice.
+/// Faults are looked for in the grid that is shown by default.
 Json vdb_with_findings(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
   Json json = vdb_info(path, memory_limit_bytes);
   if (!with_findings || json["fields"].empty()) return json;

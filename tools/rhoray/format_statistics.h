@@ -7,11 +7,11 @@
 
 namespace rhoray::tools {
 
-// What `--stats` tells of a frame: as JSON, and as lines of a table.
+// The output of `--stats`: as JSON, and as lines of a table.
 Json statistics_json(const render::FrameStatistics& statistics);
 std::string statistics_text(const render::FrameStatistics& statistics);
 
-/// What it took to prove stored ranges: bytes, seconds, seconds per GiB (null where nothing was read).
+/// The cost of proving stored ranges: bytes, seconds, seconds per GiB (null if nothing was read).
 Json proof_json(const render::RangeProof& proof);
 std::string proof_text(const render::RangeProof& proof);  ///< "1.2 GiB in 0.41 s, 0.34 s/GiB"; "none"
 

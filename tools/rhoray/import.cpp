@@ -41,7 +41,7 @@ void check(const ImportCommand& command, const std::filesystem::path& output) {
   require_writable(command.common, output, command.input);
 }
 
-/// Keeps the fields that were asked for, in the file's order, and says which were not.
+/// Keeps the requested fields, in the file's order, and reports the others.
 void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
   if (command.fields.empty()) return;
   std::vector<std::string> names;
@@ -61,7 +61,7 @@ void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
   if (!left_out.empty()) mesh.notes.push_back(concat("fields that --field does not name are left out: ", left_out));
 }
 
-/// Where cells became tetrahedra or were left out, each keeps the number of its cell.
+/// If cells were cut into tetrahedra or left out, each tetrahedron keeps the number of its cell.
 void add_source_cells(preprocess::NeutralMesh& mesh) {
   const auto is_named_so = [](const preprocess::NeutralField& field) { return field.name == source_cell; };
   if (mesh.cell_ids.empty() || std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), is_named_so)) return;

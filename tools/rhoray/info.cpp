@@ -26,7 +26,7 @@ struct InfoOptions {
   bool findings = false;
 };
 
-/// What a packed mesh holds beside its points, their values and the envelope.
+/// Bytes of a packed mesh without points, field values and envelope.
 std::uint64_t structure_bytes(const formats::PackedFile& file) {
   std::uint64_t bytes = 0;
   for (const formats::ArrayEntry& entry : file.arrays())
@@ -35,7 +35,7 @@ std::uint64_t structure_bytes(const formats::PackedFile& file) {
   return bytes;
 }
 
-/// A packed file as JSON: what its kind says, the arrays, and the memory that reading all of it takes.
+/// A packed file as JSON: its description, its arrays, and the memory needed to read it completely.
 Json packed_info(const std::filesystem::path& path, bool with_findings) {
   const formats::PackedFile file = formats::PackedFile::open(path);
   const std::string& kind = file.description().kind;
@@ -183,7 +183,7 @@ std::string layout_text(const Json& json) {
   return text;
 }
 
-/// What packing counts, and what it does with it.
+/// The counters of packing, and how packing treats what they count.
 struct PackingRow {
   const char *key, *singular, *plural, *treatment;
 };
@@ -211,7 +211,7 @@ std::string packing_text(const Json& json) {
   return text;
 }
 
-/// What was found, and in one line what was not.
+/// The faults found, and in one line those not found.
 std::string findings_text(const Json& findings) {
   std::string text, absent;
   for (const Json& finding : findings) {
@@ -232,7 +232,7 @@ std::string findings_text(const Json& findings) {
   return absent.empty() ? text : text + row("not found", absent);
 }
 
-/// The same facts for people.
+/// The same facts as text.
 std::string info_text(const Json& json) {
   const std::string kind = json["kind"].get<std::string>();
   std::string text = concat(json["file"].get<std::string>(), ": ", json["packed"].get<bool>() ? "packed " : "", kind,

@@ -29,7 +29,8 @@ namespace {
 
 constexpr int signal_base = 128;  // a shell shows this plus the signal's number
 
-/// How long work on lost bytes may go on before it is ended: zeros in the place of links may make it endless.
+/// How long work on lost bytes may go on before it is ended: zeros in the place of links may make
+/// it endless.
 constexpr int grace_s = 10;
 
 sem_t something_came;                 // a handler may do no more than set the flags below and post it
@@ -72,7 +73,8 @@ extern "C" void on_bus_error(int signal, siginfo_t* fault, void*) {
   errno = before;
 }
 
-/// Data that were checked when the file was opened are zeros now: what trusted them may fall.
+/// Data that were checked when the file was opened may now be zeros, and code that trusted them may
+/// crash.
 extern "C" void on_crash(int signal, siginfo_t*, void*) {
   if (!any_bytes_lost()) return leave_to_system(signal);
   crashed.store(true);
@@ -102,7 +104,8 @@ bool request_end() {
   return true;
 }
 
-/// The work goes on meanwhile and may put a file into the folder after what is in it was listed: then once more.
+/// The work goes on meanwhile and may put a file into the folder after what is in it was listed:
+/// then once more.
 void remove_scratch() {
   constexpr int most_times = 1000;
   std::error_code error;
@@ -163,8 +166,9 @@ void wait_and_end() {
 
 constexpr const char* scratch_name = "rhoray-scratch-";  // six letters follow
 
-/// A folder's descriptor that holds a lock; -1 where it is gone, belongs to another user, or somebody else holds it. On
-/// file systems without locks there is none to hold: such a folder is of use to its program, and never stale.
+/// A folder's descriptor that holds a lock; -1 where it is gone, belongs to another user, or
+/// somebody else holds it. On file systems without locks there is none to hold: such a folder is of
+/// use to its program, and never stale.
 int open_and_lock(const std::filesystem::path& folder, bool must_lock = false) {
   const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (opened < 0) return -1;

@@ -5,28 +5,30 @@
 
 namespace rhoray::tools {
 
-/// From now on SIGINT, SIGTERM and SIGHUP end the program with the exit codes 130, 143 and 129, which a shell also
-/// shows for programs that these signals kill, and a closed pipe (SIGPIPE) ends it with 141 and without a word. Files
-/// that are being written have no name yet and vanish; scratch folders are removed first. Under nohup, SIGHUP stays
-/// ignored.
+/// From now on SIGINT, SIGTERM and SIGHUP end the program with exit codes 130, 143 and 129, as a
+/// shell reports for programs killed by these signals. A closed pipe (SIGPIPE) ends it with 141 and
+/// no message. Files being written have no name yet and vanish; scratch folders are removed first.
+/// Under nohup, SIGHUP stays ignored.
 void end_cleanly_on_interrupt();
 
-/// From now on an input that becomes shorter while it is mapped does not kill the program (SIGBUS): zeros are read in
-/// the place of lost bytes, and what is computed from them is refused (formats/base/mapped_file.h). Where zeros make
-/// the computation crash, or go on for more than a few seconds, the program ends with exit code 4 and one line.
+/// From now on an input that becomes shorter while it is mapped does not kill the program (SIGBUS).
+/// Zeros are read in place of the lost bytes, and results computed from them are refused
+/// (formats/base/mapped_file.h). If the zeros make the computation crash or run for more than a few
+/// seconds, the program ends with exit code 4 and one line.
 ///
 /// Faults elsewhere keep their default action. Call it after end_cleanly_on_interrupt.
 void survive_lost_bytes();
 
-/// What an error of ErrorCode::interrupted ends the program with: as end_cleanly_on_interrupt says of the signal that
-/// has come; 130 where none has.
+/// The exit code for ErrorCode::interrupted: the code of the signal received, see
+/// end_cleanly_on_interrupt; 130 if there was none.
 int interrupted_exit_code();
 
 /// True when a write to a pipe failed because nobody reads it any more.
 bool has_lost_its_reader();
 
-/// While it lives, an interrupt asks for an end instead of ending the program, for work that has something to show of
-/// what it has done; a second one ends it. There is at most one at a time.
+/// While this object exists, an interrupt requests a stop instead of ending the program, so that
+/// partial results can be written; a second interrupt ends the program. At most one object at a
+/// time.
 class InterruptRequest {
  public:
   InterruptRequest();
@@ -40,9 +42,9 @@ class InterruptRequest {
   std::stop_source source_;
 };
 
-/// A folder for files that are of no use afterwards, removed with all that is in it; also by an interrupt. Where a
-/// program was killed and its folder stays, the next one that makes a folder beside it removes both. There is at most
-/// one at a time.
+/// A folder for temporary files, removed with its content at the end and on an interrupt. If a
+/// program was killed and its folder remains, the next program that makes a folder beside it
+/// removes it. At most one at a time.
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::filesystem::path& inside);

@@ -7,7 +7,7 @@
 
 namespace rhoray::tools {
 
-/// Time that passes.
+/// Elapsed time.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -16,7 +16,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// What this process and the workers that it has waited for have used so far.
+/// Resources used so far by this process and by the workers it has waited for.
 struct Usage {
   double cpu_s = 0;                     ///< user and system, all threads, workers included
   std::uint64_t peak_bytes = 0;         ///< largest resident set of this process
@@ -24,10 +24,11 @@ struct Usage {
 };
 Usage usage_so_far();
 
-/// Memory of this process that is no part of a file: heap, stacks, what libraries keep.
+/// Memory of this process that does not belong to a mapped file: heap, stacks, buffers of
+/// libraries.
 std::uint64_t anonymous_bytes();
 
-/// Where a measurement was taken.
+/// The machine of a measurement.
 struct Machine {
   std::string processor;           ///< as the system names it
   unsigned core_count = 0;         ///< that this process may run on
@@ -36,7 +37,7 @@ struct Machine {
 };
 Machine this_machine();
 
-/// Middle and spread of repeated measurements.
+/// Median and spread of repeated measurements.
 struct Spread {
   double median = 0;
   double smallest = 0;

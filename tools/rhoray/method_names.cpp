@@ -24,7 +24,7 @@ constexpr std::pair<const char*, Accuracy> accuracies[] = {{"preview", Accuracy:
                                                            {"certified", Accuracy::certified},
                                                            {"exact", Accuracy::exact}};
 
-/// What a method's word is followed by: sampled:STEP, slack:EPS.
+/// The argument after a method's name: sampled:STEP, slack:EPS.
 enum class Argument { none, step, slack };
 
 struct MethodWord {

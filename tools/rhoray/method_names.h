@@ -12,15 +12,17 @@ namespace rhoray::tools {
 std::vector<std::string> accuracy_words();
 render::Accuracy accuracy_named(const std::string& word);
 
-/// The words of --method, as --help shows them: one line for each question.
+/// The names for --method, as --help shows them: one line for each kind of layer.
 std::string method_help();
 
-/// The method that a word names for this question; refuses others with the words there are (ErrorCode::usage).
+/// The method with this name for this kind of layer; refuses other names and lists the valid ones
+/// (ErrorCode::usage).
 /// @param asked_by  what the refusal names as its place
 render::Method method_named(const std::string& word, render::Mode mode, bool is_mesh,
                             const std::string& asked_by = "--method");
 
-/// The option and its word by which a picture's method is asked for again: --accuracy where a level is it.
+/// The option and value that select a picture's method: --accuracy if the method is a level, else
+/// --method.
 struct MethodOption {
   std::string option, word;
 };

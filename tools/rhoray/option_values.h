@@ -29,8 +29,8 @@ struct ByteCount {
   std::uint64_t bytes = 0;
 };
 
-// What an option's text means. All refuse with ErrorCode::usage, saying what was found and what is expected.
-// Numbers are finite and take the whole text.
+// Parsers of option values. All refuse with ErrorCode::usage and name what was found and what is
+// expected. Numbers are finite and take the whole text.
 void read_value(const std::string& text, std::string& out);
 void read_value(const std::string& text, std::filesystem::path& out);
 void read_value(const std::string& text, double& out);

@@ -47,7 +47,7 @@ std::filesystem::path default_output(const std::filesystem::path& input) {
   return output.replace_extension(".rho");
 }
 
-/// The command as it is kept in the file.
+/// The command line stored in the file.
 std::string command_line(const PackCommand& command, const std::filesystem::path& output) {
   const PackOptions& pack = command.pack;
   std::vector<std::string> words{"rhoray", "pack", pack.input.string(), "-o", output.string()};

@@ -49,7 +49,7 @@ void check_kind(const PackOptions& options) {
                     "a header");
 }
 
-/// What --color goes without.
+/// Options that cannot be combined with --color.
 void check_color_options(const PackOptions& options) {
   const PackOptions defaults;
   if (!is_volume(options))
@@ -64,7 +64,7 @@ void check_color_options(const PackOptions& options) {
     if (given) throw Error(ErrorCode::usage, concat(name, ": cannot be combined with --color"));
 }
 
-/// An option that belongs to the other kind would be passed over in silence.
+/// Refuses options of the other kind of data, which would be ignored silently.
 void check_options(const PackOptions& options) {
   struct Row {
     bool given;
@@ -101,7 +101,7 @@ bool has_leaf_lists(const PackOptions& options) {
   return options.structure == "leaves";
 }
 
-/// Options that say how leaf lists are built would be passed over in silence with clusters.
+/// Refuses options of leaf lists, which clusters would ignore silently.
 void check_structure(const PackOptions& options) {
   if (is_volume(options) || (!is_surface(options) && has_leaf_lists(options))) return;
   const PackOptions defaults;
@@ -112,7 +112,7 @@ void check_structure(const PackOptions& options) {
     if (given) throw Error(ErrorCode::usage, concat(name, ": only for volumes or --structure leaves"));
 }
 
-/// Whether the raw bytes are there is known before reading.
+/// Checks before reading that the file has enough raw bytes.
 void check_raw(const PackOptions& options) {
   if (options.raw.empty()) return;
   const preprocess::RawVolume raw = preprocess::parse_raw_volume(options.raw);
@@ -125,7 +125,7 @@ void check_raw(const PackOptions& options) {
                                            " expects ", bytes ? concat(*bytes + raw.skipped_bytes) : "more than 2^64"));
 }
 
-/// Where large arrays lie under a memory cap: beside the packed file. Empty without a cap.
+/// The folder for large arrays under a memory cap: that of the packed file. Empty without a cap.
 std::filesystem::path scratch_folder(const PackOptions& options, const std::filesystem::path& output) {
   if (options.memory_limit_bytes == 0) return {};
   return output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
@@ -136,7 +136,7 @@ preprocess::SampleOrder sample_order(const std::string& layout) {
   return layout == "sparse" ? preprocess::SampleOrder::sparse : preprocess::SampleOrder::bricks;
 }
 
-/// The fields asked for, each as the volume that the file holds for it; without names the file's first.
+/// The requested fields, each as a volume; without names the file's first field.
 std::vector<preprocess::NeutralVolume> import_fields(const PackOptions& options,
                                                      preprocess::ImportVolumeOptions import) {
   std::vector<preprocess::NeutralVolume> fields;
@@ -149,7 +149,7 @@ std::vector<preprocess::NeutralVolume> import_fields(const PackOptions& options,
   return fields;
 }
 
-/// Each once: fields of one file share most of what reading it met.
+/// Each note once, because fields of one file share most notes.
 std::vector<std::string> notes_of(const std::vector<preprocess::NeutralVolume>& fields) {
   std::vector<std::string> notes;
   for (const preprocess::NeutralVolume& field : fields)
@@ -228,7 +228,8 @@ PackResult pack_colors(const PackOptions& options, const std::filesystem::path& 
           .cell_count = texel_count};
 }
 
-/// A mesh with fields in its cells alone shows them; one without fields that vary shows where it is.
+/// A mesh that has only cell fields shows these; a mesh without a varying field gets position
+/// fields.
 void give_fields(preprocess::NeutralMesh& mesh, preprocess::PackMeshOptions& pack) {
   if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
   if (!mesh.point_fields.empty() || pack.cells_to_points) return;

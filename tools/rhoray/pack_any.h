@@ -12,7 +12,7 @@
 
 namespace rhoray::tools {
 
-/// What may be said about packing on the command line.
+/// Options of packing.
 struct PackOptions {
   std::filesystem::path input;
   std::vector<std::string> fields;
@@ -46,12 +46,12 @@ struct PackResult {
   std::uint64_t cell_count = 0;
 };
 
-/// Checks what can be checked before reading: that the input is there, of a kind that is packed, and that the options
-/// belong to that kind.
+/// Checks what can be checked before reading: that the input is there, of a kind that is packed,
+/// and that the options belong to that kind.
 void check_pack(const PackOptions& options);
 
-/// Reads a volume, a mesh or a surface and packs it. Under a memory cap large arrays lie in the output's folder,
-/// without names.
+/// Reads a volume, a mesh or a surface and packs it. Under a memory cap large arrays lie in the
+/// output's folder, without names.
 PackResult pack_any(const PackOptions& options, const std::filesystem::path& output,
                     const preprocess::Progress& progress);
 

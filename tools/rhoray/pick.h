@@ -16,7 +16,8 @@ struct PixelPlace {
 /// Reads X,Y or several of them, X,Y:X,Y (ErrorCode::usage).
 void read_value(const std::string& text, std::vector<PixelPlace>& out);
 
-/// What a pixel shows, as kept by the channels depth, cell and value. Refuses a pixel outside the picture.
+/// What a pixel shows, as kept by the channels depth, cell and value. Refuses a pixel outside the
+/// picture.
 Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel);
 std::string picked_text(const Json& pick, const std::string& length_unit);
 

@@ -17,13 +17,16 @@ struct Pace {
   double rate_per_s = 0;    ///< of what is counted; 0 while it cannot be told
   double seconds_left = 0;  ///< at that rate; 0 when it cannot be told
 };
-/// @param phase  as preprocess::Progress has it, perhaps with what is counted in brackets at its end
+/// @param phase  as preprocess::Progress has it, perhaps with what is counted in brackets at its
+///               end
 Pace pace_of(std::string_view phase, std::uint64_t done, std::uint64_t total, double elapsed_s);
 
-/// "writing", "[===   ] 10%", "250.0 MiB/s", "1 min 20 s left": what a bar says, as far as it is known.
+/// "writing", "[===   ] 10%", "250.0 MiB/s", "1 min 20 s left": what a bar says, as far as it is
+/// known.
 std::string bar_text(const Pace& pace);
 
-/// Shows on stderr how far a piece of work has come, in the style of --progress. A bar is wiped away at the end.
+/// Shows on stderr how far a piece of work has come, in the style of --progress. A bar is wiped
+/// away at the end.
 class ProgressDisplay {
  public:
   explicit ProgressDisplay(const CommonOptions& common);

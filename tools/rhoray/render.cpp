@@ -18,7 +18,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// What is asked for: a document under the options beside it, or a file and options alone.
+/// The requested scene: a document with the options on top, or a file and options alone.
 SceneSpec spec_of(const RenderCommand& command) {
   if (!is_scene_document(command.input)) return spec_of(command.picture, command.input);
   const SceneDocument document = read_scene(command.input);
@@ -33,7 +33,7 @@ std::filesystem::path output_of(const RenderCommand& command, const SceneSpec& s
   throw Error(ErrorCode::usage, "a scene on the command line has no file name; name the picture with -o");
 }
 
-/// What choosing a method, and tracing again, cannot go together with.
+/// Refuses options that conflict with choosing a method or with --verify.
 void check(RenderCommand& command, const SceneSpec& scene_spec) {
   check(command.goal);
   check(command.self_check);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int shown_percentiles[] = {1, 5, 25, 50, 75, 95, 99};
 
-/// Position of a corner sample in the lattice's frame; bit a of `corner` says at which end of axis a.
+/// Position of a corner sample in the lattice's frame; bit a of `corner` says at which end of axis
+/// a.
 Vec3 corner_of(const SampleLattice& lattice, int corner) {
   Vec3 p;
   for (int axis = 0; axis < 3; ++axis) {

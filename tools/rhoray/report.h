@@ -14,7 +14,8 @@
 
 namespace rhoray::tools {
 
-// What packed files and their parts look like in --json, and on a terminal. Numbers that are not finite become null.
+// What packed files and their parts look like in --json, and on a terminal. Numbers that are not
+// finite become null.
 
 using Json = nlohmann::ordered_json;
 
@@ -29,15 +30,16 @@ Json json_of(const formats::ColorGridDescription& grid);
 Json json_of(const formats::TetMeshDescription& mesh);
 Json json_of(const formats::SurfaceMeshDescription& surface);
 
-/// Where the samples of a volume stand: in the frame of the map at 0, 1, 2, ..., or where a table of the axis says.
+/// Where the samples of a volume stand: in the frame of the map at 0, 1, 2, ..., or where a table
+/// of the axis says.
 struct SampleLattice {
   const Affine& world_from_grid;
   const Index3& sample_count;
   const std::array<std::vector<double>, 3>& axes;
 };
 
-/// Origin, direction (three unit vectors), spacing (where it varies along an axis its mean) and, for each axis, the
-/// smallest and the largest spacing; all in world units.
+/// Origin, direction (three unit vectors), spacing (where it varies along an axis its mean) and,
+/// for each axis, the smallest and the largest spacing; all in world units.
 Json json_of(const SampleLattice& lattice);
 
 Json json_of(const Affine& world_from_grid);  ///< the same of samples at 0, 1, 2, ... on every axis
@@ -47,14 +49,15 @@ Box3 bounds_of(const SampleLattice& lattice);
 
 std::string text_of(const Vec3& v);        ///< 0.781 0.781 1
 std::string text_of(const Index3& index);  ///< 512 x 512 x 275
-/// One line of blocks, lowest values left; heights are logarithmic, so that a rare value can still be seen.
+/// One line of blocks, lowest values left; heights are logarithmic, so that a rare value can still
+/// be seen.
 std::string histogram_bars(const formats::FieldSummary& field, std::size_t width = 64);
 
 /// JSON that holds text of any bytes: what is not UTF-8 is replaced.
 std::string dump(const Json& json);
 
-/// The same over several lines for people: one for each member, lists that hold no objects on one line. Ends with a
-/// line's end.
+/// The same over several lines for people: one for each member, lists that hold no objects on one
+/// line. Ends with a line's end.
 std::string dump_lines(const Json& json);
 
 }  // namespace rhoray::tools

@@ -105,7 +105,8 @@ preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDispla
   return preprocess::unpack_mesh(formats::TetMesh(file));
 }
 
-/// As packing does: a mesh with fields in its cells alone shows them; one without fields that vary shows where it is.
+/// As in packing: a mesh that has only cell fields shows these; a mesh without a varying field gets
+/// position fields.
 void give_fields(preprocess::NeutralMesh& mesh, preprocess::ResampleOptions& options) {
   if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
   if (!mesh.point_fields.empty() || options.cells_to_points) return;
@@ -113,7 +114,7 @@ void give_fields(preprocess::NeutralMesh& mesh, preprocess::ResampleOptions& opt
   mesh.notes.push_back("no point data; cell data were averaged to the points");
 }
 
-/// The command as it is kept in the file.
+/// The command line stored in the file.
 std::string command_line(const ResampleCommand& command, const std::filesystem::path& output) {
   std::vector<std::string> words{"rhoray", "resample", command.input.string(), "-o", output.string()};
   std::string fields;
@@ -128,7 +129,8 @@ std::string command_line(const ResampleCommand& command, const std::filesystem::
   return shell_line(words);
 }
 
-/// Resamples to a packed grid, and for .vdb writes that as OpenVDB: its first field, without the certificate.
+/// Resamples to a packed grid, and for .vdb writes that as OpenVDB: its first field, without the
+/// certificate.
 preprocess::ResampleReport resample_to(const std::filesystem::path& output, const preprocess::NeutralMesh& mesh,
                                        const preprocess::ResampleOptions& options, ProgressDisplay& display) {
   if (output.extension() == ".rho") return preprocess::resample(mesh, output, options, display.progress());
@@ -176,7 +178,7 @@ Json report_json(const preprocess::ResampleReport& report) {
           {"attempts", attempts}};
 }
 
-/// Coverage first: an error is known only of the part of the mesh that is covered.
+/// Coverage first, because the error is known only for the covered part of the mesh.
 void say_errors(const CommonOptions& common, const preprocess::ResampleReport& report) {
   for (const auto& error : report.errors)
     say(common, concat("coverage of ", error.name, ": ", rounded(100 * error.coverage, 6),
@@ -193,7 +195,7 @@ void say_errors(const CommonOptions& common, const preprocess::ResampleReport& r
   }
 }
 
-/// Where --max-error was not reached. The file is there, and its certificate says the same.
+/// Refusal if --max-error was not reached. The file exists, and its certificate states the error.
 void refuse_missed_error(const preprocess::ResampleReport& report, const std::filesystem::path& output) {
   if (report.why_not_reached.empty()) return;
   const auto& error = report.errors.front();

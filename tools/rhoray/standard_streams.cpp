@@ -16,7 +16,8 @@ namespace rhoray::tools {
 void keep_standard_descriptors() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
-    // The lowest number that is free is this one. Opened the wrong way round, so that using it fails as before.
+    // The lowest number that is free is this one. Opened the wrong way round, so that using it
+    // fails as before.
     if (::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY) != descriptor)
       ::_exit(static_cast<int>(ErrorCode::resource));
   }

@@ -116,7 +116,7 @@ std::string names_of(const std::vector<std::filesystem::path>& inputs) {
   return names;
 }
 
-/// The verbs know no file: their refusals get the names here.
+/// Adds the file names to errors of the library functions, which do not know them.
 template <class Act>
 auto with_names(const TetrahedralizeCommand& command, Act act) {
   try {
@@ -214,7 +214,7 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
   }
 }
 
-/// Writes the facets for which the surface was refused beside the output, and says so in the refusal.
+/// Writes the faulty facets to a file beside the output, and names it in the refusal.
 [[noreturn]] void refuse_with_fault_file(const Error& refusal, const TetrahedralizeCommand& command,
                                          const NeutralSurface& surface, const std::filesystem::path& output) {
   const auto faults = preprocess::find_faults(surface, command.fill.solids_may_touch);

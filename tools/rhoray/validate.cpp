@@ -48,7 +48,7 @@ void refuse_damage(const formats::PackedFile& file, unsigned threads) {
                 concat("`rhoray verify ", file.name(), "` lists all blocks"));
 }
 
-/// Without a word the level double: depths are compared as closely as it promises them.
+/// Default level double, because depths are compared as closely as it promises them.
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");

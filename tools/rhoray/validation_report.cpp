@@ -21,7 +21,7 @@ constexpr const char* file_names[] = {"report.txt",          "report.json",    "
                                       "errors.csv",          "limits.csv",     "disputed_rays.csv",
                                       "signed_distance.png", "depth_error.png"};
 
-/// The words of the text for keys of the JSON.
+/// The terms of the text for the keys of the JSON.
 std::string shown_name(const std::string& key) {
   static const std::map<std::string, std::string> names{{"missed", "false negatives"},
                                                         {"false", "false positives"},

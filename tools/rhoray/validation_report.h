@@ -23,8 +23,9 @@ class ValidationReport {
   const Json& json() const { return json_; }
   std::string text() const;
 
-  /// report.txt, report.json, rays.csv, errors.csv, limits.csv, disputed_rays.csv; with a picture signed_distance.png
-  /// and depth_error.png. Makes the folder if it is not there. All files appear, or none and no new folder.
+  /// report.txt, report.json, rays.csv, errors.csv, limits.csv, disputed_rays.csv; with a picture
+  /// signed_distance.png and depth_error.png. Makes the folder if it is not there. All files
+  /// appear, or none and no new folder.
   void write(const std::filesystem::path& folder, bool replace_existing) const;
 
   /// Throws the checks that do not hold (ErrorCode::outside_limit).
@@ -39,7 +40,8 @@ class ValidationReport {
   Json json_;
 };
 
-/// Refuses a folder in which the report could not be written at the end of the work (ErrorCode::usage).
+/// Refuses a folder in which the report could not be written at the end of the work
+/// (ErrorCode::usage).
 void require_report_folder(const std::filesystem::path& folder, bool replace_existing);
 
 }  // namespace rhoray::tools

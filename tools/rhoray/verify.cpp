@@ -25,7 +25,7 @@ struct VerifyOptions {
   bool deep = false;
 };
 
-/// What was found in one file; all empty when it is sound.
+/// The findings in one file; all empty if it is undamaged.
 struct Findings {
   std::vector<formats::DamagedBlock> blocks;
   std::vector<std::string> sentences;  ///< beyond damaged blocks
@@ -35,7 +35,7 @@ struct Findings {
   bool none() const { return blocks.empty() && sentences.empty(); }
 };
 
-/// What the file's kind says of its own content, or why it could not be made out.
+/// Findings in the content according to the file's kind, or why it could not be read.
 std::vector<std::string> content_findings(const formats::PackedFile& file, bool deep) {
   try {
     if (file.description().kind == "grid") {

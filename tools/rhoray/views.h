@@ -25,8 +25,8 @@ const char* name_of(StudyView view);  ///< "front", "from-feet", "close-up", "in
 /// Refuses other words (ErrorCode::usage).
 StudyView study_view_named(const std::string& name);
 
-/// @param isovalue  of the surface that the close view looks at; without one, or where the front view's middle misses
-///                  it, the close view looks at the data's box
+/// @param isovalue  of the surface that the close view looks at; without one, or where the front
+///                  view's middle misses it, the close view looks at the data's box
 /// @param aspect    width of the picture over its height
 render::Camera study_camera(StudyView view, const render::Volume& volume, std::optional<double> isovalue,
                             double aspect);

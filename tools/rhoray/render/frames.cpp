@@ -124,7 +124,7 @@ render::Framebuffer empty_sheet(const ResolvedScene& plan, int columns, int fram
   return sheet;
 }
 
-/// All frames in one picture.
+/// Draws all frames in one picture.
 void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const SceneSpec& scene_spec, Sweep& sweep,
                 ResolvedScene plan) {
   Drawn drawn;

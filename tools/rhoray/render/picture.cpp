@@ -58,7 +58,7 @@ std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render
   return picks;
 }
 
-/// Of all files of a scene; the first one with damage is refused.
+/// Checks all files of a scene and refuses the first damaged one.
 void check_files(const ResolvedScene& plan) {
   for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
   for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));

@@ -53,8 +53,9 @@ class Checks {
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan);
 
-/// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks pixels: where they do not
-/// hold, nothing is traced. Those that the picture's own method relies on are proven by render::render.
+/// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks
+/// pixels: where they do not hold, nothing is traced. Those that the picture's own method relies on
+/// are proven by render::render.
 void prove_ranges(const RenderCommand& command, Drawn& drawn);
 
 /// Traces the picture and draws over it.

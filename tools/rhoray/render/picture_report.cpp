@@ -25,7 +25,7 @@ Json camera_json(const render::Camera& camera) {
   return json;
 }
 
-/// What is shown of a scene of one layer.
+/// The quantity shown by a scene of one layer.
 Json shown_json(const ResolvedScene& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;

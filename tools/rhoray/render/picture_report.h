@@ -12,8 +12,8 @@ std::string method_text(const ResolvedScene& plan);
 /// Which choices were made for the user, on stderr.
 void say_choices(const CommonOptions& common, const ResolvedScene& plan);
 
-/// What is to be known of a picture that was written: the document on stdout with --json, else statistics, picks and
-/// checks there, and the rest on stderr.
+/// What is to be known of a picture that was written: the document on stdout with --json, else
+/// statistics, picks and checks there, and the rest on stderr.
 void report(const RenderCommand& command, const Drawn& drawn);
 
 /// What the scene calls for, on stdout.

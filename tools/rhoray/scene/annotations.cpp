@@ -14,7 +14,7 @@ std::string title_of(const formats::FieldSummary& field) {
   return field.unit.empty() ? field.name : concat(field.name, " (", field.unit, ")");
 }
 
-/// Of what the layers show by colours, each once.
+/// The fields that the layers show by colours, each once.
 std::vector<ColorBar> layer_bars(const ResolvedScene& plan) {
   std::vector<ColorBar> bars;
   const auto add = [&](const ColorBar& bar) {

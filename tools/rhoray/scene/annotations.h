@@ -5,10 +5,10 @@
 
 namespace rhoray::tools {
 
-/// Whether colours of the picture stand for values: of a field, a projection or a heat map.
+/// Whether colours of the picture represent values: of a field, a projection or a heat map.
 bool shows_values(const ResolvedScene& plan);
 
-/// What is drawn over the plan's picture.
+/// The annotations drawn over the picture.
 /// @param heat  of a heat map: the numbers of its first and its last colour
 Annotations annotations_of(const ResolvedScene& plan, const Interval<double>& heat);
 

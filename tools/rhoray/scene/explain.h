@@ -8,8 +8,8 @@
 
 namespace rhoray::tools {
 
-/// What a scene calls for and what not, by layer and effect, and why. What is told is asked of the functions that the
-/// frame asks.
+/// What a scene needs and does not need, by layer and effect, and why. The answers come from the
+/// functions that rendering uses.
 Json explained(const SceneSpec& scene_spec, const ResolvedScene& plan);
 
 /// The same as lines of text.

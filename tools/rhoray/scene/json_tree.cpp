@@ -24,7 +24,8 @@ std::string syntax_text(std::string message) {
   return message;
 }
 
-/// Makes the tree while it is read, since the library's own maker lets a second key replace the first.
+/// Makes the tree while it is read, since the library's own maker lets a second key replace the
+/// first.
 class TreeMaker final : public nlohmann::json_sax<Json> {
  public:
   explicit TreeMaker(const std::string& name) : name_(name) {}

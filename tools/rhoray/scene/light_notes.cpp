@@ -56,7 +56,7 @@ bool is_inside(const Light& light, const render::Camera& camera, const OpaqueSur
   return surfaces.meets(light.place, towards_eye(camera, light.place), camera.orthographic ? everywhere : 1);
 }
 
-/// Opposite to the eye, as seen from what is looked at, to 10 degrees.
+/// Opposite to the camera, as seen from its target, within 10 degrees.
 bool is_behind(const Light& light, const render::Camera& camera) {
   constexpr double cosine_of_10_degrees = 0.984807753012208;
   const Vec3 to_eye = (camera.position - camera.target).normalized();
@@ -64,7 +64,7 @@ bool is_behind(const Light& light, const render::Camera& camera) {
   return to_light.normalized().dot(to_eye) < -cosine_of_10_degrees;
 }
 
-/// What is odd about a light that shines; nothing where nothing is.
+/// The note about a light that shines; empty if there is none.
 std::string note_of(const Light& light, const render::Scene& scene, std::span<const render::Volume> volumes) {
   const render::Camera& camera = scene.camera;
   if (light.kind == Light::Kind::head) return {};

@@ -9,12 +9,13 @@
 
 namespace rhoray::tools {
 
-/// What somebody may not have meant of a scene's lights, one sentence each: lights that do not shine, that stand inside
-/// opaque surfaces or behind all that is seen, that have a size but cast no shadows, and surfaces that nothing lights.
+/// Notes about lights that are probably a mistake, one sentence each: lights without intensity,
+/// inside opaque surfaces or behind everything visible, lights with a size that cast no shadows,
+/// and surfaces without any light.
 ///
-/// A light is taken to stand inside where each of 26 rays from it meets an opaque surface, and the ray to the eye too.
-/// That holds for any field, whichever of its sides is solid, and for triangles; where data end, or where a surface has
-/// a gap, a light inside may go unnoticed.
+/// A light counts as inside if each of 26 rays from it hits an opaque surface, and the ray to the
+/// camera too. This holds for any field, whichever side is solid, and for triangles. At the end of
+/// the data, or where a surface has a gap, a light inside may not be noticed.
 std::vector<std::string> light_notes(const render::Scene& scene, std::span<const render::Volume> volumes);
 
 }  // namespace rhoray::tools

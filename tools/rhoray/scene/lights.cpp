@@ -24,8 +24,8 @@ struct CameraAxes {
   }
 };
 
-/// Towards where a camera of these angles would stand, or in the axes of the camera that there is. Multiples of 90
-/// degrees give exact axes.
+/// Towards where a camera of these angles would stand, or in the axes of the camera that there is.
+/// Multiples of 90 degrees give exact axes.
 Vec3 direction_of(const LightSpec& spec, const render::Camera& camera) {
   constexpr double radians_per_degree = std::numbers::pi / 180;
   const auto cosine = [](double deg) {
@@ -83,7 +83,8 @@ Interval<double> distances(const Box3& box, const render::Camera& camera) {
   return range;
 }
 
-/// Colours of a wish are at most 1: more is said by an intensity, a power of two, so that no digit is lost.
+/// Colours of a specification are at most 1. Brighter lights use an intensity that is a power of
+/// two, so that no digit is lost.
 LightSpec spec_of_light(const render::Light& light) {
   LightSpec spec{.type = light.kind};
   const double brightest = std::max({light.color.x, light.color.y, light.color.z});

@@ -10,7 +10,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// What a surface may be lit by, and in what it is.
+/// The names of normals, and the kind of data they apply to.
 constexpr struct {
   const char* word;
   render::Normals normals;

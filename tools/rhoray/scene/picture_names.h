@@ -9,7 +9,7 @@
 
 namespace rhoray::tools {
 
-// The words of views, channels and heat maps, as options and documents take them.
+// Names of views, channels and heat maps, as options and documents take them.
 
 std::vector<std::string> view_words();
 

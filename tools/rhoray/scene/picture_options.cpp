@@ -97,7 +97,8 @@ std::optional<std::vector<LightSpec>> lights_of(const PictureOptions& options) {
   return key_and_fill(options.key_light, options.shadows || options.key_light_size, options.key_light_size);
 }
 
-/// A view by a word or angles replaces a place that was given; an angle of view, an orthographic one.
+/// A view by a word or angles replaces a place that was given; an angle of view, an orthographic
+/// one.
 CameraSpec camera_under(CameraSpec camera, const CameraSpec& said) {
   if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
   if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
@@ -234,7 +235,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
 
 namespace {
 
-/// What is said of surfaces where none is shown.
+/// Refuses options of surfaces if no surface is shown.
 void refuse_words_of_surfaces(const LayerSpec& layer) {
   for (const auto& [option, text] :
        {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
@@ -242,7 +243,7 @@ void refuse_words_of_surfaces(const LayerSpec& layer) {
       throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a maximum intensity projection has none"));
 }
 
-/// Slices before the layer that options speak of; alone where nothing asks for that layer.
+/// The slices, then the layer of the options; slices alone if no option asks for that layer.
 void add_slices(const PictureOptions& options, SceneSpec& scene_spec) {
   if (options.slices.empty()) return;
   LayerSpec& layer = scene_spec.layers[0];

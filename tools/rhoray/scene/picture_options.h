@@ -10,7 +10,7 @@
 
 namespace rhoray::tools {
 
-/// What may be said about a picture on the command line: wishes of one file and one layer.
+/// Options of a picture: a scene of one file and one layer.
 struct PictureOptions {
   SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
   std::string mode = "iso";
@@ -26,11 +26,12 @@ struct PictureOptions {
 /// The rows of these options, for `render`. They write into `options`, which stays where it is.
 std::vector<Option> picture_options(PictureOptions& options);
 
-/// Wishes of a file. Refuses options that say the same thing twice (ErrorCode::usage).
+/// The scene for a file. Refuses mutually exclusive options (ErrorCode::usage).
 SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file);
 
-/// A document's wishes under these options: size, background, channels, accuracy, camera, lights, effects and
-/// annotations are replaced. Refuses options about a layer, which do not say about which (ErrorCode::usage).
+/// A document's scene with these options: size, background, channels, accuracy, camera, lights,
+/// effects and annotations are replaced. Refuses options about a layer, which do not name the layer
+/// (ErrorCode::usage).
 SceneSpec with_options(SceneSpec document, const PictureOptions& options);
 
 }  // namespace rhoray::tools

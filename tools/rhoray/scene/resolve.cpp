@@ -21,8 +21,9 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note SRON/EPS/TN/09-002), made to be
-/// told apart with any colour vision; they are light enough that shading still shows.
+/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note
+/// SRON/EPS/TN/09-002), made to be told apart with any colour vision; they are light enough that
+/// shading still shows.
 constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
 
 Place root(const SceneSpec& scene_spec) {
@@ -32,7 +33,7 @@ Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
 }
 
-/// What the act refuses is refused with its place in the document. On the command line the messages name the options.
+/// Adds the place in the document to errors. On the command line the messages name the options.
 template <class Act>
 auto at_place(const Place& place, const Act& act) {
   try {
@@ -119,7 +120,7 @@ std::optional<render::Texture> texture_of(const SceneSpec& scene_spec, std::size
   return plan.textures.back();
 }
 
-/// Tells of textures that lie nowhere near the surface that they are to cover.
+/// Notes textures that do not overlap the surface they should cover.
 void note_textures_elsewhere(ResolvedScene& plan) {
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
     const render::Layer& layer = plan.scene.layers[i];
@@ -140,7 +141,8 @@ bool is_level_of_triangles(const std::string& accuracy) {
   return accuracy == "float" || accuracy == "double";
 }
 
-/// The level asked for, by the layer or the scene; a scene's level that triangles have not is none of theirs.
+/// The requested level, of the layer or the scene. A scene's level that does not exist for
+/// triangles is ignored for them.
 std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
   if (!layer.accuracy.empty()) return layer.accuracy;
   return layer.type != LayerType::mesh || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
@@ -161,7 +163,7 @@ render::Method choose_method(const SceneSpec& scene_spec, std::size_t index, ren
   return accuracy.empty() ? render::default_method(volume, mode) : render::method_of(accuracy_named(accuracy));
 }
 
-/// What a layer says of fields is refused where its data are triangles.
+/// Refuses keys about fields if the layer's data are triangles.
 void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const render::Volume& volume) {
   const LayerSpec defaults;
   const std::string accuracy = accuracy_of(scene_spec, layer);
@@ -227,7 +229,7 @@ class LayerPlanner {
     }
   }
 
-  /// What is to be triangles, and is not.
+  /// Refuses data that should be triangles and are not.
   [[noreturn]] void refuse_fields(std::size_t index, const render::Volume& volume) const {
     const std::string fact = concat(volume.file().name(), ": is a ", volume.is_mesh() ? "mesh of tetrahedra" : "grid",
                                     "; expected a packed surface of triangles");
@@ -292,7 +294,7 @@ class LayerPlanner {
     return at_place(isovalue_place(index, i), [&] { return choose_isovalue(text, volume.field()); });
   }
 
-  /// Isovalues that no cell has are left out, but not the last thing that is shown.
+  /// Isovalues outside the range are left out, unless nothing else is shown.
   void require_layers() {
     if (plan_.origins.empty() && !outside_.empty())
       chosen(outside_[0].spec, outside_[0].isovalue, plan_.volumes[outside_[0].volume]);

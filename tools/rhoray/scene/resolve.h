@@ -10,16 +10,18 @@ namespace rhoray::tools {
 
 using OpenData = std::function<render::Volume(const DataSpec&)>;
 
-/// Opens the data of visible layers and chooses what is shown of them; all but the camera. An isovalue outside its
-/// field's range is left out with a note where anything else is shown. Refuses what does not go together: of a document
-/// with the JSON pointer (ErrorCode::invalid), of a command line with the option (ErrorCode::usage).
+/// Opens the data of visible layers and resolves everything but the camera. A layer whose isovalue
+/// is outside its field's range is left out with a note if anything else is shown. Refuses
+/// conflicts: in a document with the JSON pointer (ErrorCode::invalid), on a command line with the
+/// option (ErrorCode::usage).
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open);
 
 /// The same, with data opened by load_volume.
 ResolvedScene resolve_layers(const SceneSpec& scene_spec);
 
-/// Points the camera: where it is not said, so that all that is shown is seen. Then places what depends on it: lights,
-/// ambient occlusion, fog. CandidateList at every cell of a mesh where any of these is fitted to what is shown.
+/// Points the camera: where it is not said, so that all that is shown is seen. Then places what
+/// depends on it: lights, ambient occlusion, fog. CandidateList at every cell of a mesh where any
+/// of these is fitted to what is shown.
 void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan);
 
 /// The same, around what is known to be shown.

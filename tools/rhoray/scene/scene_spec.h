@@ -12,8 +12,8 @@
 
 namespace rhoray::tools {
 
-// What someone wishes to see: filled by the command line (picture_options.h) or read from a scene document
-// (document.h), and planned by plan.h. What is not said is chosen by the data.
+// The requested scene: filled by the command line (picture_options.h) or read from a scene document
+// (document.h), and resolved by resolve.h. What is not given is chosen from the data.
 
 /// A file, opened for one of its fields.
 struct DataSpec {
@@ -46,7 +46,7 @@ struct LayerSpec {
   std::optional<bool> lit{};
 };
 
-/// What the camera, or the isovalue of a scene's only isosurface, is at a time.
+/// The camera, or the isovalue of a scene's only isosurface, at a time.
 struct KeyframeSpec {
   double time = 0;
   std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
@@ -119,7 +119,7 @@ struct ColorBarSpec {
   std::string position{};  ///< a word; empty = right
 };
 
-/// What is drawn over the finished picture.
+/// Annotations over the finished picture.
 struct AnnotationsSpec {
   std::optional<AxesSpec> axes{};
   std::optional<bool> box{};  ///< around what is shown, with numbers
@@ -143,7 +143,7 @@ struct SceneSpec {
 inline constexpr std::size_t most_layers = 254;  ///< that a frame takes
 inline constexpr std::size_t most_lights = 64;
 
-/// What numbers may be.
+/// Limits of numbers.
 namespace limits {
 inline constexpr Interval<double> elevation_deg{-90, 90};
 inline constexpr Interval<double> zoom{1e-6, 1e6};

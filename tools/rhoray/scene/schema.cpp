@@ -8,7 +8,7 @@ namespace rhoray::tools {
 
 namespace {
 
-/// A bar would end a table's cell.
+/// Escapes bars, which would end a table's cell.
 std::string cell(const std::string& text) {
   std::string out;
   for (const char letter : text) out += letter == '|' ? std::string("\\|") : std::string(1, letter);

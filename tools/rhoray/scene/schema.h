@@ -6,7 +6,8 @@
 
 namespace rhoray::tools {
 
-/// The JSON Schema (draft 2020-12) of scene documents, as published in data/scenes/scene.schema.json.
+/// The JSON Schema (draft 2020-12) of scene documents, as published in
+/// data/scenes/scene.schema.json.
 Json scene_schema();
 std::string scene_schema_text();
 

@@ -43,7 +43,7 @@ LayerSpec read_slice(const std::string& text) {
   }
 }
 
-/// Refuses what of a wish's plane does not go together.
+/// Refuses a plane given twice or incompletely.
 void check_plane(const LayerSpec& spec, const Place& place) {
   const bool has_axis = !spec.axis.empty(), has_plane = spec.point || spec.normal;
   const auto refuse = [&](const Place& at, const std::string& fact) {

@@ -11,21 +11,21 @@
 
 namespace rhoray::tools {
 
-// Slices, planes that show a field: what may be said about them in documents and on the command line, and what it
-// means.
+// Slices, planes that show a field: their keys in documents, their option, and how they are
+// resolved.
 
-/// Of a slice, beside what may be said of every layer.
+/// The keys of a slice, in addition to those of every layer.
 std::vector<Row<LayerSpec>> slice_rows();
 
 /// The row of the option that adds slices.
 Option slice_option(std::vector<LayerSpec>& slices);
 
-/// Plane, colours and opacity of a slice through this volume. Refuses one that has no plane or two, and a field without
-/// a finite value: of a document with the place (ErrorCode::invalid).
+/// Plane, colours and opacity of a slice through this volume. Refuses one that has no plane or two,
+/// and a field without a finite value: of a document with the place (ErrorCode::invalid).
 /// @param place  of the wish; of a command line without a document
 void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Place& place, render::Layer& layer);
 
-/// Says the same in a wish.
+/// Writes the slice of a layer into a specification.
 void say_slice(const render::Layer& layer, LayerSpec& spec);
 
 /// "z = 40", or "through (1, 2, 3) with normal (0, 1, 1)".

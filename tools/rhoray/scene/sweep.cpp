@@ -38,7 +38,8 @@ double slope(const std::vector<double>& times, const std::vector<double>& values
   return (values[from + 1] - values[from]) / (times[from + 1] - times[from]);
 }
 
-/// The rate of a monotone cubic at a key: the weighted harmonic mean of the slopes beside it, 0 where it turns.
+/// The rate of a monotone cubic at a key: the weighted harmonic mean of the slopes beside it, 0
+/// where it turns.
 double rate(const std::vector<double>& times, const std::vector<double>& values, std::size_t key) {
   if (key == 0) return slope(times, values, 0);
   if (key + 1 == times.size()) return slope(times, values, key - 1);
@@ -203,7 +204,8 @@ void Sweep::set_isovalue(double isovalue, ResolvedScene& plan) const {
     if (plan.origins[l].spec == isovalue_layer_) plan.scene.layers[l].isovalue = isovalue;
 }
 
-/// Finds out what is shown at the keys, and from how far all frames of a camera of angles look.
+/// Finds the box of what is shown at the keys, and the camera distance of all frames of a camera
+/// given by angles.
 void Sweep::find_reach(ResolvedScene& plan) {
   shown_ = Box3();
   if (isovalue_.is_empty())

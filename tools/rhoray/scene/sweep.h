@@ -9,9 +9,10 @@
 
 namespace rhoray::tools {
 
-/// A number that key frames name at some times. Between them it follows the monotone cubic through all of them
-/// (F. Fritsch and R. Carlson, SIAM J. Numer. Anal. 17, 1980): exact at the keys, without a jump of its rate, and never
-/// beyond the two numbers that it lies between. Before the first and after the last it stays.
+/// A number that key frames name at some times. Between them it follows the monotone cubic through
+/// all of them (F. Fritsch and R. Carlson, SIAM J. Numer. Anal. 17, 1980): exact at the keys,
+/// without a jump of its rate, and never beyond the two numbers that it lies between. Before the
+/// first and after the last it stays.
 class NumberTrack {
  public:
   void add(double time, double value);  ///< times rise
@@ -22,8 +23,9 @@ class NumberTrack {
   std::vector<double> times_, values_;
 };
 
-/// A place that key frames name at some times, likewise: a cubic through all of them whose direction at each is that
-/// from the key before to the key after (Catmull and Rom, with the keys' own times).
+/// A place that key frames name at some times, likewise: a cubic through all of them whose
+/// direction at each is that from the key before to the key after (Catmull and Rom, with the keys'
+/// own times).
 class PlaceTrack {
  public:
   void add(double time, const Vec3& value);
@@ -35,15 +37,16 @@ class PlaceTrack {
   std::vector<Vec3> values_;
 };
 
-/// A camera, and perhaps an isovalue, that move from key frame to key frame; frames lie at even times from the first
-/// key to the last. What no key names stays as the document says.
+/// A camera, and perhaps an isovalue, that move from key frame to key frame; frames lie at even
+/// times from the first key to the last. What no key names stays as the document says.
 ///
-/// A camera of angles goes round what is shown at one distance, the nearest from which every frame shows all of it at
-/// zoom 1; zoom follows its logarithm. One of places is where they say.
+/// A camera of angles goes round what is shown at one distance, the nearest from which every frame
+/// shows all of it at zoom 1; zoom follows its logarithm. One of places is where they say.
 class Sweep {
  public:
-  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an isovalue where there is
-  /// not one isosurface alone (ErrorCode::invalid, with the place); frames without keys.
+  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an
+  /// isovalue where there is not one isosurface alone (ErrorCode::invalid, with the place); frames
+  /// without keys.
   explicit Sweep(const SceneSpec& scene_spec);
 
   int frame_count() const { return frame_count_; }
@@ -52,8 +55,8 @@ class Sweep {
   /// Wishes of one frame alone.
   SceneSpec spec_at(double time) const;
 
-  /// Makes a plan of spec_at any time that of a frame: its isovalue, its camera, and what depends on it. Refuses
-  /// isovalues of keys that lie outside their field's range.
+  /// Makes a plan of spec_at any time that of a frame: its isovalue, its camera, and what depends
+  /// on it. Refuses isovalues of keys that lie outside their field's range.
   void plan_frame(int frame, ResolvedScene& plan);
 
  private:
@@ -72,8 +75,8 @@ class Sweep {
   double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1
 };
 
-/// The name of a numbered picture: %d, or %04d with as many zeros, becomes the number. Nothing where there is no such
-/// place, or another percent sign.
+/// The name of a numbered picture: %d, or %04d with as many zeros, becomes the number. Nothing
+/// where there is no such place, or another percent sign.
 std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number);
 
 }  // namespace rhoray::tools

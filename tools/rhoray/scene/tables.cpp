@@ -200,7 +200,7 @@ ValueKind<std::vector<DataSpec>> data_value() {
               }};
 }
 
-/// What an editor reads to know the schema; of no meaning to us.
+/// The key that names the schema for editors; ignored here.
 Row<SceneSpec> schema_row() {
   const ValueKind<std::string> text = text_value();
   return {.key = "$schema",

@@ -134,7 +134,8 @@ Json write_object(const Object& object, const std::vector<Row<Object>>& rows) {
   return json;
 }
 
-/// The schema rejects keys that no row has, where the reader only warns: what rejects is an editor, while one types.
+/// The schema rejects keys that no row has, where the reader only warns: what rejects is an editor,
+/// while one types.
 template <class Object>
 Json schema_of(const std::vector<Row<Object>>& rows) {
   Json properties = Json::object(), required = Json::array();
