@@ -80,7 +80,7 @@ std::string statistics_text(const render::FrameStatistics& statistics) {
          count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
          count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
          count("re-traced in double", statistics.rays_redone) + count("decided exactly", statistics.rays_exact) +
-         count("touches", statistics.touches) +
+         count("tangent hits", statistics.touches) +
          (std::isnan(statistics.largest_error)
               ? std::string()
               : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +

@@ -199,7 +199,7 @@ std::string packing_text(const Json& json) {
   std::string text;
   if (json.contains("packing")) {
     for (const PackingRow& kind : packing_rows)
-      if (const std::uint64_t count = json["packing"].value(kind.key, std::uint64_t{0}); count != 0)
+      if (const std::uint64_t count = json["packing"].value(std::string(kind.key), std::uint64_t{0}); count != 0)
         text += row("packing", concat(counted(count, kind.singular, kind.plural), " ", kind.treatment));
   }
   if (json.contains("provenance")) {

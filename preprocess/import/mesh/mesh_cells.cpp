@@ -79,7 +79,7 @@ const ForeignKindOfCell* kind_numbered(std::uint8_t number) {
   return row < 0 ? nullptr : &kinds_of_cells[row];
 }
 
-/// "triangle" of "triangles", "quadratic tetrahedron of 14 nodes" of "quadratic tetrahedra of 14 nodes".
+/// "triangle" for "triangles", "quadratic pyramid of 14 nodes" for "quadratic pyramids of 14 nodes".
 std::string singular_of(std::string_view plural) {
   const std::size_t end = std::min(plural.find(" of "), plural.size());
   std::string name(plural.substr(0, end));

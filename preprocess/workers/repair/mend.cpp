@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "formats/base/error.h"
+#include "preprocess/workers/repair/report.h"
 #include "preprocess/workers/repair/steps.h"
 
 namespace rhoray::preprocess::repair {
