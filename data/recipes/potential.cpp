@@ -98,7 +98,7 @@ System assemble(const preprocess::NeutralMesh& mesh, std::span<const double> con
     throw Error(ErrorCode::invalid,
                 concat("mesh: holds ", dipole_inside, " of the dipole at (", dipole.at_mm[0], ", ", dipole.at_mm[1],
                        ", ", dipole.at_mm[2], "); expected about 1"),
-                "move it inside, make it wider or the mesh finer");
+                "move it inside, make it wider, or use a finer mesh");
   system.load /= dipole_inside;
   return system;
 }
@@ -128,7 +128,7 @@ Vector solve(const System& system, PotentialReport& report) {
   if (system.load.size() <= most_direct) {
     const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor(system.stiffness);
     if (factor.info() != Eigen::Success)
-      throw Error(ErrorCode::invalid, "mesh: the system of equations is singular", "are there points without cells?");
+      throw Error(ErrorCode::invalid, "mesh: the system of equations is singular", "look for points without cells");
     return factor.solve(system.load);
   }
   Eigen::ConjugateGradient<Matrix, Eigen::Lower, Eigen::IncompleteCholesky<double, Eigen::Lower>> iteration;
@@ -141,7 +141,7 @@ Vector solve(const System& system, PotentialReport& report) {
     throw Error(ErrorCode::invalid,
                 concat("mesh: potential not found after ", iteration.iterations(), " iterations; residual ",
                        iteration.error(), ", expected 1e-10"),
-                "look for very flat cells and parts that hang loose");
+                "look for very flat cells and for disconnected parts");
   return solution;
 }
 

@@ -331,7 +331,7 @@ Table isovalue_table(const BenchOptions& options, const Step& step) {
   BenchOptions surfaces = options;
   surfaces.mip = false;
   Table table{"isovalue",
-              "The next picture after a change, and what a change takes before its first pixel",
+              "First picture after a change, and the preparation before its first pixel",
               picture_context(options, volume),
               {}};
   for (const Shot& shot : shots(surfaces, volume))
@@ -404,7 +404,8 @@ Table pack_table(const BenchOptions& options, const Step& step) {
   });
   cpu_seconds.erase(cpu_seconds.begin());  // the round that was not timed
 
-  Table table{"pack", "Packing, beside reading the file and writing the raw data once", bench_context(options), {}};
+  Table table{
+      "pack", "Packing, compared with reading the file and writing the raw data once", bench_context(options), {}};
   const Spread packing = spread_of(seconds[0]), copying = spread_of(seconds[1]);
   Json row{{"content", packed.content}};
   add_spread(row, "pack_s", packing);

@@ -233,14 +233,15 @@ void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
     return finding.mesh_cells > std::max(1.0, surface.triangle_radius);
   });
   if (away > 0)
-    report.notes.push_back(concat(
-        away, " hits on parts of the surface that the mesh does not contain; they were checked against the field"));
+    report.notes.push_back(
+        concat(count_text(away, "hit", "hits"),
+               " on parts of the surface that the mesh does not contain; they were checked against the field"));
   const auto unproved = std::count_if(far.findings.begin(), far.findings.end(), [&](const Finding& finding) {
     return std::isnan(finding.distance_cells) && !std::isnan(finding.mesh_cells);
   });
   if (unproved > 0)
-    report.notes.push_back(concat(unproved,
-                                  " hits where the field only touches the isovalue in every direction examined: no "
+    report.notes.push_back(concat(count_text(unproved, "hit", "hits"),
+                                  " where the field only touches the isovalue in every direction examined: no "
                                   "crossing shows how far they are from the surface"));
   report.notes.push_back(concat("the mesh's triangles have a radius of about ",
                                 std::round(100 * surface.triangle_radius) / 100,
