@@ -434,7 +434,7 @@ TEST(SceneCommand, counts_rays_towards_lights_only_where_they_are_called_for) {
     EXPECT_EQ(told["lights"].size(), has_key_light ? 2U : 1U);
   }
   EXPECT_THAT(bench.rhoray({"render", "ball.rho", "--light", "90,0", "--shadows", "--explain"}).out,
-              HasSubstr("light 0: from (1, 0, 0), colour (0.8, 0.8, 0.8), casts shadows\nlight 1: at the eye"));
+              HasSubstr("light 0: from (1, 0, 0), colour (0.8, 0.8, 0.8), casts shadows\nlight 1: at the camera"));
 }
 
 TEST(SceneCommand, prints_schema_and_keys_without_a_file) {

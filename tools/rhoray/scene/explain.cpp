@@ -71,7 +71,7 @@ std::string light_text(const render::Light& light) {
   const std::string brightness = concat(", colour ", vector_text(light.color));
   switch (light.kind) {
     case render::Light::Kind::head:
-      return "at the eye" + brightness;
+      return "at the camera" + brightness;
     case render::Light::Kind::directional:
       return concat("from ", vector_text(light.place), brightness, shadows_text(light));
     case render::Light::Kind::point:

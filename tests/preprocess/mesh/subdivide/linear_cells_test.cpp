@@ -233,7 +233,7 @@ TEST(Polyhedra, that_no_point_sees_whole_are_told_of) {
       prism_over({{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0}, {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}}, 1);
   const NeutralMesh tets = subdivide(std::move(mesh));
   EXPECT_NEAR(mesh_volume(tets), 7, 1e-12) << "what overlaps counts twice and once against";
-  EXPECT_THAT(tets.notes, Contains(HasSubstr("1 cell has no point that sees all faces")));
+  EXPECT_THAT(tets.notes, Contains(HasSubstr("1 cell has no inner point that sees all faces")));
 }
 
 TEST(Polyhedra, equal_to_hexahedra_are_cut_like_them_on_their_faces) {
