@@ -238,7 +238,7 @@ TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_n
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0.5, 1, 0]}])"), testing::IsEmpty());
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0, -1, 0]}])"), testing::IsEmpty());
   EXPECT_THAT(notes(R"([{"type": "directional", "direction": [0, -1, 0], "angular_diameter": 3}])"),
-              ElementsAre(HasSubstr("light 0 has a size, which only shadows show")));
+              ElementsAre(HasSubstr("light 0 has a size but casts no shadows")));
   EXPECT_THAT(notes("[]"), testing::IsEmpty());
   EXPECT_THAT(notes("[]", R"("isovalue": 100, "ambient": 0)"), ElementsAre(HasSubstr("no light has intensity")));
   EXPECT_THAT(notes(R"([{"type": "head"}])", R"("isovalue": 100, "opacity": 0)"),

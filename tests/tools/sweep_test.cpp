@@ -204,7 +204,7 @@ TEST_F(SweepCommand, refuses_what_does_not_move) {
             "s.json: /camera/keyframes/1/isovalue: isovalue 900 is outside the range 0 to 237 of field 'ball'"},
            {R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", "isovalue": [80, 90]}],
               "camera": {"keyframes": [{"time": 0, "isovalue": 50}, {"time": 1}]}})",
-            named, "s.json: /camera/keyframes/0/isovalue: the scene shows 2 isosurfaces; expected one"},
+            named, "s.json: /camera/keyframes/0/isovalue: the scene shows 2 isosurfaces; expected exactly one"},
            {scene(R"([{"time": 0}, {"time": 1e9}])"), named, "s.json: /camera/keyframes: need "},
            {scene(good), {"-o", "x.png"}, "-o: found 'x.png'; expected a name with a frame number", 2},
            {scene(good), {"--frames", "3", "--frame", "3", "-o", "x.png"}, "--frame: found 3; expected 0 to 2", 2},
