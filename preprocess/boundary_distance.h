@@ -8,9 +8,9 @@
 
 namespace rhoray::preprocess {
 
-/// The distance of each point to the nearest of the triangles (exact up to rounding; they are searched through a tree
-/// of boxes, on all cores). Corners of triangles have 0. Expects finite corners of triangles, at least one triangle; a
-/// point that is not finite has a distance that is not.
+/// Returns the distance of each point to the nearest triangle. It is exact up to rounding; a tree
+/// of boxes is searched on all cores. Corners of triangles have distance 0. Expects at least one
+/// triangle, and finite corners. The distance of a point that is not finite is not finite.
 Array<double> distances_to(std::span<const std::array<std::uint64_t, 3>> triangles,
                            std::span<const std::array<double, 3>> points);
 

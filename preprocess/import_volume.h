@@ -17,25 +17,29 @@ struct RawVolume {
   std::uint64_t skipped_bytes = 0;
 };
 
-/// Parses `NXxNYxNZ:TYPE[:le|be][:SKIP]`; refuses with ErrorCode::usage and the part that is wrong.
+/// Parses `NXxNYxNZ:TYPE[:le|be][:SKIP]`. Refuses other text with ErrorCode::usage and names the
+/// part that is wrong.
 RawVolume parse_raw_volume(const std::string& text);
 
 struct ImportVolumeOptions {
-  std::optional<RawVolume> raw;            ///< read as headerless bytes
-  std::string field;                       ///< name of the array to take; empty = the only or first scalar one
-  bool colors = false;                     ///< 8-bit colours of 3 or 4 components are read instead of values
-  bool length_of_vectors = false;          ///< where no array is scalar: the length of the first, instead of refusing
-  std::optional<Vec3> spacing;             ///< replaces the file's
-  std::optional<Vec3> origin;              ///< replaces the file's
-  std::uint64_t memory_limit_bytes = 0;    ///< of the reading process; 0 = none
-  std::filesystem::path scratch_folder{};  ///< when not empty, a cap on anonymous memory (memory_cap.h), not a limit
-  Progress progress{};                     ///< phase "reading (bytes)", of formats that are read array by array
+  std::optional<RawVolume> raw;  ///< read as headerless bytes
+  /// name of the array to take; empty = the only or first scalar one
+  std::string field;
+  bool colors = false;  ///< read 8-bit colours of 3 or 4 components instead of values
+  /// where no array is scalar, take the length of the first one instead of refusing
+  bool length_of_vectors = false;
+  std::optional<Vec3> spacing;           ///< replaces the file's
+  std::optional<Vec3> origin;            ///< replaces the file's
+  std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
+  /// when not empty, the limit is a cap on anonymous memory (memory_cap.h)
+  std::filesystem::path scratch_folder{};
+  Progress progress{};  ///< phase "reading (bytes)", of formats that are read array by array
 };
 
-/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mhd, .mha), NIfTI (.nii, .nii.gz), VTK image data (.vti, legacy .vtk), or raw
-/// bytes. The reader runs in a process of its own; its crash becomes a refusal.
-/// Spacing, origin and direction become world_from_grid, units are kept. Colours are read from stacks of pictures,
-/// NRRD, MetaImage and VTK image data.
+/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mhd, .mha), NIfTI (.nii, .nii.gz), VTK image data (.vti,
+/// legacy .vtk), or raw bytes. The reader runs in a separate process; its crash becomes a refusal.
+/// Spacing, origin and direction become world_from_grid; units are kept. Colours are read from
+/// image stacks, NRRD, MetaImage and VTK image data.
 NeutralVolume import_volume(const std::filesystem::path& path, const ImportVolumeOptions& options = {});
 
 }  // namespace rhoray::preprocess

@@ -8,14 +8,14 @@
 
 namespace rhoray::preprocess {
 
-/// What is wrong with a facet. The numbers stay: they stand in files of faulty facets.
+/// Faults of a facet. The numbers must not change: files of faulty facets hold them.
 enum class FacetFault : std::uint8_t {
   not_finite = 1,       ///< a corner's coordinate is not a finite number
   flat = 2,             ///< no area, or fewer than three corners
-  twin = 3,             ///< there is another with the same corners
-  at_open_edge = 4,     ///< meets no other facet at an edge
-  at_crowded_edge = 5,  ///< meets more than one other facet at an edge
-  crossing = 6          ///< has points in common with another facet beside shared corners and edges
+  twin = 3,             ///< another facet has the same corners
+  at_open_edge = 4,     ///< has an edge that no other facet shares
+  at_crowded_edge = 5,  ///< has an edge that more than one other facet shares
+  crossing = 6          ///< intersects another facet outside shared corners and edges
 };
 
 std::string_view name_of(FacetFault fault);
@@ -25,8 +25,8 @@ struct FaultyFacet {
   FacetFault fault = FacetFault::flat;
 };
 
-/// The facets for which `tetrahedralize` refuses a surface, in rising order; a facet may be there for several faults.
-/// Decided by exact arithmetic in a worker process.
+/// Returns the facets for which `tetrahedralize` refuses a surface, in ascending order. A facet
+/// with several faults is listed for each. A worker process decides them in exact arithmetic.
 std::vector<FaultyFacet> find_faults(const NeutralSurface& surface, bool solids_may_touch = false);
 
 }  // namespace rhoray::preprocess

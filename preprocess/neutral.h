@@ -13,39 +13,46 @@
 
 namespace rhoray::preprocess {
 
-/// An array whose size goes with the data. Where it lies is the memory resource's business: the default one unless a
-/// run under a memory cap has set another.
+/// An array whose size grows with the data. The memory resource decides where it is stored. This is
+/// the default resource, unless a run under a memory cap has set another.
 template <class T>
 using Array = std::pmr::vector<T>;
 
-/// What a foreign file holds, in our words, before anything is decided about it. Importers make these; the verbs
-/// (pack, tetrahedralize) take them. Between processes they travel as packed files (worker/handover.h).
+/// The content of a foreign file in Rhoray's own types, before anything is decided about it.
+/// Importers make these; the commands (pack, tetrahedralize) take them. Between processes they
+/// travel as packed files (process/messages.h).
 
-/// An array of a file with several numbers for each sample. Fields made of it are NAME.0, NAME.1, ... and NAME.mag.
+/// An array of a file with several numbers for each sample. Fields made from it are NAME.0, NAME.1,
+/// ... and NAME.mag.
 struct VectorArray {
   std::string name;
   int component_count = 2;
 };
 
-/// Samples on a regular lattice, x fastest, one value each; or colours.
+/// Samples on a regular lattice, x fastest: one value each, or colours.
 struct NeutralVolume {
   Index3 sample_count;
-  int component_count = 1;  ///< of a sample, side by side: of colours 3 (red, green, blue) or 4 (and alpha)
+  /// per sample, interleaved; colours have 3 (red, green, blue) or 4 (and alpha)
+  int component_count = 1;
   formats::ElementType type = formats::ElementType::U8;
-  Array<std::byte> owned_samples;       ///< either these,
+  Array<std::byte> owned_samples;       ///< either these
   std::shared_ptr<const void> mapping;  ///< or a mapping that keeps `samples` alive
-  std::span<const std::byte> samples;   ///< native byte order, component_count x volume(sample_count) elements
-  std::filesystem::path samples_file;   ///< when not empty, `mapping` is of this file and `samples` lie in it
+  /// native byte order, component_count x volume(sample_count) elements
+  std::span<const std::byte> samples;
+  /// when not empty, `mapping` is of this file and holds `samples`
+  std::filesystem::path samples_file;
   std::uint64_t samples_first_byte = 0;
   Affine world_from_grid;
-  /// Where the samples of each axis stand in the frame of world_from_grid, rising; empty = at 0, 1, 2, ...
+  /// Positions of the samples along each axis in the frame of world_from_grid, ascending. Empty =
+  /// at 0, 1, 2, ...
   std::array<std::vector<double>, 3> axes;
   std::string length_unit;
   std::string field_name;
   std::string field_unit;
-  std::vector<std::string> other_fields;  ///< names of further scalar fields in the file, as `--field` takes them
-  std::vector<VectorArray> vectors;       ///< of which `--field` takes one component, or the length
-  std::vector<std::string> notes;         ///< what reading changed or left out, one sentence each
+  /// names of further scalar fields in the file, as `--field` takes them
+  std::vector<std::string> other_fields;
+  std::vector<VectorArray> vectors;  ///< `--field` takes one component of these, or the length
+  std::vector<std::string> notes;    ///< what reading changed or left out, one sentence each
 };
 
 /// Values at points or in cells: `component_count` numbers for each, interleaved.
@@ -53,11 +60,13 @@ struct NeutralField {
   std::string name;
   std::string unit;
   int component_count = 1;
-  bool was_single_precision = true;  ///< the source held 32-bit floats or small integers: F32 keeps every bit
+  /// the source held 32-bit floats or small integers: F32 keeps every bit
+  bool was_single_precision = true;
   Array<double> values;
 };
 
-/// Kinds of volume cells, numbered and with their nodes ordered as in VTK 9 (its vtkCellType.h is the reference).
+/// Kinds of volume cells. Numbers and node orders are those of VTK 9 (its vtkCellType.h is the
+/// reference).
 enum class CellKind : std::uint8_t {
   tetrahedron = 10,
   voxel = 11,
@@ -80,31 +89,35 @@ enum class CellKind : std::uint8_t {
   lagrange_hexahedron = 72,
   lagrange_wedge = 73,
   lagrange_pyramid = 74,
-  quadratic_pyramid_14 = 200,  ///< Exodus PYRAMID14: 13 nodes and the middle of the base; not in VTK
+  /// Exodus PYRAMID14: 13 nodes and the centre of the base; not in VTK
+  quadratic_pyramid_14 = 200,
   quadratic_tetrahedron_14 =
-      201  ///< Exodus TETRA14: 10 nodes and the middles of faces 0-1-3, 1-2-3, 0-3-2, 0-2-1; not in VTK
+      /// Exodus TETRA14: 10 nodes and the middles of faces 0-1-3, 1-2-3, 0-3-2, 0-2-1; not in VTK
+  201
 };
 
-/// A mesh of volume cells of any kind, as a foreign file has them: cell c has the nodes
-/// cell_nodes[cell_offsets[c] .. cell_offsets[c+1]-1]. Those of a polyhedron are a stream of its faces: face count,
-/// then for each face its corner count and its corners. Lines and faces were left out and counted in notes.
+/// A mesh of volume cells of any kind, as read from a foreign file. Cell c has the nodes
+/// cell_nodes[cell_offsets[c] .. cell_offsets[c+1]-1]. The nodes of a polyhedron are a stream of
+/// its faces: the face count, then for each face its corner count and its corners. Lines and faces
+/// were left out and are counted in notes.
 struct CellMesh {
   Array<std::array<double, 3>> points;
   Array<CellKind> kinds;
   Array<std::uint64_t> cell_offsets{0};
   Array<std::uint64_t> cell_nodes;  ///< not yet checked
-  Array<std::uint64_t> cell_ids;    ///< position in the source; empty when nothing was left out
+  Array<std::uint64_t> cell_ids;    ///< index in the source; empty when nothing was left out
   std::vector<NeutralField> point_fields;
   std::vector<NeutralField> cell_fields;
   std::string length_unit;
   std::vector<std::string> notes;
 };
 
-/// An unstructured mesh of tetrahedra, given as such or made from cells of other kinds.
+/// An unstructured mesh of tetrahedra, read as such or made from cells of other kinds.
 struct NeutralMesh {
   Array<std::array<double, 3>> points;
   Array<std::array<std::uint64_t, 4>> cells;  ///< VTK vertex order as given; not yet checked
-  Array<std::uint64_t> cell_ids;  ///< position in the source of the cell that each was or was part of; empty = its own
+  /// index in the source of the cell that each was or was part of; empty = its own index
+  Array<std::uint64_t> cell_ids;
   std::vector<NeutralField> point_fields;
   std::vector<NeutralField> cell_fields;
   std::string length_unit;
@@ -119,12 +132,13 @@ struct NeutralSurface {
     double max_volume = 0;       ///< of its tetrahedra; 0 = no limit
   };
   Array<std::array<double, 3>> points;
-  Array<double> point_sizes;  ///< wanted edge length at each point (TetGen .mtr); empty = not given
+  Array<double> point_sizes;  ///< target edge length at each point (TetGen .mtr); empty = not given
   /// Facet f has the corners facet_corners[facet_offsets[f] .. facet_offsets[f+1]-1].
   Array<std::uint64_t> facet_offsets{0};
-  Array<std::uint64_t> facet_corners;  ///< positions of points
-  /// Facets that make one planar face together, an outline and what lies in it (TetGen .poly), stand side by side and
-  /// carry the same number here: 0, 1, 2, ... Empty = every facet is a face of its own.
+  Array<std::uint64_t> facet_corners;  ///< indices of points
+  /// Facets that make one planar face together (TetGen .poly: an outline and what lies in it) are
+  /// consecutive and carry the same number here: 0, 1, 2, ... Empty = every facet is a face of its
+  /// own.
   Array<std::uint64_t> facet_faces;
   struct Opening {
     std::uint64_t face = 0;      ///< a number of facet_faces

@@ -12,9 +12,9 @@ namespace rhoray::preprocess {
 struct PackColorsOptions {
   bool is_linear = false;               ///< x fastest instead of bricks
   std::int64_t brick_edge = 8;          ///< 2 to 64
-  std::int64_t largest_superbrick = 8;  ///< as PackVolumeOptions
-  std::string command{};                ///< kept in the file
-  std::string source_name{};            ///< kept in the file
+  std::int64_t largest_superbrick = 8;  ///< as in PackVolumeOptions
+  std::string command{};                ///< stored in the file
+  std::string source_name{};            ///< stored in the file
   bool replace_existing = false;
 };
 
@@ -23,8 +23,9 @@ struct PackColorsReport {
   std::uint64_t file_bytes = 0;
 };
 
-/// Sorts colours into bricks and writes them as a packed file for textures. Runs on all threads; the file does not
-/// depend on the number of threads. Refuses what is not colours of 3 or 4 components of 8 bits on a uniform lattice.
+/// Sorts colours into bricks and writes them as a packed file for textures. Runs on all threads;
+/// the file does not depend on the number of threads. Refuses anything but colours of 3 or 4
+/// components of 8 bits on a uniform lattice.
 PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem::path& path,
                              const PackColorsOptions& options = {}, const Progress& progress = {});
 

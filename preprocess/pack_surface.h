@@ -19,13 +19,14 @@ struct PackSurfaceOptions {
 struct PackSurfaceReport {
   formats::SurfaceMeshDescription description;
   std::uint64_t file_bytes = 0;
-  std::vector<std::string> notes;  ///< what was met and done about it, one sentence each; without the importer's
+  /// problems found and how they were handled, one sentence each; without the importer's
+  std::vector<std::string> notes;
 };
 
-/// Writes a surface as a packed one. Facets of more than three corners are cut into triangles between their own
-/// corners: by ears of their projection along their mean normal's largest component. Points are stored as F32 where
-/// that keeps every bit, else as F64. Refuses a surface without triangles, and faces made of several outlines
-/// (ErrorCode::unsupported).
+/// Writes a surface as a packed one. Facets of more than three corners are cut into triangles
+/// between their own corners. They are cut by ear clipping, projected along the largest component
+/// of their mean normal. Points are stored as F32 where that keeps every bit, else as F64. Refuses
+/// a surface without triangles. Refuses faces made of several outlines (ErrorCode::unsupported).
 PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
                                const PackSurfaceOptions& options = {}, const Progress& progress = {});
 

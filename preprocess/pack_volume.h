@@ -11,9 +11,9 @@
 
 namespace rhoray::preprocess {
 
-/// How samples lie in the file.
+/// Order of the samples in the file.
 enum class SampleOrder {
-  bricks,  ///< bricks of bricks
+  bricks,  ///< bricks, grouped in superbricks
   linear,  ///< plain x-fastest order
   sparse   ///< only the bricks in which a field has data; for F32 and F64
 };
@@ -21,12 +21,14 @@ enum class SampleOrder {
 struct PackVolumeOptions {
   SampleOrder order = SampleOrder::bricks;
   std::optional<std::int64_t> brick_edge{};  ///< 2 to 64; not given: 4, and 8 in the sparse order
-  std::int64_t largest_superbrick = 8;       ///< bricks per axis of a superbrick at most, 1 to 64; 1: none
+  /// largest number of bricks per axis of a superbrick, 1 to 64; 1: none
+  std::int64_t largest_superbrick = 8;
   std::int64_t macro_factor = 4;
   int macro_level_count = 3;
-  std::optional<formats::ElementType> type{};  ///< store as this type; refused when a value would not survive unchanged
-  std::string command{};                       ///< kept in the file
-  std::string source_name{};                   ///< kept in the file
+  /// store as this type; refused when it would change a value
+  std::optional<formats::ElementType> type{};
+  std::string command{};      ///< stored in the file
+  std::string source_name{};  ///< stored in the file
   bool replace_existing = false;
 };
 
@@ -35,17 +37,18 @@ struct PackVolumeReport {
   std::uint64_t file_bytes = 0;
 };
 
-/// Sorts a volume into bricks, builds the macro levels and writes a packed grid. Runs on all threads; the file does
-/// not depend on the number of threads. Refuses volumes with fewer than two samples on an axis, and types that a packed
-/// grid does not hold (64-bit integers that do not fit F64 exactly).
+/// Sorts a volume into bricks, builds the macro levels and writes a packed grid. Runs on all
+/// threads; the file does not depend on the number of threads. Refuses volumes with fewer than two
+/// samples on an axis. Refuses types that a packed grid does not hold (64-bit integers that do not
+/// fit F64 exactly).
 ///
-/// Positions of samples (NeutralVolume::axes) are kept; an axis whose positions are exactly first + i * step becomes
-/// part of world_from_grid instead.
+/// Positions of samples (NeutralVolume::axes) are kept. An axis whose positions are exactly first +
+/// i * step becomes part of world_from_grid instead.
 PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,
                              const PackVolumeOptions& options = {}, const Progress& progress = {});
 
-/// As pack_volume, for several fields on one lattice: the first is shown by default. Refuses fields whose lattices
-/// differ (ErrorCode::invalid), and two of the same name.
+/// As pack_volume, for several fields on one lattice; the first is shown by default. Refuses fields
+/// whose lattices differ (ErrorCode::invalid), and two fields of the same name.
 /// @param fields  at least one
 PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
                            const PackVolumeOptions& options = {}, const Progress& progress = {});

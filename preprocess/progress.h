@@ -9,12 +9,14 @@
 
 namespace rhoray::preprocess {
 
-/// Called now and then during long work, from one thread at a time: what is being done, and how much of it.
-/// `total` is 0 where it is not known. A phase may end with what is counted, in brackets: "writing (bytes)". It may
-/// throw to stop the work; nothing is then left behind.
+/// Called now and then during long work, from one thread at a time, with the current phase and how
+/// much of it is done. `total` is 0 where it is not known. A phase may end with the unit that is
+/// counted, in brackets: "writing (bytes)". The callback may throw to stop the work; no partial
+/// result is left behind.
 using Progress = std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)>;
 
-/// One phase of work done by many threads at once: adds up what they report and passes it on, one call at a time.
+/// One phase of work done by many threads at once. Adds up what they report and passes it on, one
+/// call at a time.
 class ProgressMeter {
  public:
   ProgressMeter(const Progress& progress, std::string phase, std::uint64_t total)

@@ -1,5 +1,5 @@
 #pragma once
 
-/// The porch of preprocess/worker: one act in a process of its own with limits, for the doors that have programs of
-/// their own beside `rhoray`.
+/// Public header of preprocess/process: runs one task in a separate process with limits, for layers
+/// that have programs of their own beside `rhoray`.
 #include "preprocess/process/child_process.h"

@@ -9,26 +9,33 @@
 namespace rhoray::preprocess {
 
 struct SubdivideOptions {
-  /// Largest error of higher-order cells, geometric as a share of the mesh's box diagonal and of every point field as a
-  /// share of its range: between the curved cell and the tetrahedra that stand for it.
+  /// Largest error of higher-order cells: the difference between the curved cell and its
+  /// tetrahedra. The geometric error is a fraction of the mesh's box diagonal, that of a point
+  /// field a fraction of its range.
   double max_error = 0.01;
-  /// The point fields whose error counts, by their names, as NAME or NAME.component; the others come along. Empty: all.
+  /// The point fields whose error counts, as NAME or NAME.component; the others are carried along.
+  /// Empty: all.
   std::vector<std::string> fields{};
-  /// An edge that stretches over less than this share of its higher-order cell is not cut for the sake of the error.
+  /// An edge that spans less than this fraction of its higher-order cell is not cut to reduce the
+  /// error.
   double finest = 1.0 / 256;
 };
 
-/// Makes tetrahedra of cells of every kind. Their faces agree with the neighbours': wherever a face is shared by two
-/// cells, both cut it alike, also where cells are collapsed (name a point twice). `cell_ids` tells which cell each came
-/// from; cell fields go with it. A mesh of tetrahedra is moved as it is.
+/// Cuts cells of every kind into tetrahedra. Where two cells share a face, both cut it in the same
+/// way, even where cells are collapsed (name a point twice). `cell_ids` tells which cell each
+/// tetrahedron came from; cell fields are copied to it. A mesh of tetrahedra is moved unchanged.
 ///
-/// Cells of flat faces are cut along their own edges; where tetrahedra would overlap, they get a point inside. Cells of
-/// higher order are cut until the error holds, by their shape functions; notes say how large it is, as sampled, when it
-/// is larger than asked for, and which errors the cuts were made for. Nodes that no tetrahedron needs are left out.
+/// Cells with flat faces are cut along their own edges; where tetrahedra would overlap, they get a
+/// point inside. Higher-order cells are cut by their shape functions until the error is small
+/// enough. Notes give the sampled error when it is larger than requested, and the errors for which
+/// cuts were made. Nodes that no tetrahedron needs are left out.
 ///
-/// Refuses (ErrorCode::invalid) points that are not there, node counts that do not fit their kind and polyhedra that
-/// are not closed; (ErrorCode::unsupported) Lagrange cells of an order above 10 or of different orders along their
-/// axes; (ErrorCode::usage) errors that are not above 0.
+/// Refuses:
+///  * ErrorCode::invalid: points that do not exist, node counts that do not fit their kind, and
+///    polyhedra that are not closed;
+///  * ErrorCode::unsupported: Lagrange cells of an order above 10 or of different orders along
+///    their axes;
+///  * ErrorCode::usage: errors that are not above 0.
 NeutralMesh subdivide(CellMesh mesh, const SubdivideOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

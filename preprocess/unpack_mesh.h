@@ -5,8 +5,9 @@
 
 namespace rhoray::preprocess {
 
-/// A packed mesh as a neutral one: points in world coordinates, fields at points, cell ids. Points stand in the
-/// source's order, cells by their ids: those that were cut from one cell side by side.
+/// Converts a packed mesh into a neutral one: points in world coordinates, fields at points, cell
+/// ids. Points are in the source's order. Cells are ordered by their ids, so those cut from one
+/// cell are consecutive.
 NeutralMesh unpack_mesh(const formats::TetMesh& packed);
 
 }  // namespace rhoray::preprocess
