@@ -17,7 +17,8 @@ struct Triangle {
 };
 
 /// Squared distance by the region of the triangle that is nearest: a corner, an edge or the inside
-/// (Ericson, Real-Time Collision Detection, 5.1.5). A triangle without area counts as its edges.
+/// (Ericson, Real-Time Collision Detection, 5.1.5). A triangle without area is treated as its
+/// edges.
 double squared_distance(const Vec3& p, const Triangle& t) {
   const Vec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -39,8 +40,8 @@ double squared_distance(const Vec3& p, const Triangle& t) {
   return (ap - vb / sum * ab - vc / sum * ac).length2();
 }
 
-/// Triangles halved again and again across the longest side of their centres' box. Nodes stand in preorder: the first
-/// child follows its parent.
+/// A binary tree over triangles. Each node is halved across the longest side of the box of its
+/// triangles' centres. Nodes are stored in preorder: the first child follows its parent.
 class TriangleTree {
  public:
   explicit TriangleTree(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
@@ -95,7 +96,7 @@ class TriangleTree {
     return node;
   }
 
-  /// The nearer child first, so that the farther is seldom entered.
+  /// Visits the nearer child first, so that the farther one is rarely entered.
   void search(std::size_t index, const Vec3& p, double& nearest) const {
     const Node& node = nodes_[index];
     if (node.second == 0) {

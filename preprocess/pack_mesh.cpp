@@ -26,7 +26,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// At least one leaf cell: a share of few tetrahedra may come out below.
+/// At least one leaf cell: the product may be less for few tetrahedra.
 double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count) {
   const double share = options.leaf_cells_per_tetrahedron;
   if (!std::isfinite(share) || share <= 0)
@@ -35,7 +35,7 @@ double wanted_leaf_cells(const PackMeshOptions& options, std::size_t cell_count)
   return std::max(1.0, share * static_cast<double>(cell_count));
 }
 
-/// Positions of the cells in the source file.
+/// Indices of the cells in the source file.
 Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, const std::string& source_name) {
   Array<std::uint32_t> ids;
   ids.reserve(clean.source_cells.size());
@@ -68,7 +68,7 @@ void check_cluster_size(const PackMeshOptions& options) {
                      formats::ClusterShape::largest_cell_count));
 }
 
-/// All but the counts of the structure.
+/// Fills everything but the counts of the structure.
 formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanMesh& clean,
                                            const std::vector<PointField>& fields, const PackMeshOptions& options) {
   formats::TetMeshDescription packed;
@@ -99,7 +99,7 @@ std::uint64_t bytes_of(const std::vector<formats::ArraySpec>& arrays) {
   return bytes;
 }
 
-/// Arrays written piece by piece, so that progress is seen.
+/// Writes arrays in pieces, so that progress is reported.
 class MeteredWriter {
  public:
   MeteredWriter(formats::PackedFileWriter& writer, const Progress& progress, std::uint64_t bytes)
@@ -121,13 +121,13 @@ class MeteredWriter {
   ProgressMeter meter_;
 };
 
-/// Leaf lists or clusters: one of them is there.
+/// Either leaf lists or clusters; one of them is set.
 struct Structure {
   std::optional<LeafLists> lists;
   std::optional<Clusters> clusters;
 };
 
-/// Builds it and tells the description of it.
+/// Builds the structure and completes its description.
 Structure build_structure(const CleanMesh& clean, const PackMeshOptions& options, const Progress& progress,
                           formats::TetMeshDescription& packed) {
   Structure structure;
@@ -164,7 +164,7 @@ void write_ranges(MeteredWriter& writer, std::size_t field, const std::vector<Le
     writer.write(concat("range.", field, ".", level), std::span<const typename Level::value_type>(levels[level]));
 }
 
-/// The field's values and its intervals on every level.
+/// Writes the field's values and its intervals on every level.
 template <class T>
 void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& values, const CleanMesh& clean,
                  const Structure& structure, const formats::MacroShape& shape) {

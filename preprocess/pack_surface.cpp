@@ -14,7 +14,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-using Corners = std::array<std::uint64_t, 3>;  // positions of points
+using Corners = std::array<std::uint64_t, 3>;  // indices of points
 
 Vec3 point_at(const NeutralSurface& surface, std::uint64_t position) {
   const std::array<double, 3>& p = surface.points[position];
@@ -32,7 +32,7 @@ bool has_area(const NeutralSurface& surface, const Corners& corners) {
   return normal.x != 0 || normal.y != 0 || normal.z != 0;
 }
 
-/// Outlines that lie in one another mean holes, which triangles between the corners of each would fill.
+/// Nested outlines mean holes, which triangles between the corners of each outline would fill.
 void refuse_outlines(const NeutralSurface& surface, const std::string& source_name) {
   const auto& faces = surface.facet_faces;
   if (surface.openings.empty() && std::adjacent_find(faces.begin(), faces.end()) == faces.end()) return;
@@ -41,7 +41,7 @@ void refuse_outlines(const NeutralSurface& surface, const std::string& source_na
               "tetrahedralize reads such faces");
 }
 
-/// Facets whose corners are finite, as triangles.
+/// Triangulates a facet; returns nothing unless all its corners are finite.
 std::vector<Corners> triangles_of(const NeutralSurface& surface, std::span<const std::uint64_t> facet) {
   std::vector<Corners> triangles;
   if (facet.size() < 3 || !std::all_of(facet.begin(), facet.end(), [&](auto c) { return is_finite(surface, c); }))
@@ -55,7 +55,7 @@ std::vector<Corners> triangles_of(const NeutralSurface& surface, std::span<const
   return triangles;
 }
 
-/// Gives points their positions in the packed file, in the order of the source.
+/// Assigns indices in the packed file to points, in the order of the source.
 Array<std::uint32_t> keep_points(const NeutralSurface& surface, const std::vector<Corners>& triangles,
                                  Array<std::array<double, 3>>& kept) {
   Array<std::uint32_t> positions(surface.points.size(), 0);

@@ -93,7 +93,7 @@ std::string name_of(const NeutralVolume& volume) {
   return volume.field_name.empty() ? "value" : volume.field_name;
 }
 
-/// Several fields need one lattice, and names that tell them apart.
+/// Several fields need one lattice, and different names.
 void check_one_lattice(std::span<const NeutralVolume> fields, const std::string& source_name) {
   for (std::size_t f = 1; f < fields.size(); ++f) {
     const NeutralVolume &first = fields[0], &field = fields[f];
@@ -116,7 +116,8 @@ bool is_uniform(const std::vector<double>& positions) {
   return true;
 }
 
-/// Takes positions along the axes; uniform ones go into the map, where they cost rays nothing.
+/// Stores positions along the axes. Uniform ones become part of the map, where they cost rays
+/// nothing.
 void take_axes(const NeutralVolume& volume, formats::GridDescription& grid) {
   const Affine& map = volume.world_from_grid;
   const std::array<Vec3, 3> from{map.x_axis, map.y_axis, map.z_axis};
@@ -135,7 +136,7 @@ void take_axes(const NeutralVolume& volume, formats::GridDescription& grid) {
   grid.world_from_grid = {to[0], to[1], to[2], origin};
 }
 
-/// A view of the same samples, until it has to be a converted copy.
+/// Returns a view of the same samples, or a converted copy where the type changes.
 NeutralVolume stored_volume(const NeutralVolume& volume, const PackVolumeOptions& options,
                             const std::string& source_name) {
   NeutralVolume stored;
@@ -158,7 +159,7 @@ void with_samples(const NeutralVolume& stored, Act&& act) {
   });
 }
 
-/// The bricks that a sparse layout keeps: those in which one of the fields has data.
+/// Returns the bricks that a sparse layout keeps: those in which one of the fields has data.
 Array<std::uint64_t> choose_bricks(const std::vector<NeutralVolume>& fields, const formats::BrickLayout& layout,
                                    const std::string& source_name) {
   Array<std::uint8_t> holds_data(static_cast<std::size_t>(volume(layout.brick_count())));
@@ -184,7 +185,7 @@ Array<std::uint64_t> choose_bricks(const std::vector<NeutralVolume>& fields, con
 
 using WriteLevels = std::function<void(formats::PackedFileWriter&)>;
 
-/// Summarises a field and builds its levels; what it returns writes them.
+/// Summarises a field and builds its levels; the returned function writes them.
 WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stored, formats::GridDescription& grid,
                           const Progress& progress) {
   const std::size_t field = grid.fields.size();

@@ -31,7 +31,7 @@ bool varies(const NeutralField& field) {
   return false;
 }
 
-/// The faces that one cell has alone.
+/// Returns the faces that belong to one cell alone.
 std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   const std::vector<inspect::CellFace> faces = inspect::sorted_faces(mesh);
   std::vector<std::array<std::uint64_t, 3>> boundary;
@@ -43,7 +43,7 @@ std::vector<std::array<std::uint64_t, 3>> boundary_of(const NeutralMesh& mesh) {
   return boundary;
 }
 
-/// Adds a point in the middle of some corners; fields get the mean of their values there.
+/// Adds a point at the centre of some corners; fields get the mean of their values there.
 std::uint64_t add_middle(NeutralMesh& mesh, const std::array<std::uint64_t, 4>& corners) {
   std::array<double, 3> middle{};
   for (const std::uint64_t corner : corners)
@@ -60,7 +60,7 @@ std::uint64_t add_middle(NeutralMesh& mesh, const std::array<std::uint64_t, 4>& 
   return mesh.points.size() - 1;
 }
 
-/// Adds a cell that is a part of another one.
+/// Adds a cell that is part of another one.
 void add_part(NeutralMesh& mesh, std::size_t whole, const std::array<std::uint64_t, 4>& part) {
   mesh.cells.push_back(part);
   mesh.cell_ids.push_back(mesh.cell_ids[whole]);
@@ -70,9 +70,9 @@ void add_part(NeutralMesh& mesh, std::size_t whole, const std::array<std::uint64
   }
 }
 
-/// Cuts cells in four whose corners all lie on the boundary: else no field that is 0 there could show them. Faces stay
-/// as they are, so neighbours do not notice.
-/// @return  how many were cut
+/// Cuts cells whose corners all lie on the boundary in four; otherwise a field that is 0 there
+/// could not show them. Their faces stay unchanged, so neighbours are not affected.
+/// @return  number of cells cut
 std::size_t cut_cells_between_boundaries(NeutralMesh& mesh, std::span<const std::array<std::uint64_t, 3>> boundary) {
   std::vector<bool> is_on_boundary(mesh.points.size(), false);
   for (const auto& face : boundary)
@@ -102,7 +102,7 @@ std::size_t cut_cells_between_boundaries(NeutralMesh& mesh, std::span<const std:
 
 bool names_parts(const NeutralField& cell_field) {
   constexpr std::string_view names[] = {"region", "block", "physical",
-                                        "entity"};  // as filling and the readers name them
+                                        "entity"};  // names given by filling and by the readers
   return std::find(std::begin(names), std::end(names), cell_field.name) != std::end(names);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using formats::TetMesh;
 
-/// The positions of points in the packed mesh, in the source's order.
+/// Returns the indices of points in the packed mesh, in the source's order.
 Array<std::uint32_t> points_in_source_order(const TetMesh& packed) {
   const std::size_t count = packed.points().size();
   Array<std::uint32_t> order(count);

@@ -31,10 +31,10 @@ Cells cells_of(Cells cells, const ClusterShape& shape, std::size_t cluster) {
   return cells.subspan(first, std::min<std::size_t>(shape.cluster_size, cells.size() - first));
 }
 
-/// Finds the distinct vertices of one cluster after the other.
+/// Finds the distinct vertices of a cluster, one cluster at a time.
 class VertexTable {
  public:
-  /// The vertices of the cells, rising; until the next call.
+  /// Returns the vertices of the cells in ascending order; valid until the next call.
   std::span<const std::uint32_t> find(Cells cells) {
     count_ = 0;
     slots_.fill(free);
@@ -49,16 +49,18 @@ class VertexTable {
     return std::span(vertices_).first(count_);
   }
 
-  /// Where a vertex of these cells stands among them.
+  /// Returns the index of a vertex among the vertices of these cells.
   std::uint8_t position(std::uint32_t vertex) {
     return positions_[static_cast<std::size_t>(&slot_of(vertex) - slots_.data())];
   }
 
  private:
   static constexpr std::size_t most = 4 * ClusterShape::largest_cell_count;
-  static constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();  // no mesh has so many points
+  // no mesh has so many points
+  static constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
 
-  /// The slot that holds the vertex, or the free one where it may come to lie: at least half of the slots are free.
+  /// Returns the slot that holds the vertex, or the free one where it belongs. At least half of the
+  /// slots are free.
   std::uint32_t& slot_of(std::uint32_t vertex) {
     std::size_t at = (vertex * 0x9E3779B1U >> 23) % slots_.size();
     while (slots_[at] != free && slots_[at] != vertex) at = (at + 1) % slots_.size();
@@ -71,7 +73,8 @@ class VertexTable {
   std::array<std::uint8_t, 2 * most> positions_;
 };
 
-/// The power of two next below the largest coordinate: numbers of floats reach it and each coordinate.
+/// Returns the power of two next below the largest coordinate. Divided by it, every coordinate lies
+/// in the range of float.
 double unit_for(Points points) {
   double largest = 0;
   for (const auto& point : points)
@@ -115,7 +118,7 @@ void set_box(BoxBlock& block, std::size_t entry, std::span<const std::uint32_t> 
   }
 }
 
-/// The levels above the first one: entry n of a level is made of block n below.
+/// Adds the levels above the first one: entry n of a level is made from block n below.
 template <class Block, class Join>
 void add_levels(std::vector<Array<Block>>& levels, const ClusterShape& shape, const Block& empty, const Join& join) {
   for (int level = 1; level <= shape.top_level(); ++level) {
@@ -159,7 +162,8 @@ Clusters build_clusters(Points points, Cells cells, std::uint64_t cluster_size, 
 
   ProgressMeter meter(progress, "cutting the mesh into clusters (cells)", cells.size());
   const std::size_t piece_count = (count + clusters_at_once - 1) / clusters_at_once;
-  std::vector<std::vector<std::uint32_t>> pieces(piece_count);  // of `tables`: how long it is comes out here
+  // lengths within `tables`, known only here
+  std::vector<std::vector<std::uint32_t>> pieces(piece_count);
   parallel_for(piece_count, 1, [&](const IndexRange& part) {
     VertexTable table;
     for (std::size_t piece = part.begin(); piece < part.end(); ++piece) {

@@ -21,14 +21,14 @@ struct Clusters {
   std::vector<Array<formats::BoxBlock>> boxes;
 };
 
-/// Cuts cells that stand in a good order into clusters.
+/// Cuts cells that are already ordered (order_cells.h) into clusters.
 /// @param cluster_size  a power of two, at most formats::ClusterShape::largest_cell_count
 Clusters build_clusters(std::span<const std::array<double, 3>> points,
                         std::span<const std::array<std::uint32_t, 4>> cells, std::uint64_t cluster_size,
                         const Progress& progress = {});
 
-/// The range of a field in every cluster and above: of the values at the vertices of cells that have data at all four.
-/// T is float or double.
+/// Computes the range of a field in every cluster and in the levels above. Only vertices of cells
+/// that have data at all four vertices count. T is float or double.
 template <class T>
 std::vector<Array<formats::RangeBlock<T>>> build_cluster_ranges(std::span<const std::array<std::uint32_t, 4>> cells,
                                                                 std::span<const T> values,

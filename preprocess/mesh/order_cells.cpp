@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 
-/// A cell and its centre, in the longest edge of the mesh's box: to 2^-24 of it, as near as the order asks for.
+/// A cell and its centre. The centre is in units of the longest edge of the mesh's box, to 2^-24 of
+/// it; the order needs no more precision.
 struct Place {
   std::array<float, 3> center;
   std::uint32_t cell;
@@ -42,7 +43,7 @@ Array<Place> places_of(const CleanMesh& mesh) {
   return places;
 }
 
-/// The axis along which centres reach farthest; nothing where all are one.
+/// Returns the axis along which the centres extend farthest, or nothing where all are equal.
 std::optional<std::size_t> longest_axis(std::span<const Place> places) {
   std::array<float, 3> lo = places.front().center, hi = lo;
   for (const Place& place : places)
@@ -57,16 +58,16 @@ std::optional<std::size_t> longest_axis(std::span<const Place> places) {
   return longest;
 }
 
-/// Along an axis, at one place as the cells stand: no two are equal.
+/// Rank along an axis; equal centres are ranked by cell, so no two ranks are equal.
 std::uint64_t rank_of(const Place& place, std::size_t axis) {
-  // Numbers of one sign are in the order of their bits.
+  // Numbers of one sign have the order of their bits.
   return std::uint64_t{std::bit_cast<std::uint32_t>(place.center[axis])} << 32 | place.cell;
 }
 
-/// Puts the first `count` along an axis before the others, as std::nth_element does: three times as fast, because
-/// places move without a branch on how they compare.
+/// Moves the first `count` entries along an axis before the others, as std::nth_element does. It is
+/// three times as fast, because entries move without a branch on the comparison.
 void put_first(std::span<Place> places, std::size_t count, std::size_t axis) {
-  // Where pivots divide badly this many times, std::nth_element's promise is needed.
+  // When pivots divide badly this many times, std::nth_element's guarantee is needed.
   for (auto rounds = 2 * std::bit_width(places.size()); rounds > 0 && places.size() > 16; --rounds) {
     const std::size_t last = places.size() - 1;
     std::array<std::size_t, 3> sample{0, last / 2, last};
@@ -94,7 +95,7 @@ void put_first(std::span<Place> places, std::size_t count, std::size_t axis) {
                    [&](const Place& a, const Place& b) { return rank_of(a, axis) < rank_of(b, axis); });
 }
 
-/// Halves the cells across their longest axis, and the halves again. The first part takes as many as the largest power
+/// Halves the cells across their longest axis, recursively. The first part takes the largest power
 /// of two below the count: blocks of any power of two that begin at its multiples are whole parts.
 void halve(std::span<Place> places) {
   if (places.size() < 2) return;
@@ -112,7 +113,7 @@ void halve(std::span<Place> places) {
     halve(first), halve(second);
 }
 
-/// values[i] becomes the one that stood at from(i).
+/// values[i] becomes the former values[from(i)].
 template <class T, class From>
 void reorder(Array<T>& values, const From& from) {
   Array<T> reordered(values.size());
@@ -122,7 +123,7 @@ void reorder(Array<T>& values, const From& from) {
   values = std::move(reordered);
 }
 
-/// Renumbers the points by first use; tells where each one stood.
+/// Renumbers the points by first use; returns the former index of each.
 Array<std::uint32_t> number_points(CleanMesh& mesh) {
   constexpr std::uint32_t unnamed = std::numeric_limits<std::uint32_t>::max();
   Array<std::uint32_t> number(mesh.points.size(), unnamed);

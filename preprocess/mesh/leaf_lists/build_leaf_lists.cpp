@@ -15,7 +15,7 @@ template <class Act>
 void for_each_touch(std::span<const std::array<double, 3>> points, std::span<const std::array<std::uint32_t, 4>> cells,
                     const formats::LeafLattice& lattice, ProgressMeter& meter, const Act& act) {
   const Index3 count = lattice.macro.leaf_count;
-  // Large ranges: threads at neighbouring cells would count in the same cache lines.
+  // Ranges are large because threads at neighbouring cells would count in the same cache lines.
   parallel_for(cells.size(), 1 << 14, [&](const IndexRange& part) {
     TouchedLeaves touched(lattice);
     for (std::size_t c = part.begin(); c < part.end(); ++c) {
@@ -39,7 +39,8 @@ LeafLists build_leaf_lists(std::span<const std::array<double, 3>> points,
   const auto leaf_count = static_cast<std::size_t>(volume(lattice.macro.leaf_count));
   lists.offsets.assign(leaf_count + 1, 0);
 
-  // Count, sum up to the end of each list, then fill lists from their ends: the offsets are then their beginnings.
+  // Count, sum up to the end of each list, then fill lists from their ends: the offsets are then
+  // their beginnings.
   ProgressMeter counting(progress, "measuring leaf lists (cells)", cells.size());
   for_each_touch(points, cells, lattice, counting, [&](std::size_t, std::size_t leaf) {
     std::atomic_ref(lists.offsets[leaf]).fetch_add(1, std::memory_order_relaxed);
@@ -52,7 +53,7 @@ LeafLists build_leaf_lists(std::span<const std::array<double, 3>> points,
     lists.items[end - 1] = static_cast<std::uint32_t>(cell);
   });
 
-  // Threads filled a list in any order; sorted, it is the same for any number of them.
+  // Threads filled a list in any order. Sorted, it is the same for any number of threads.
   parallel_for(leaf_count, 1024, [&](const IndexRange& part) {
     for (std::size_t leaf = part.begin(); leaf < part.end(); ++leaf)
       std::sort(lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[leaf]),

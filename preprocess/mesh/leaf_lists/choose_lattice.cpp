@@ -12,9 +12,11 @@ namespace rhoray::preprocess {
 namespace {
 
 constexpr double largest_leaf_count = 0x1p31;
-constexpr double largest_axis_count = 0x1p20;  // rounding then stays far below the margin of the overlap test
+// rounding then stays far below the margin of the overlap test
+constexpr double largest_axis_count = 0x1p20;
 
-/// The edge of a cube of which `wanted` fill the box, when an axis shorter than the edge still takes one.
+/// Returns the edge of a cube such that `wanted` cubes fill the box, where an axis shorter than the
+/// edge still takes one cube.
 double cube_edge(const Vec3& extent, double wanted) {
   Vec3 sorted = extent;
   if (sorted.x > sorted.y) std::swap(sorted.x, sorted.y);
@@ -30,7 +32,8 @@ double cube_edge(const Vec3& extent, double wanted) {
 }  // namespace
 
 formats::LeafLattice choose_lattice(const Box3& box, const LatticeRequest& request) {
-  if (!(request.leaf_cell_count >= 1 && request.leaf_cell_count <= largest_leaf_count))  // NaN is refused too
+  // NaN is refused too
+  if (!(request.leaf_cell_count >= 1 && request.leaf_cell_count <= largest_leaf_count))
     throw Error(ErrorCode::usage, concat("leaf cells: found ", request.leaf_cell_count, "; expected 1 to ",
                                          static_cast<std::uint64_t>(largest_leaf_count)));
   const Vec3 extent = box.max - box.min;

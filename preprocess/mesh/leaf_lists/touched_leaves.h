@@ -12,23 +12,27 @@
 
 namespace rhoray::preprocess {
 
-/// Finds the leaf cells that a tetrahedron touches: all of them, and none that stays clear of it by more than 1e-6 of a
-/// leaf cell's edge (that much wider is a leaf cell here, so that rounding loses none).
+/// Finds the leaf cells that a tetrahedron touches: all of them, and none that is farther from it
+/// than 1e-6 of a leaf cell's edge. Leaf cells are enlarged by that margin here, so that rounding
+/// loses none.
 ///
-/// A box and a tetrahedron are apart exactly when they are apart along one of 25 directions: 3 box axes, 4 face
-/// normals, 18 products of box axes with edges. Along each direction the leaf cells of one row (fixed j, k) that are
-/// not apart are neighbours, so that a row needs one interval per direction instead of one test per leaf cell:
+/// A box and a tetrahedron are disjoint exactly when one of 25 directions separates them: 3 box
+/// axes, 4 face normals, 18 products of box axes with edges. Along each direction, the leaf cells
+/// of one row (fixed j, k) that are not separated are consecutive. A row therefore needs one
+/// interval per direction instead of one test per leaf cell:
 ///
 ///      k fixed:    products with x  ->  an interval of j        products with y  ->  an interval of i
 ///      j fixed:    products with z  ->  an interval of i
 ///      j, k fixed: face normals     ->  an interval of i
 ///
-/// A direction is only a witness: projections on it are compared as they are, so its own rounding does no harm.
+/// A direction is only a witness: the projections on it are compared as computed, so the
+/// direction's own rounding does no harm.
 class TouchedLeaves {
  public:
   explicit TouchedLeaves(const formats::LeafLattice& lattice) : lattice_(lattice) {}
 
-  /// Calls visit(i_first, i_last, j, k) for every row that has such leaf cells, rising in k, then j.
+  /// Calls visit(i_first, i_last, j, k) for every row that has such leaf cells, ascending in k,
+  /// then j.
   /// @param points  in the lattice's frame, inside the lattice
   template <class Visit>
   void for_each_row(const std::array<std::array<double, 3>, 4>& points, Visit&& visit) {
@@ -50,9 +54,11 @@ class TouchedLeaves {
   }
 
  private:
-  static constexpr double margin = 1e-6;  ///< in leaf cells; rounding reaches 1e-9 at 2^20 leaf cells on an axis
+  /// in leaf cells; rounding reaches 1e-9 at 2^20 leaf cells on an axis
+  static constexpr double margin = 1e-6;
 
-  /// Centres of leaf cells from lo to hi; `first` and `last` are those among them, none when first > last.
+  /// A range of coordinates from lo to hi. `first` and `last` are the leaf cells whose centres lie
+  /// in it; none when first > last.
   struct Span {
     double lo, hi;
   };
@@ -68,14 +74,14 @@ class TouchedLeaves {
     return static_cast<std::int64_t>(span.hi - 0.5);
   }
 
-  /// Along a direction with component `slope` on the axis that is looked for: the centres c with
-  /// slope * c + rest in [lo, hi].
+  /// Along a direction with component `slope` on the axis in question: the centres c with slope * c
+  /// + rest in [lo, hi].
   struct Constraint {
     double slope = 0, inverse = 0;
     double lo = 0, hi = 0;
 
     Span meet(double rest, Span span) const {
-      if (inverse == 0) {  // the direction does not see this axis
+      if (inverse == 0) {  // the direction is perpendicular to this axis
         if (rest < lo || rest > hi) span.hi = -std::numeric_limits<double>::infinity();
         return span;
       }
@@ -83,7 +89,7 @@ class TouchedLeaves {
       return {std::max(span.lo, std::min(a, b)), std::min(span.hi, std::max(a, b))};
     }
   };
-  struct EdgeProduct {  ///< a box axis times an edge: it sees two axes only
+  struct EdgeProduct {  ///< a box axis times an edge: has only two nonzero components
     Constraint on_first;
     double second;
   };
@@ -97,8 +103,8 @@ class TouchedLeaves {
     return span;
   }
 
-  /// Moves the points to units of leaf cells, counted from the first leaf cell of their box; false when that box is one
-  /// row of leaf cells, all of which are touched.
+  /// Moves the points to units of leaf cells, counted from the first leaf cell of their box.
+  /// Returns false when that box is one row of leaf cells, all of which are touched.
   bool place(const std::array<std::array<double, 3>, 4>& points) {
     int long_axes = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -127,12 +133,14 @@ class TouchedLeaves {
   }
 
   /// @param projected  the four points along the direction
-  /// @param magnitude  the sum of the direction's components without signs: a leaf cell's extent along it
+  /// @param magnitude  the sum of the direction's absolute components: a leaf cell's extent along
+  ///                   it
   static Constraint constraint(double slope, const std::array<double, 4>& projected, double magnitude) {
     const double reach = (0.5 + margin) * magnitude;
     const double lo = std::min(std::min(projected[0], projected[1]), std::min(projected[2], projected[3])) - reach;
     const double hi = std::max(std::max(projected[0], projected[1]), std::max(projected[2], projected[3])) + reach;
-    constexpr double smallest = 1e-290;  // below, 1 / slope may overflow: nothing is then concluded from the direction
+    // below, 1 / slope may overflow: the direction then excludes nothing
+    constexpr double smallest = 1e-290;
     if (slope == 0) return {.slope = 0, .inverse = 0, .lo = lo, .hi = hi};
     if (std::abs(slope) < smallest)
       return {.slope = 0,
@@ -172,7 +180,7 @@ class TouchedLeaves {
 
   const formats::LeafLattice& lattice_;
   std::array<std::array<double, 3>, 4> q_;
-  Index3 base_, size_;  ///< first leaf cell of the tetrahedron's box, and leaf cells per axis of it
+  Index3 base_, size_;  ///< first leaf cell of the tetrahedron's box, and its size in leaf cells
   std::array<EdgeProduct, 6> across_x_, across_y_, across_z_;
   std::array<FaceNormal, 4> faces_;
   std::vector<Span> i_of_j_;
