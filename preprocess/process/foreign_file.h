@@ -10,14 +10,15 @@
 
 namespace rhoray::preprocess {
 
-/// A foreign file, mapped for reading. Refuses what is missing, a folder, or empty.
+/// A foreign file, mapped for reading. Refuses a file that is missing, a folder, or an empty file.
 class ForeignFile {
  public:
   explicit ForeignFile(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
   std::string_view text() const { return {static_cast<const char*>(start_.get()), size_}; }
-  const std::shared_ptr<const void>& mapping() const { return start_; }  ///< keeps text and bytes alive
+  /// keeps text and bytes alive
+  const std::shared_ptr<const void>& mapping() const { return start_; }
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(start_.get()), size_}; }
 
  private:
@@ -26,14 +27,14 @@ class ForeignFile {
   std::size_t size_ = 0;
 };
 
-/// `bone.mhd, key DimSize: found 0; expected at least 1`.
+/// Throws a message such as `bone.mhd, key DimSize: found 0; expected at least 1`.
 [[noreturn]] void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
                                std::string_view expected, ErrorCode error_code = ErrorCode::invalid);
 
-/// The extension in small letters, with its dot; ".nii.gz" counts as one.
+/// The extension in lower case, with its dot; ".nii.gz" counts as one.
 std::string extension_of(const std::filesystem::path& path);
 
-/// The file's name without folder and extension: what a field is called that has no name of its own.
+/// The file's name without folder and extension: the name of a field that has no name of its own.
 std::string stem_of(const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess

@@ -8,7 +8,8 @@
 
 namespace rhoray::preprocess {
 
-/// Runs a worker that writes `output` by its open_name(). What it refuses is thrown here with the wanted name instead.
+/// Runs a worker that writes `output` by its open_name(). Its refusals are rethrown here with the
+/// output's final name.
 formats::PackedFile run_writer(WorkerRequest request, const PendingFile& output);
 
 }  // namespace rhoray::preprocess

@@ -6,11 +6,13 @@
 
 namespace rhoray::preprocess {
 
-/// Memory for large arrays that lies in a folder: a block of `smallest_block` bytes or more is a nameless file of its
-/// own, mapped, whose pages the system writes out and drops when it needs their memory; a smaller one comes from the
-/// heap. A file's space is free again as soon as its block is. Safe to use from several threads.
+/// Memory for large arrays that is stored in a folder. A block of `smallest_block` bytes or more is
+/// a mapped file of its own without a name; the system writes out its pages and drops them when it
+/// needs their memory. A smaller block comes from the heap. A file's space is freed together with
+/// its block. Thread-safe.
 ///
-/// A block that cannot be had is an Error (ErrorCode::resource) with the folder and the reason.
+/// A block that cannot be allocated is an Error (ErrorCode::resource) with the folder and the
+/// reason.
 class ScratchMemory : public std::pmr::memory_resource {
  public:
   static constexpr std::size_t smallest_block = std::size_t{1} << 20;

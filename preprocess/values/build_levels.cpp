@@ -20,13 +20,13 @@ std::size_t position(const Index3& count, std::int64_t i, std::int64_t j, std::i
   return static_cast<std::size_t>((k * count.y + j) * count.x + i);
 }
 
-/// Rows of macrocells along x, which lie one after another.
+/// Number of rows of macrocells along x; they are stored one after another.
 std::size_t row_count(const Index3& count) {
   return static_cast<std::size_t>(count.z * count.y);
 }
 constexpr std::size_t rows_at_once = 8;
 
-/// Level 1, one row of macrocells along x after the other.
+/// Builds level 1, one row of macrocells along x at a time.
 template <class T>
 class GridRow {
  public:
@@ -50,7 +50,7 @@ class GridRow {
   }
 
  private:
-  /// Along an axis of n samples a macrocell covers samples first..last, both included.
+  /// Along an axis of n samples, a macrocell covers samples first..last, both included.
   std::int64_t first(std::int64_t cell) const { return cell * shape_.factor; }
   std::int64_t last(std::int64_t cell, std::int64_t n) const { return std::min(first(cell) + shape_.factor, n - 1); }
 
@@ -61,7 +61,8 @@ class GridRow {
         act(samples_.data() + position(count_, 0, j, k));
   }
 
-  /// Takes the rows of samples together, element by element, so that the loop vectorises; false when one lacks data.
+  /// Combines the rows of samples element by element, so that the loop vectorises. Returns false
+  /// when one lacks data.
   bool reduce_columns(std::int64_t cell_j, std::int64_t cell_k) {
     const std::size_t n = lo_.size();
     std::fill(lo_.begin(), lo_.end(), Interval<T>::highest());
@@ -121,7 +122,8 @@ class GridRow {
   std::span<const T> samples_;
   const MacroShape& shape_;
   Index3 count_;
-  std::vector<T> lo_, hi_;                ///< of each column of samples (fixed x) in the row of macrocells
+  /// of each column of samples (fixed x) in the row of macrocells
+  std::vector<T> lo_, hi_;
   std::vector<std::uint8_t> lacks_data_;  ///< 1 where the column holds NaN or infinity
 };
 

@@ -10,12 +10,14 @@
 
 namespace rhoray::preprocess {
 
-/// The intervals of every level, ready to be written: levels[l - first_level] is laid out as MacroLevelsView says.
+/// The intervals of every level, ready to be written: levels[l - first_level] is laid out as
+/// described in MacroLevelsView.
 template <class T>
 using Levels = std::vector<Array<T>>;
 
-/// Levels 1 and up of a grid. A macrocell's interval is the range of the samples at the corners of its leaf cells,
-/// without the absent ones (those with a corner that is NaN or infinite): empty exactly when all of them are absent.
+/// Builds levels 1 and up of a grid. A macrocell's interval is the range of the samples at the
+/// corners of its leaf cells. Absent leaf cells (those with a corner that is NaN or infinite) do
+/// not count. The interval is empty exactly when all of them are absent.
 /// @param samples  x fastest, shape.leaf_count + 1 per axis
 template <class T>
 Levels<T> build_grid_levels(std::span<const T> samples, const formats::MacroShape& shape,

@@ -24,7 +24,7 @@ Interval<T> range_of_cell(const std::array<std::uint32_t, 4>& cell, std::span<co
 template <class T>
 Array<T> build_leaf_ranges(std::span<const std::array<std::uint32_t, 4>> cells, std::span<const T> values,
                            const formats::LeafListsView& lists) {
-  // A cell stands in many lists: its own range is taken once.
+  // A cell is in many lists, so its own range is computed once.
   Array<Interval<T>> of_cells(cells.size());
   parallel_for(cells.size(), 4096, [&](const IndexRange& part) {
     for (std::size_t c = part.begin(); c < part.end(); ++c) of_cells[c] = range_of_cell(cells[c], values);

@@ -18,9 +18,11 @@ namespace {
 
 using Counts = std::vector<std::uint64_t>;
 constexpr std::size_t largest_bin_count = 256;
-constexpr std::size_t grain = 1 << 16;  // values a task takes: enough to hide its start, few enough to share out
+// values per task: enough to hide its start, few enough to share out
+constexpr std::size_t grain = 1 << 16;
 
-/// Counts made by each thread for itself, and added up at the end: sums of integers have no order.
+/// Adds up the counts that each thread made for itself. Sums of integers do not depend on the
+/// order.
 Counts added_up(PerWorker<Counts>& of_threads, std::size_t size) {
   Counts sum(size, 0);
   of_threads.for_each([&](const Counts& counts) {
@@ -29,7 +31,7 @@ Counts added_up(PerWorker<Counts>& of_threads, std::size_t size) {
   return sum;
 }
 
-/// How many bins a range is cut into; none when it is empty.
+/// Returns the number of bins for a range; 0 when it is empty.
 std::size_t bin_count_of(const Interval<double>& range, bool is_integer) {
   if (range.is_empty()) return 0;
   if (range.lo == range.hi) return 1;
@@ -37,7 +39,8 @@ std::size_t bin_count_of(const Interval<double>& range, bool is_integer) {
   return static_cast<std::size_t>(std::min<double>(bins, largest_bin_count));
 }
 
-/// 8- and 16-bit values: one pass counts every value apart, the rest follows from the table.
+/// For 8- and 16-bit values: one pass counts every value separately, the rest follows from the
+/// table.
 template <class T>
 void summarize_by_table(std::span<const T> values, formats::FieldSummary& field, const Progress& progress) {
   ProgressMeter meter(progress, "finding value ranges (values)", values.size());
@@ -66,7 +69,7 @@ struct Extent {
   std::uint64_t no_data_count = 0;
 };
 
-/// Independent lanes, because a float minimum taken in one chain cannot be vectorised.
+/// Uses independent lanes, because a float minimum computed in one chain cannot be vectorised.
 template <class T>
 Extent<T> extent_of(std::span<const T> values) {
   constexpr std::size_t lanes = 64 / sizeof(T);

@@ -8,11 +8,13 @@
 
 namespace rhoray::preprocess {
 
-/// Range, count of values without data, and histogram of a field. T is any element type but the 64-bit integers.
+/// Computes the range, the count of values without data, and the histogram of a field. T is any
+/// element type but the 64-bit integers.
 ///
-/// The histogram has 256 equal bins over the range; for integers that span fewer than 256 steps, one bin for each
-/// integer, so that none stays empty between two others by rounding; one bin where all values are equal; none where
-/// no value is finite. formats::histogram_bin says which value is counted where.
+/// The histogram has 256 equal bins over the range. Integers that span fewer than 256 steps get one
+/// bin for each integer, so that rounding leaves no bin between two others empty. Where all values
+/// are equal there is one bin; where no value is finite, none. formats::histogram_bin defines which
+/// bin counts a value.
 template <class T>
 formats::FieldSummary summarize(std::span<const T> values, std::string name, std::string unit,
                                 const Progress& progress = {});

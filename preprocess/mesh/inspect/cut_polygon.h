@@ -9,10 +9,11 @@
 
 namespace rhoray::preprocess {
 
-/// Cuts a polygon into corner count - 2 triangles between its own corners, which turn as it does. Where it is simple in
-/// its projection along its mean normal's largest component, they do not overlap there.
-/// @param corners  at least three, in order round it
-/// @return         positions of corners
+/// Cuts a polygon into corner count - 2 triangles between its own corners, with the polygon's
+/// winding. Where the polygon is simple in its projection along its mean normal's largest
+/// component, the triangles do not overlap there.
+/// @param corners  at least three, in order around the polygon
+/// @return         indices into `corners`
 std::vector<std::array<std::size_t, 3>> cut_polygon(std::span<const Vec3> corners);
 
 }  // namespace rhoray::preprocess

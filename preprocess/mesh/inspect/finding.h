@@ -9,15 +9,15 @@
 
 #include "preprocess/inspect_mesh.h"
 
-/// One function for each thing that is looked for in a mesh; findings.cpp lists them in the order of the report.
+/// One function for each check of a mesh; findings.cpp calls them in the order of the report.
 namespace rhoray::preprocess::inspect {
 
-/// Position in the source of the cell that a tetrahedron is or was part of.
+/// Index in the source of the cell that a tetrahedron is or was part of.
 inline std::uint64_t id_of_cell(const NeutralMesh& mesh, std::size_t cell) {
   return mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
 }
 
-/// Counts what is met, in any order, and keeps the five smallest ids.
+/// Counts findings, added in any order, and keeps the five smallest ids.
 class Tally {
  public:
   void add(std::uint64_t id) {
@@ -42,25 +42,30 @@ class Tally {
   std::vector<std::uint64_t> first_;
 };
 
-/// A face of a tetrahedron by its vertices, rising, and the cell; `corner` is the vertex of the cell that it lacks.
+/// A face of a tetrahedron by its vertices, ascending, and its cell. `corner` is the cell's vertex
+/// opposite the face.
 struct CellFace {
   std::array<std::uint64_t, 3> vertices;
   std::uint64_t cell;
   std::uint8_t corner;
 };
 
-/// All faces of the cells that can be traced (four different vertices, finite coordinates), sorted by vertices, then
-/// cells.
+/// Returns all faces of the cells that can be traced (four different vertices, finite coordinates),
+/// sorted by vertices, then by cells.
 std::vector<CellFace> sorted_faces(const NeutralMesh& mesh);
 
 /// False for a cell that packing drops.
 bool is_traceable(const NeutralMesh& mesh, std::size_t cell);
 
 using Findings = std::vector<Finding>;
-void coordinates(const NeutralMesh& mesh, Findings& findings);  ///< not finite, coincident, not referenced
-void shapes(const NeutralMesh& mesh, Findings& findings);       ///< a vertex twice, flat, flipped, slivers
-void shared_faces(const NeutralMesh& mesh, const std::vector<CellFace>& faces, Findings& findings);  ///< by too many
-void boundary(const NeutralMesh& mesh, const std::vector<CellFace>& faces, Findings& findings);  ///< hanging, cavities
+/// not finite, coincident, not referenced
+void coordinates(const NeutralMesh& mesh, Findings& findings);
+/// a vertex twice, flat, flipped, slivers
+void shapes(const NeutralMesh& mesh, Findings& findings);
+/// faces shared by too many cells
+void shared_faces(const NeutralMesh& mesh, const std::vector<CellFace>& faces, Findings& findings);
+/// hanging points, cavities
+void boundary(const NeutralMesh& mesh, const std::vector<CellFace>& faces, Findings& findings);
 void overlaps(const NeutralMesh& mesh, Findings& findings);  ///< duplicated and overlapping cells
 void values(const NeutralMesh& mesh, Findings& findings);    ///< not finite, for each field
 

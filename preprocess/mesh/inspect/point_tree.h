@@ -10,8 +10,8 @@
 
 namespace rhoray::preprocess::inspect {
 
-/// Points with numbers, to be found by boxes: halved again and again, across x, y and z in turn (Bentley, CACM 18,
-/// 1975).
+/// A k-d tree of numbered points for box queries: points are halved across x, y and z in turn
+/// (Bentley, CACM 18, 1975).
 class PointTree {
  public:
   struct Point {
@@ -21,7 +21,7 @@ class PointTree {
 
   explicit PointTree(std::vector<Point> points) : points_(std::move(points)) { part(0, points_.size(), 0); }
 
-  /// Calls visit(number) for every point in the box, its sides included.
+  /// Calls visit(number) for every point in the box, boundary included.
   template <class Visit>
   void for_each_in(const Box3& box, Visit&& visit) const {
     walk(box, 0, points_.size(), 0, visit);

@@ -21,9 +21,9 @@ namespace rhoray::preprocess {
 /// of one row (fixed j, k) that are not separated are consecutive. A row therefore needs one
 /// interval per direction instead of one test per leaf cell:
 ///
-///      k fixed:    products with x  ->  an interval of j        products with y  ->  an interval of i
-///      j fixed:    products with z  ->  an interval of i
-///      j, k fixed: face normals     ->  an interval of i
+///   k fixed:    products with x  ->  an interval of j     products with y  ->  an interval of i
+///   j fixed:    products with z  ->  an interval of i
+///   j, k fixed: face normals     ->  an interval of i
 ///
 /// A direction is only a witness: the projections on it are compared as computed, so the
 /// direction's own rounding does no harm.
@@ -81,7 +81,7 @@ class TouchedLeaves {
     double lo = 0, hi = 0;
 
     Span meet(double rest, Span span) const {
-      if (inverse == 0) {  // the direction is perpendicular to this axis
+      if (inverse == 0) {  // the direction does not constrain this axis
         if (rest < lo || rest > hi) span.hi = -std::numeric_limits<double>::infinity();
         return span;
       }

@@ -17,23 +17,25 @@ struct CellFace {
   std::array<std::uint8_t, 6> corners;
 };
 
-/// What a cell of flat faces and straight edges looks like, with its corners in VTK's order.
+/// Corners and faces of a cell with flat faces and straight edges, in VTK's corner order.
 struct CellFrame {
   std::size_t corner_count;
   std::span<const CellFace> faces;
-  /// Both windings are met in files (VTK's text and VTK's code differ about the wedge): a cell is then turned so that
-  /// its volume is positive. Otherwise a cell of negative volume stays one.
+  /// Files use both windings for this kind (VTK's text and VTK's code differ about the wedge). A
+  /// cell is then turned so that its volume is positive. For other kinds, a cell of negative volume
+  /// stays as it is.
   bool either_winding;
 };
 
 struct KindOfCell {
   CellKind kind;
   std::string_view singular, plural;
-  CellKind corners;        ///< the linear kind that has the same corners, which come first among the nodes
-  std::size_t node_count;  ///< 0: of several orders
+  /// the linear kind with the same corners, which come first among the nodes
+  CellKind corners;
+  std::size_t node_count;  ///< 0: the kind exists in several orders
 };
 
-/// Of every kind but the polyhedron.
+/// For every kind but the polyhedron.
 const CellFrame& frame_of(CellKind linear_kind);
 
 const KindOfCell& description_of(CellKind kind);

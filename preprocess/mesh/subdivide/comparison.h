@@ -11,16 +11,16 @@
 
 namespace rhoray::preprocess {
 
-/// What is compared at a place: the point, then every component of every field.
+/// Values compared at one location: the point, then every component of every field.
 using Sample = std::vector<double>;
 
-/// Distances as shares: geometric, then one for each field.
+/// Relative distances: geometric, then one for each field.
 using Shares = std::vector<double>;
 
-/// Curved cells by their samples, and how far two samples lie apart.
+/// Samples curved cells and measures the distance between two samples.
 class Comparison {
  public:
-  /// Mesh and cells stay with the caller; points may be added to the mesh.
+  /// The caller owns mesh and cells; points may be added to the mesh.
   /// @param counted  for each point field whether it is compared at all
   Comparison(CellMesh& mesh, std::span<const CurvedCell> cells, const std::vector<bool>& counted);
 
@@ -28,11 +28,12 @@ class Comparison {
   std::size_t sample_size() const { return sample_size_; }
   std::size_t share_count() const { return 1 + mesh_.point_fields.size(); }
 
-  /// The curved cell at one of its places.
-  /// @param weights  room for `most_nodes` numbers
+  /// Samples the curved cell at one location.
+  /// @param weights  scratch space for `most_nodes` numbers
   void sample_cell(std::uint32_t curved_cell, const CellPlace& place, std::span<double> weights, Sample& out) const;
 
-  /// Raises `largest` to the shares between two samples. Where a value is no number, nothing is compared.
+  /// Raises `largest` to the relative distances between two samples. A value that is NaN is not
+  /// compared.
   void raise(const Sample& a, const Sample& b, double factor, Shares& largest) const;
 
   /// Stores a sample as a point of the mesh.
@@ -47,7 +48,7 @@ class Comparison {
   std::span<const CurvedCell> cells_;
   std::size_t most_nodes_ = 0, sample_size_ = 3;
   double diagonal_ = 0;
-  std::vector<double> ranges_;  ///< of each point field; 0 = it is not compared
+  std::vector<double> ranges_;  ///< of each point field; 0 = not compared
 };
 
 }  // namespace rhoray::preprocess

@@ -7,8 +7,8 @@
 namespace rhoray::preprocess {
 
 struct CurvedCell {
-  std::uint64_t cell;           ///< its position in the mesh
-  const ShapeFunctions* shape;  ///< stays with the caller
+  std::uint64_t cell;           ///< its index in the mesh
+  const ShapeFunctions* shape;  ///< owned by the caller
 };
 
 }  // namespace rhoray::preprocess

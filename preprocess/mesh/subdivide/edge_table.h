@@ -13,19 +13,20 @@ inline constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::ma
 
 /// An edge of a tetrahedron in a curved cell.
 struct Edge {
-  std::array<std::uint32_t, 2> ends;    ///< points, the lower one first
-  std::array<FinePlace, 2> end_places;  ///< in the cell that met the edge first, which speaks for it
+  std::array<std::uint32_t, 2> ends;  ///< points, the lower one first
+  /// in the cell that added the edge first, which represents it
+  std::array<FinePlace, 2> end_places;
   std::uint32_t curved_cell;
-  std::uint32_t middle = no_point;  ///< the point at which it is cut; no_point: it is not
+  std::uint32_t middle = no_point;  ///< the point at which it is cut; no_point: not cut
   double length2;
 };
 
-/// Edges by their ends.
+/// A hash table of edges by their ends.
 class EdgeTable {
  public:
   EdgeTable() : slots_(1024, empty) {}
 
-  /// Adds the edge when it is new. Refuses (ErrorCode::resource) more than 2^30.
+  /// Adds the edge when it is new. Refuses more than 2^30 edges (ErrorCode::resource).
   std::uint32_t find_or_add(const Edge& edge);
 
   Array<Edge> edges;

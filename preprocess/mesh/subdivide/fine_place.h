@@ -9,7 +9,7 @@
 
 namespace rhoray::preprocess {
 
-/// A place in a cell in steps of 2^-14.
+/// Local coordinates in a cell in steps of 2^-14.
 using FinePlace = std::array<std::uint16_t, 3>;
 inline constexpr double fine_steps = 16384;
 

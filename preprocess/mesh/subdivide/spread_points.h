@@ -11,19 +11,21 @@
 
 namespace rhoray::preprocess {
 
-/// The points that each curved cell names at several corners, as collapsed cells do: such a point lies on the line
-/// between two corners, or in the box about more. Most cells have none.
+/// Points that a curved cell names at several corners, as collapsed cells do. Such a point has many
+/// local positions: it covers the line between two corners, or the box around more. Most cells have
+/// no such points.
 class SpreadPoints {
  public:
   SpreadPoints(const CellMesh& mesh, std::span<const CurvedCell> cells);
 
-  /// Moves both ends of an edge to where they are nearest to each other.
+  /// Moves both ends of an edge to the local positions where they are nearest to each other.
   void settle(std::uint32_t curved_cell, std::uint32_t a, FinePlace& at_a, std::uint32_t b, FinePlace& at_b) const;
 
-  /// Between two such points of a cell all points are such points.
+  /// Records a new point between two such points of a cell; all points between them are such points
+  /// too.
   void add_middle(std::uint32_t curved_cell, std::uint32_t a, std::uint32_t b, std::uint32_t point);
 
-  /// Moves a place of `point` to where it is nearest to another.
+  /// Moves the local position of `point` to where it is nearest to another.
   void move(std::uint32_t curved_cell, std::uint32_t point, FinePlace& place, const FinePlace& other) const;
 
  private:
@@ -31,7 +33,8 @@ class SpreadPoints {
     std::uint32_t point;
     std::vector<CellPlace> corners;
 
-    /// The one nearest to another place, from which a straight line to there runs through the cell as it should.
+    /// The position nearest to another one; a straight line between the two runs through the cell
+    /// correctly.
     CellPlace nearest_to(const CellPlace& other) const;
   };
 
