@@ -20,7 +20,8 @@ namespace {
 /// True when the number lies within the integer type; false for NaN.
 template <class Integer, class Real>
 bool in_range_of(Real value) {
-  const Real above = std::ldexp(Real{1}, std::numeric_limits<Integer>::digits);  // the largest integer + 1, exactly
+  // the largest integer + 1, exactly
+  const Real above = std::ldexp(Real{1}, std::numeric_limits<Integer>::digits);
   return value >= static_cast<Real>(std::numeric_limits<Integer>::lowest()) && value < above;
 }
 
@@ -30,7 +31,8 @@ std::optional<To> same_number(From value) {
     if (!std::in_range<To>(value)) return std::nullopt;
     return static_cast<To>(value);
   } else if constexpr (std::is_integral_v<To>) {
-    if (!in_range_of<To>(value) || std::trunc(value) != value) return std::nullopt;  // NaN fails the first
+    // NaN fails the first
+    if (!in_range_of<To>(value) || std::trunc(value) != value) return std::nullopt;
     return static_cast<To>(value);
   } else if constexpr (std::is_integral_v<From>) {
     const To converted = static_cast<To>(value);
@@ -48,7 +50,7 @@ std::optional<To> same_number(From value) {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-/// Converts all samples and returns the position of the first that does not survive, or `none`.
+/// Converts all samples and returns the index of the first that changes, or `none`.
 template <class To, class From>
 std::size_t convert(std::span<const From> from, To* to) {
   return parallel_reduce(

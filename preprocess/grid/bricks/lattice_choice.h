@@ -8,8 +8,8 @@
 
 namespace rhoray::preprocess {
 
-/// The layout of bricks of this many samples an axis, 2 to 64, in superbricks of at most so many bricks, 1 to 64;
-/// refuses others (ErrorCode::usage).
+/// The layout of bricks with this many samples per axis, 2 to 64, in superbricks of at most this
+/// many bricks per axis, 1 to 64. Refuses other numbers (ErrorCode::usage).
 formats::BrickLayout bricked_layout(const Index3& sample_count, std::int64_t brick_edge,
                                     std::int64_t largest_superbrick);
 

@@ -27,7 +27,8 @@ SampleBlock block_of(const BrickLayout& layout, std::int64_t brick) {
   return {low, {std::min(low.x + n, count.x), std::min(low.y + n, count.y), std::min(low.z + n, count.z)}};
 }
 
-/// Calls act(row, j, k) with the samples of the block along x, for each j and k; act returns false to end.
+/// Calls act(row, j, k) with the samples of the block along x, for each j and k; act returns false
+/// to end.
 template <class T, class Act>
 void for_each_row(std::span<const T> samples, const Index3& count, const SampleBlock& block, Act&& act) {
   for (std::int64_t k = block.low.z; k < block.high.z; ++k)

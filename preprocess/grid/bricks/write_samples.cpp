@@ -14,11 +14,12 @@ namespace {
 
 using formats::BrickLayout;
 
-/// What a thread sorts before it writes: large enough for the disk, small enough to stay in the cache.
+/// Bytes that a thread sorts before it writes: large enough for the disk, small enough to stay in
+/// the cache.
 constexpr std::int64_t piece_bytes = std::int64_t{1} << 20;
 
-/// Copies bricks of n^3 samples; N is n where it is known when compiling, which makes each run of n one instruction, or
-/// 0.
+/// Copies bricks of n^3 samples. N is n where it is a compile-time constant, so that each run of n
+/// is one instruction; otherwise 0.
 template <class T, std::int64_t N>
 class BrickCopier {
  public:
@@ -54,7 +55,7 @@ class BrickCopier {
     return out;
   }
 
-  /// Beyond the far sides stand copies of the last sample.
+  /// Samples beyond the far sides are copies of the last sample.
   T* copy_padded_brick(const Index3& first, T* out) const {
     for (std::int64_t k = 0; k < edge(); ++k)
       for (std::int64_t j = 0; j < edge(); ++j)

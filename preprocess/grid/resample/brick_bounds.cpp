@@ -10,14 +10,15 @@ namespace rhoray::preprocess {
 namespace {
 
 constexpr std::size_t edge = Neighborhood::edge;
-constexpr std::size_t largest_piece_count = 4096;  // of one leaf cell's faces; a fold of ten would take a few hundred
+// for one leaf cell's faces; a tenfold refinement would take a few hundred
+constexpr std::size_t largest_piece_count = 4096;
 
 std::size_t place_of(std::size_t block, std::size_t cell) {
   const auto [i, j, k] = QuickBounds::place(block, cell);
   return Neighborhood::place(i, j, k);
 }
 
-/// What a bound in the brick need not be below.
+/// A bound in the brick need not be below this value.
 double goal_of(const BrickErrors& errors, const FieldView& field, double good_enough) {
   return std::max({errors.attained * (1 + BrickBounds::relative_gap),
                    errors.attained + BrickBounds::gap_of_range * field.range, good_enough});
@@ -46,8 +47,9 @@ void BrickBounds::bound(const FieldView& field, std::size_t f, double good_enoug
   errors.bound += field.noise;
 }
 
-/// Leaf cells around samples for which cells of the mesh compete: their difference is attained, and the quick bounds
-/// know nothing of it. Those in bricks beside this one count where they are corners of its leaf cells.
+/// Marks leaf cells around samples that several mesh cells claim. Their difference is attained, and
+/// the quick bounds do not account for it. Samples in bricks beside this one count where they are
+/// corners of its leaf cells.
 void BrickBounds::take_conflicts(const FieldView& field, BrickErrors& errors) {
   conflicts_.reset();
   if (field.conflicts.empty()) return;
@@ -83,8 +85,8 @@ void BrickBounds::take_conflict(const std::array<std::size_t, 3>& sample, double
   }
 }
 
-/// CandidateList at the faces in leaf cells, those with the largest quick bounds first, until no other can hold more
-/// than what a bound need not be below.
+/// Examines the faces in leaf cells, those with the largest quick bounds first, until no other can
+/// exceed goal_of.
 void BrickBounds::refine(const FieldView& field, double good_enough, BrickErrors& errors) {
   errors.bound = errors.attained;
   quick_.bound_blocks(field);
@@ -152,7 +154,7 @@ void BrickBounds::refine_cell(const Candidate& candidate, const FieldView& field
   quick_.for_each_cell_at(candidate.block, candidate.cell, [&](std::size_t n) {
     for (std::size_t side = 0; side < 4; ++side) {
       if (neighbors_.cells[cells_[n]][side] < cells_[n])
-        continue;  // its turn is with the other cell; none is above all
+        continue;  // handled with the other cell; `none` is above all cells
       const BrickFace& face = faces_.at(n, side);
       if (face.may_touch(center)) add_face(face, leaf, plane, field, good_enough, errors);
     }

@@ -10,11 +10,13 @@
 
 namespace rhoray::preprocess {
 
-/// The bounds of one brick after another: quick ones where they are good enough, else faces in leaf cells.
+/// Computes the bounds of one brick at a time: quick bounds where they are tight enough, else
+/// bounds from faces in leaf cells.
 class BrickBounds {
  public:
-  static constexpr double relative_gap = 0.05;  ///< what a bound may exceed an attained difference by
-  static constexpr double gap_of_range = 1e-6;  ///< or this share of the field's range
+  /// by which a bound may exceed an attained difference
+  static constexpr double relative_gap = 0.05;
+  static constexpr double gap_of_range = 1e-6;  ///< or this fraction of the field's range
 
   BrickBounds(const CleanMesh& mesh, const FaceNeighbors& neighbors, const std::vector<std::uint8_t>& open_faces,
               const std::vector<Point>& steps, const TouchedBricks& touched, const BrickSamples& samples)
@@ -26,8 +28,9 @@ class BrickBounds {
 
   void enter(std::size_t slot);
 
-  /// Adds the bound, and what is attained on the way to it, to what probes have attained.
-  /// @param good_enough  a bound up to this is taken as it is
+  /// Adds the bound, and the differences attained while computing it, to the probes' attained
+  /// differences.
+  /// @param good_enough  a bound up to this value is accepted unrefined
   void bound(const FieldView& field, std::size_t f, double good_enough, BrickErrors& errors);
 
  private:
@@ -40,9 +43,9 @@ class BrickBounds {
     std::array<PatchPoint, 3> triangle;
     friend bool operator<(const Piece& a, const Piece& b) { return a.upper < b.upper; }
   };
-  /// A leaf cell whose faces are looked at.
+  /// A leaf cell whose faces are examined.
   struct LeafCell {
-    Point low;  ///< its first sample, in steps from the brick's
+    Point low;  ///< its first sample, in steps from the brick's first sample
     std::array<double, 8> corners;
   };
 
@@ -67,7 +70,8 @@ class BrickBounds {
   BrickFaces faces_;
   QuickBounds quick_;
   Neighborhood samples_nearby_;
-  std::bitset<SampleLattice::brick_samples> conflicts_;  ///< leaf cells beside samples for which cells compete
+  /// leaf cells beside samples that several mesh cells claim
+  std::bitset<SampleLattice::brick_samples> conflicts_;
   std::vector<Candidate> candidates_;
   std::vector<Piece> pieces_;
 };

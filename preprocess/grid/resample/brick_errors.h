@@ -6,13 +6,14 @@
 
 namespace rhoray::preprocess {
 
-/// What one brick's leaf cells say about one field.
+/// Errors of one field in one brick's leaf cells.
 struct BrickErrors {
   double bound = 0, attained = 0;
   double sum_of_squares = 0;  ///< in FieldView::square_unit, squared
   Point attained_at{};        ///< in steps of the lattice
   std::uint32_t point_count = 0;
-  double uncovered_volume = 0;  ///< of the mesh where the field has data, in leaf cells without a value
+  /// of the mesh where the field has data, in leaf cells without a value
+  double uncovered_volume = 0;
 
   void attain(double difference, const Point& at) {
     if (!(difference > attained)) return;

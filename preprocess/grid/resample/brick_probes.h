@@ -8,7 +8,8 @@
 
 namespace rhoray::preprocess {
 
-/// The differences at the probes of one brick after another, and how much of the mesh has none.
+/// Measures the differences at the probes of one brick at a time, and how much of the mesh is not
+/// covered.
 class BrickProbes {
  public:
   /// @param steps  the mesh's points, in steps of the lattice
@@ -16,7 +17,7 @@ class BrickProbes {
               const TouchedBricks& touched, const BrickSamples& samples)
       : mesh_(mesh), lattice_(lattice), touched_(touched), samples_(samples), parts_(mesh, steps) {}
 
-  /// Finds where the probes of a brick lie, for all fields.
+  /// Locates the probes of a brick, for all fields.
   void enter(std::size_t slot, std::int64_t row_step);
   BrickErrors measure(const FieldView& field, std::size_t f);
 

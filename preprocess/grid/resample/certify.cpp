@@ -12,12 +12,13 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// The more bricks, the fewer of their rows are probed: the whole grid's points stay enough for its mean.
+/// The more bricks, the fewer of their rows are probed: the whole grid still has enough points for
+/// its mean.
 std::int64_t probe_row_step(std::size_t brick_count) {
   return brick_count <= 1024 ? 1 : brick_count <= 16384 ? 2 : 4;
 }
 
-/// Single precision tells an error well enough, where its range is wide enough.
+/// Single precision represents an error well enough where its range is wide enough.
 formats::ElementType type_for(double largest_error) {
   const bool fits = largest_error == 0 || (largest_error >= 1e-30 && largest_error <= 1e30);
   return fits ? formats::ElementType::F32 : formats::ElementType::F64;
@@ -30,7 +31,7 @@ double rounded_up(double value, formats::ElementType type) {
   return static_cast<double>(is_below ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded);
 }
 
-/// Of the tetrahedra on which a field is linear, in leaf cells.
+/// Volume of the tetrahedra on which a field is linear, in leaf cells.
 double volume_with_data(const CleanMesh& mesh, const FieldView& field, const std::vector<Point>& steps) {
   double volume = 0;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
@@ -73,7 +74,8 @@ Certificates certify(const CleanMesh& mesh, const std::vector<FieldView>& views,
     brick.enter(slot, probe_row_step(slot_count));
     for (std::size_t f = 0; f < field_count; ++f) errors[f][slot] = brick.measure(views[f], f);
   });
-  // The bricks with the largest errors first: what is attained there is good enough for the others.
+  // Bound the bricks with the largest errors first: their attained difference is good enough for
+  // the others.
   std::vector<double> largest(field_count, 0);
   std::vector<std::uint8_t> is_first(slot_count);
   for (std::size_t f = 0; f < field_count; ++f) mark_worst(errors[f], is_first);

@@ -17,13 +17,15 @@ constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
 constexpr std::size_t wide = edge + 1;
 constexpr auto brick_samples = static_cast<std::size_t>(SampleLattice::brick_samples);
 
-/// What the tetrahedra of one brick say about a sample. Values are relative to the middle of the field's range.
+/// The predictions of one brick's tetrahedra for a sample. Values are relative to the middle of the
+/// field's range.
 struct Prediction {
-  std::uint16_t sample = 0;  ///< of wide^3 from the brick's first, x fastest: the last layers are other bricks'
+  /// of wide^3 from the brick's first, x fastest: the last layers belong to other bricks
+  std::uint16_t sample = 0;
   double weight = 0;
-  double predicted = 0;  ///< weighted sums: of the linear functions at the sample,
-  double squares = 0;    ///< of their squares,
-  double inside = 0;     ///< and of the values at the parts' centres
+  double predicted = 0;  ///< weighted sums: of the linear functions at the sample
+  double squares = 0;    ///< of their squares
+  double inside = 0;     ///< of the values at the parts' centres
 
   void add(double w, double at_sample, double at_center) {
     weight += w;
@@ -47,7 +49,7 @@ double value_of(const Prediction& sum, const FieldView& field) {
   return has_data(value) ? value : field.middle() + m;
 }
 
-/// Collects what the tetrahedra of one brick after another say.
+/// Collects the predictions of the tetrahedra, one brick at a time.
 class BrickExtension {
  public:
   BrickExtension(const CleanMesh& mesh, const std::vector<FieldView>& views, const std::vector<Point>& steps,
@@ -149,8 +151,9 @@ class BrickExtension {
 
 using Predictions = std::vector<std::vector<std::vector<Prediction>>>;  // by slot and field
 
-/// Sums up, in the order of the bricks below and beside it, what is said about the samples of one brick.
-/// @return  how many were given a value
+/// Sums the predictions for the samples of one brick, in the order of the bricks below and beside
+/// it.
+/// @return  number of samples that were given a value
 std::size_t fill_brick(const TouchedBricks& touched, const Predictions& predictions, std::size_t slot, std::size_t f,
                        const FieldView& field, BrickSamples& samples) {
   std::array<Prediction, brick_samples> sums{};

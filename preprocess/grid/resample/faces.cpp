@@ -12,8 +12,9 @@ namespace {
 
 /// A face in the list of its lowest vertex.
 struct Face {
-  std::uint64_t others;         ///< the other two vertices, rising
-  std::uint64_t cell_and_side;  ///< 8 * cell + 2 * face + 1 when the sorted vertices run the other way round
+  std::uint64_t others;  ///< the other two vertices, ascending
+  /// 8 * cell + 2 * face + 1 when the sorted vertices have the reverse winding
+  std::uint64_t cell_and_side;
 
   friend bool operator<(const Face& a, const Face& b) {
     return a.others != b.others ? a.others < b.others : a.cell_and_side < b.cell_and_side;
@@ -39,7 +40,7 @@ Keyed keyed(const std::array<std::uint32_t, 4>& cell, std::uint64_t c, std::size
   return {a, {std::uint64_t{b} << 32 | d, c * 8 + f * 2 + turned}};
 }
 
-/// Faces of one lowest vertex, sorted: two neighbours that look at each other, and no third.
+/// Matches the sorted faces of one lowest vertex: two cells that face each other, and no third.
 void match(std::span<const Face> faces, FaceNeighbors& neighbors) {
   for (std::size_t i = 0; i < faces.size();) {
     std::size_t end = i + 1;
@@ -74,7 +75,7 @@ FaceNeighbors match_faces(std::span<const std::array<double, 3>> points,
   constexpr std::uint32_t none = FaceNeighbors::none;
   neighbors.cells.assign(cells.size(), {none, none, none, none});
 
-  // Count, sum up, fill: the faces of each lowest vertex side by side.
+  // Count, sum up, fill: the faces of each lowest vertex become consecutive.
   std::vector<std::uint64_t> offsets(points.size() + 1, 0);
   for (std::size_t c = 0; c < cells.size(); ++c)
     if (!neighbors.is_flat[c])

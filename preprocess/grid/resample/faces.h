@@ -7,17 +7,17 @@
 
 namespace rhoray::preprocess {
 
-/// What lies on the other side of each face of a tetrahedron; face f is opposite vertex f.
+/// The neighbour across each face of a tetrahedron; face f is opposite vertex f.
 struct FaceNeighbors {
   static constexpr std::uint32_t none = 0xffffffff;
 
-  /// The one cell of volume that has the same face from the other side; none on the mesh's boundary, where the cells
-  /// do not agree, and beside a cell of zero volume.
+  /// The only cell with volume that has the same face from the other side. None on the mesh's
+  /// boundary, where the cells do not agree, and beside a cell of zero volume.
   std::vector<std::array<std::uint32_t, 4>> cells;
   std::vector<bool> is_flat;  ///< cells of zero volume
 };
 
-/// The three vertices of face f of a cell, seen from outside counter-clockwise.
+/// The three vertices of face f of a cell, counter-clockwise seen from outside.
 constexpr std::array<std::array<std::size_t, 3>, 4> face_vertices{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// @param cells  none of negative orientation

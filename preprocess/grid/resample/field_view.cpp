@@ -55,7 +55,7 @@ FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vec
   view.range = range.hi - range.lo;
   if (view.range > 0 && has_data(1 / view.range) && has_data(view.range)) view.unit = view.range;
   view.square_unit = std::ldexp(1.0, std::ilogb(view.unit));
-  // Samples outside the mesh reach beyond the range, by the range at most (extend.h).
+  // Samples outside the mesh may exceed the range, by the range at most (extend.h).
   const double largest = std::max(std::abs(range.lo), std::abs(range.hi)) + view.range;
   const auto axis = static_cast<double>(std::max({lattice.count.x, lattice.count.y, lattice.count.z}));
   view.noise = largest * ((is_single ? 0x1p-24 : 0) + 0x1p-50 * axis);

@@ -9,7 +9,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-constexpr double on_the_side = 1e-9;  // of a step: what a division by the spacing may be off
+constexpr double on_the_side = 1e-9;  // of a step: rounding error of a division by the spacing
 
 void check_count(double samples, int axis) {
   if (samples >= 2 && samples <= static_cast<double>(SampleLattice::largest_axis)) return;
@@ -18,7 +18,7 @@ void check_count(double samples, int axis) {
                      " axis: found ", samples, "; expected 2 to ", SampleLattice::largest_axis));
 }
 
-/// From side to side.
+/// Fits the samples from side to side.
 void fit(SampleLattice& lattice, const Box3& box, int axis, double samples) {
   check_count(samples, axis);
   lattice.count[axis] = static_cast<std::int64_t>(samples);

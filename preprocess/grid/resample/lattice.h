@@ -9,13 +9,13 @@
 
 namespace rhoray::preprocess {
 
-/// A lattice of samples over the box of a mesh, in the mesh's own frame. Sample (i, j, k) stands exactly at
-/// (places[0][i], places[1][j], places[2][k]): the doubles nearest to low + i * spacing, and the box's far side itself
-/// where the last sample falls on it.
+/// A lattice of samples over the box of a mesh, in the mesh's own frame. Sample (i, j, k) is
+/// exactly at (places[0][i], places[1][j], places[2][k]). These are the doubles nearest to low + i
+/// * spacing, and the box's far side itself where the last sample falls on it.
 struct SampleLattice {
   static constexpr std::int64_t brick_edge = 8;
   static constexpr std::int64_t brick_samples = brick_edge * brick_edge * brick_edge;
-  static constexpr std::int64_t largest_axis = std::int64_t{1} << 20;  ///< what a packed grid holds
+  static constexpr std::int64_t largest_axis = std::int64_t{1} << 20;  ///< limit of a packed grid
 
   Index3 count;  ///< at least 2 on every axis
   Vec3 low;
@@ -33,9 +33,10 @@ struct SampleLattice {
   }
 };
 
-/// The lattice starts at the box's low corner. With `longest_axis` and `sample_count` it ends at the high corner; with
-/// `spacing` at the first sample that is not inside the box, or on its side. Refuses (ErrorCode::usage) fewer than 2 or
-/// more than largest_axis samples on an axis, and a spacing that is not a positive number.
+/// The lattice starts at the box's low corner. With `longest_axis` and `sample_count` it ends at
+/// the high corner. With `spacing` it ends at the first sample that is not inside the box or that
+/// is on its side. Refuses with ErrorCode::usage: fewer than 2 or more than largest_axis samples on
+/// an axis, and a spacing that is not a positive number.
 SampleLattice choose_samples(const Box3& box, const LatticeRequest& request);
 
 }  // namespace rhoray::preprocess

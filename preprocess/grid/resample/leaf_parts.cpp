@@ -12,11 +12,11 @@ using Tetrahedron = std::array<Point, 4>;
 
 constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
 
-/// Sums up the volume behind a surface and its moments, by the divergence theorem along x: only the surface's share in
-/// the yz plane counts, and no side of the unit cube but that at x = 1.
+/// Sums the volume behind a surface and its moments, by the divergence theorem along x. Only the
+/// surface's projection to the yz plane counts. Of the unit cube's sides, only x = 1 contributes.
 class Moments {
  public:
-  /// A triangle, seen from outside counter-clockwise.
+  /// Adds a triangle, counter-clockwise seen from outside.
   void add(const Point& a, const Point& b, const Point& c) {
     const double area_yz = 0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]));
     const auto mean_of_product = [&](std::size_t f, std::size_t g) {
@@ -28,7 +28,7 @@ class Moments {
     moment_[2] += area_yz * mean_of_product(0, 2);
   }
 
-  /// The part of a triangle in the unit cube.
+  /// Adds the part of a triangle in the unit cube.
   void add_clipped(const Point& a, const Point& b, const Point& c) {
     const ClippedTriangle part({PatchPoint{a, 0}, PatchPoint{b, 0}, PatchPoint{c, 0}});
     for (std::size_t n = 2; n < part.size(); ++n) add(part[0].at, part[n - 1].at, part[n].at);
@@ -52,7 +52,8 @@ Point at_x1(const Point& a, const Point& b) {
   return {1, a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
-/// What a tetrahedron has in common with the plane x = 1, where it is cut off: a triangle or a quadrilateral.
+/// Adds the intersection of a tetrahedron with the plane x = 1, where it is clipped: a triangle or
+/// a quadrilateral.
 void add_cut(const Tetrahedron& t, Moments& moments) {
   std::array<std::size_t, 4> order;  // corners that are kept first
   std::size_t kept = 0, beyond = 4;
@@ -68,18 +69,21 @@ void add_cut(const Tetrahedron& t, Moments& moments) {
   };
   if (kept == 1) return add(cut(0, 1), cut(0, 2), cut(0, 3));
   if (kept == 3) return add(cut(0, 3), cut(1, 3), cut(2, 3));
-  const Point p = cut(0, 2), q = cut(0, 3), r = cut(1, 3), s = cut(1, 2);  // around
+  // in order around the quadrilateral
+  const Point p = cut(0, 2), q = cut(0, 3), r = cut(1, 3), s = cut(1, 2);
   add(p, q, r);
   add(p, r, s);
 }
 
-/// The half spaces of a tetrahedron, which tell most boxes apart from it. Nothing depends on their rounding but time.
+/// The half spaces of a tetrahedron, which separate it from most boxes. Their rounding affects only
+/// the running time.
 class HalfSpaces {
  public:
   explicit HalfSpaces(const Tetrahedron& t) {
     for (std::size_t f = 0; f < 4; ++f) {
       const Point& a = t[face_vertices[f][0]];
-      normals_[f] = cross(minus(t[face_vertices[f][2]], a), minus(t[face_vertices[f][1]], a));  // inward
+      // inward
+      normals_[f] = cross(minus(t[face_vertices[f][2]], a), minus(t[face_vertices[f][1]], a));
       const double size = sum_of_magnitudes(normals_[f]);
       offsets_[f] = dot(normals_[f], a) - size * (0.5 + 1e-9 * (16 + sum_of_magnitudes(a)));
     }
@@ -100,7 +104,7 @@ class HalfSpaces {
 }  // namespace
 
 ClippedVolume clip_to_box(const Tetrahedron& tetrahedron, const Point& low, const Point& high) {
-  Tetrahedron t;  // in the box's own coordinates, 0 to 1
+  Tetrahedron t;  // in the box's local coordinates, 0 to 1
   bool is_inside = true;
   for (std::size_t v = 0; v < 4; ++v)
     for (std::size_t a = 0; a < 3; ++a) {

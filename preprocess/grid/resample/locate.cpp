@@ -14,7 +14,8 @@ namespace {
 
 constexpr auto edge = static_cast<std::int64_t>(PointRows::edge);
 
-/// Weights of a point in a tetrahedron so flat that a double's rounding reaches them: in 113 bits.
+/// Weights of a point in a tetrahedron so flat that rounding in double affects them: computed in
+/// 113 bits.
 std::array<double, 4> careful_weights(const std::array<Point, 4>& p, const Point& q) {
   __extension__ using Wide = __float128;
   using WidePoint = std::array<Wide, 3>;
@@ -82,9 +83,11 @@ class Scan {
  private:
   static constexpr std::size_t edge_rows = PointRows::edge;
   static constexpr double unbounded = std::numeric_limits<double>::infinity();
-  static constexpr double index_slack = 1e-6;  ///< of a step; rounding reaches 1e-9 at 2^20 samples on an axis
+  /// of a step; rounding reaches 1e-9 at 2^20 samples on an axis
+  static constexpr double index_slack = 1e-6;
 
-  /// The points' range on each axis that the tetrahedron's box meets; false when there is none.
+  /// Finds the points' range on each axis that the tetrahedron's box meets; returns false when
+  /// there is none.
   bool place() {
     for (std::size_t a = 0; a < 3; ++a) {
       const int axis = static_cast<int>(a);
@@ -116,8 +119,8 @@ class Scan {
       b[axis] = {Two{r - q, s - p}, Two{q - p, r - p}};
       on_face_[axis] = {Two{q, p}, Two{p, p}};
     }
-    // Every product of three differences is at most this box; the bound of inspect/orientation.cpp, doubled, and what
-    // an underflow may lose.
+    // Every product of three differences is at most this box. The bound is twice that of
+    // inspect/orientation.cpp, plus the largest loss by underflow.
     error_ = 0x1p-49 * 6 * (reach_[0] * reach_[1] * reach_[2]) + 1e-290;
     for (std::size_t v = 0; v < 2; ++v) {
       normal_[0].pair[v] = a[1].pair[v] * b[2].pair[v] - a[2].pair[v] * b[1].pair[v];
@@ -138,8 +141,8 @@ class Scan {
               normal_[2].pair[1][1] * a[2].pair[1][0];
   }
 
-  /// Where rows cross the faces' planes, in steps, for a first look in single precision: start + y * j + z * k. What
-  /// that rounds off widens the bounds.
+  /// Finds where rows cross the faces' planes, in steps, for a first test in single precision:
+  /// start + y * j + z * k. The bounds are widened by its rounding.
   void find_lines() {
     for (std::size_t v = 0; v < 2; ++v) {
       const Two y = -normal_[1].pair[v] * inverse_.pair[v] * lattice_.spacing.y,
@@ -157,8 +160,8 @@ class Scan {
     }
   }
 
-  /// Which of four rows may have points inside, as bits; a NaN counts as one that may.
-  /// @param n  the first row's position among those that have points
+  /// Returns as bits which of four rows may have points inside. A NaN counts as a row that may.
+  /// @param n  the first row's index among those that have points
   unsigned rows_near(std::size_t n) const {
     using FourBits = std::int32_t __attribute__((vector_size(16)));
     Four y, z, shift;
@@ -179,8 +182,9 @@ class Scan {
   template <class Claim>
   void scan_row(std::size_t r, Claim&& claim) {
     const double y = rows_.y[r], z = rows_.z[r], shift_steps = rows_.shift[r] * rows_.inverse_spacing.x;
-    // Where the point may be inside, and where it surely is, in points of the row: two faces at once. A face that the
-    // row meets on its way in bounds it from below, one on its way out from above.
+    // Find where the point may be inside, and where it surely is, in points of the row: two faces
+    // at once. A face through which the row enters bounds it from below, one through which it exits
+    // from above.
     OfFaces crossing;
     for (std::size_t v = 0; v < 2; ++v) {
       rest_.pair[v] = normal_[1].pair[v] * (y - on_face_[1].pair[v]) + normal_[2].pair[v] * (z - on_face_[2].pair[v]);
@@ -210,7 +214,8 @@ class Scan {
     }
   }
 
-  /// False when the row is outside a face that runs along it; when it is too near to tell, no point is sure.
+  /// Returns false when the row is outside a face parallel to it. When it is too near to tell, no
+  /// point is sure.
   bool holds_blind_faces(double& inner_hi) const {
     for (std::size_t f = 0; f < 4; ++f) {
       if (inverse_.at(f) != 0) continue;
@@ -247,8 +252,8 @@ class Scan {
     return {low[0] * inverse, low[1] * inverse, high[0] * inverse, high[1] * inverse};
   }
 
-  /// A face's plane in single precision: no row has points inside below low + y * j + z * k, or above the same from
-  /// high on.
+  /// A face's plane in single precision. No row has points inside below low + y * j + z * k, or
+  /// above the same expression with high.
   struct Line {
     float low, high, y, z;
   };
@@ -257,17 +262,19 @@ class Scan {
   const PointRows& rows_;
   const std::array<Point, 4>& p_;
   std::array<std::size_t, 3> low_{}, high_{};
-  Point reach_{};                                ///< no point looked at is farther from a vertex
-  std::array<OfFaces, 3> normal_{};              ///< of the face opposite a vertex, inward, twice its area long
-  std::array<OfFaces, 3> on_face_{};             ///< a vertex
-  OfFaces rest_{};                               ///< of the row
-  OfFaces u_{}, inverse_{}, below_{}, above_{};  ///< how a face bounds a row from below and from above
+  Point reach_{};  ///< largest distance of an examined point from a vertex
+  /// of the face opposite a vertex, inward; its length is twice the face's area
+  std::array<OfFaces, 3> normal_{};
+  std::array<OfFaces, 3> on_face_{};  ///< a vertex
+  OfFaces rest_{};                    ///< of the row
+  /// how a face bounds a row from below and from above
+  OfFaces u_{}, inverse_{}, below_{}, above_{};
   std::array<Line, 4> lines_{};
-  bool sees_all_ = true;  ///< no face runs along the rows
+  bool sees_all_ = true;  ///< no face is parallel to the rows
   double volume_ = 0, error_ = 0;
 };
 
-/// What the first look needs, of the rows that have points, one after another.
+/// Adds the data of the first test for the rows that have points, one after another.
 void add_steps(const SampleLattice& lattice, PointRows& rows) {
   const auto step = static_cast<std::size_t>(rows.row_step);
   std::size_t n = 0;
@@ -339,7 +346,8 @@ void locate(std::span<const std::array<double, 3>> points, std::span<const std::
   for (const std::uint32_t c : touched) {
     const auto& cell = cells[c];
     const std::array<Point, 4> corners{points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]};
-    // What is flat is seen only where a claim comes up: few are, and the exact sign of all of them would cost more.
+    // Flat cells are detected only where a claim occurs. Claims are few, and the exact sign of all
+    // cells would cost more.
     int side = 2;
     Scan(lattice, rows, corners).run([&](std::uint32_t point, const std::array<double, 4>& weights, bool is_strict) {
       if (!is_strict && side == 2) side = orientation(corners[0], corners[1], corners[2], corners[3]);

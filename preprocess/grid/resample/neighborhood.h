@@ -8,7 +8,8 @@
 
 namespace rhoray::preprocess {
 
-/// The samples at the corners of a brick's leaf cells: its own 8 x 8 x 8 and the first ones of the bricks beside it.
+/// The samples at the corners of a brick's leaf cells: its own 8 x 8 x 8 and the first ones of the
+/// bricks beside it.
 class Neighborhood {
  public:
   static constexpr std::size_t edge = SampleLattice::brick_edge;
@@ -25,13 +26,13 @@ class Neighborhood {
     return {at[0], at[1], at[wide], at[wide + 1], at[up], at[up + 1], at[up + wide], at[up + wide + 1]};
   }
 
-  /// True when all eight have data.
+  /// True when all eight samples have data.
   bool is_covered(std::size_t cell) const { return covered_[cell]; }
   std::size_t covered_count() const { return covered_.count(); }
-  /// True when all are covered.
+  /// True when all leaf cells are covered.
   bool is_whole() const { return covered_.all(); }
 
-  /// Of count^3 samples from (i, j, k) on, all with data.
+  /// The range of count^3 samples from (i, j, k) on, all with data.
   Interval<double> range_of(std::size_t i, std::size_t j, std::size_t k, std::size_t count) const {
     Interval<double> range;
     for (std::size_t z = k; z < k + count; ++z)

@@ -21,7 +21,8 @@ inline double sum_of_magnitudes(const Point& a) {
   return std::abs(a[0]) + std::abs(a[1]) + std::abs(a[2]);
 }
 
-/// By value: std::min and std::max of references become branches here, which are guessed wrong half of the time.
+/// By value: std::min and std::max of references become branches here, which are mispredicted half
+/// of the time.
 template <class T>
 T smaller(T a, T b) {
   return a < b ? a : b;

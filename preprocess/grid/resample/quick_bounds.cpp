@@ -50,8 +50,8 @@ void QuickBounds::enter(const Point& first, std::span<const std::uint32_t> cells
   }
 }
 
-/// Any directions keep a cell and a leaf cell apart whose projections on them do not meet, so that the normals need not
-/// be precise; only the projections' own rounding counts.
+/// Any direction on which the projections of a cell and a leaf cell are disjoint separates them.
+/// The normals therefore need not be precise; only the projections' own rounding counts.
 QuickBounds::Shape QuickBounds::shape_of(const std::array<std::array<float, 4>, 3>& points) {
   std::array<Four, 3> a, b;
   float farthest = 0;
@@ -128,8 +128,8 @@ std::uint8_t QuickBounds::leaf_cells_of(const Shape& shape, std::size_t block) {
   return static_cast<std::uint8_t>(leaf_cells);
 }
 
-/// From a base in double precision, so that what is left can be single; lower and higher than it is by more than
-/// rounding.
+/// Relative to a base in double precision, so that the difference can be single. Bounds are widened
+/// by more than rounding.
 QuickBounds::Slope QuickBounds::slope_of(const Gradient& gradient, const Point& base, double unit) {
   Slope slope;
   bool is_known = gradient.has_values;
@@ -154,7 +154,7 @@ void QuickBounds::clear(Ranges<N>& ranges) {
   }
 }
 
-/// Four lanes from `first` on, those of them whose bit is set.
+/// Includes the four lanes from `first` on whose bit is set.
 template <std::size_t N>
 void QuickBounds::include(const Slope& slope, std::uint32_t lanes, std::size_t first, Ranges<N>& ranges) {
   const auto bits = static_cast<std::int32_t>(lanes);

@@ -24,7 +24,8 @@ std::uint64_t memory_limit(const ResampleOptions& options) {
   return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) / 2;
 }
 
-/// Bytes of samples and of the arrays that go with bricks, when this share of the bricks is touched.
+/// Bytes of samples and of the arrays that go with bricks, when this fraction of the bricks is
+/// touched.
 double bytes_of(const SampleLattice& lattice, const std::vector<PointField>& fields, double touched_share) {
   double sample_bytes = 0;
   for (const PointField& field : fields)
@@ -42,7 +43,7 @@ std::string mebibytes(double bytes) {
   return concat(static_cast<std::uint64_t>(std::ceil(bytes / (1 << 20))), " MiB");
 }
 
-/// Everything about a mesh that does not depend on the lattice, and the lattices that are tried on it.
+/// All data of a mesh that do not depend on the lattice, and the lattices that are tried on it.
 class Resampling {
  public:
   Resampling(const NeutralMesh& mesh, const ResampleOptions& options, const Progress& progress)
@@ -69,7 +70,8 @@ class Resampling {
   }
 
  private:
-  /// A grid without samples: in which bricks they will stand. Throws ErrorCode::resource where they do not fit.
+  /// Returns a grid without samples, with the bricks that will hold them. Throws
+  /// ErrorCode::resource where they do not fit.
   ResampledMesh placed(SampleLattice lattice) const {
     ResampledMesh grid;
     grid.lattice = std::move(lattice);
@@ -100,8 +102,9 @@ class Resampling {
                   "use fewer samples, or allow more memory");
   }
 
-  /// In the first field's unit. A share of a field that hardly varies is at least what rounding in single precision
-  /// may come to (2^-20 of the largest value: sixteen units of its last place), which no grid lowers.
+  /// In the first field's unit. A fraction of the range of a field that hardly varies is raised to
+  /// the largest rounding error in single precision (2^-20 of the largest value: sixteen units in
+  /// its last place), which no grid reduces.
   double requested_error() const {
     if (!(std::isfinite(*options_.max_error) && *options_.max_error > 0))
       throw Error(ErrorCode::usage,
@@ -118,7 +121,8 @@ class Resampling {
     return std::max(*options_.max_error * (range.hi - range.lo), 0x1p-20 * std::max(-range.lo, range.hi));
   }
 
-  /// About one sample for each tetrahedron to start with, but eight on the longest axis.
+  /// Starts with about one sample for each tetrahedron, but with at least eight on the longest
+  /// axis.
   LatticeRequest first_spec() const {
     if (options_.lattice.is_given()) return options_.lattice;
     const Vec3 extent = mesh_.box.max - mesh_.box.min;
@@ -137,13 +141,15 @@ class Resampling {
     return grid.certificates.fields.front().coverage >= formats::Certificate::whole_coverage;
   }
 
-  /// Steps become shorter, at most by half and at least by a tenth each time: by as much as the order of the last two
-  /// errors says is enough. From a mesh's piecewise linear field that order is at most 2 where the steps are longer
-  /// than the mesh's edges, and 1 where they are shorter.
+  /// Refines the lattice until the requested error holds. Steps become shorter by a tenth at least
+  /// and by half at most each time. The factor follows from the order of the last two errors. From
+  /// a mesh's piecewise linear field that order is at most 2 where the steps are longer than the
+  /// mesh's edges, and 1 where they are shorter.
   ///
-  /// Where the field jumps (two sheets in one place, a gap narrower than the steps) no lattice helps: once steps
-  /// of less than a third have not made the smallest error a twentieth smaller, the grid with that error is taken.
-  /// So it is where memory ends. A grid that covers the whole mesh is better than one that does not.
+  /// Where the field jumps (two sheets at one position, a gap narrower than the steps), no lattice
+  /// helps. Once shortening the steps to less than a third has not reduced the smallest error by a
+  /// twentieth, the grid with that error is taken. The same holds when memory is exhausted. A grid
+  /// that covers the whole mesh is better than one that does not.
   ResampledMesh refined() {
     constexpr double shorter_in_vain = 1.0 / 3, least_gain = 0.05;
     const double requested = *report_.requested_error;

@@ -30,7 +30,7 @@ struct Scratch {
   std::vector<SecondClaim> second;
 };
 
-/// What lies beyond it is rounding.
+/// True when the difference exceeds rounding.
 template <class T>
 bool disagree(T a, T b) {
   return std::abs(a - b) > 4 * std::numeric_limits<T>::epsilon() * std::max(std::abs(a), std::abs(b));
@@ -65,7 +65,8 @@ std::uint32_t overlaps(const std::vector<SecondClaim>& second) {
   return count;
 }
 
-/// Whether the mesh touches a leaf cell that has a sample of this brick as a corner, or nearly so.
+/// True when the mesh touches a leaf cell that has a sample of this brick as a corner, or nearly
+/// so.
 bool is_needed(const TouchedBricks& touched, std::size_t brick) {
   const Index3 at = touched.at_brick(static_cast<std::int64_t>(brick));
   for (std::int64_t side = 0; side < 8; ++side) {

@@ -24,7 +24,8 @@ ClippedTriangle::ClippedTriangle(const std::array<PatchPoint, 3>& triangle) {
   }
 }
 
-/// Keeps what has sign * (coordinate - place) >= 0. A corner that is cut off is replaced by points exactly on the side.
+/// Keeps the part with sign * (coordinate - place) >= 0. A corner that is cut off is replaced by
+/// points exactly on the side.
 void ClippedTriangle::clip(std::size_t axis, double sign, double place) {
   std::array<PatchPoint, capacity> kept;
   std::size_t count = 0;

@@ -5,14 +5,14 @@
 
 namespace rhoray::preprocess {
 
-/// A corner of a polygon in a cell's own coordinates (0 to 1 on every axis), with a value.
+/// A corner of a polygon in a cell's local coordinates (0 to 1 on every axis), with a value.
 struct PatchPoint {
   std::array<double, 3> at;
   double value;
 };
 
-/// The part of a triangle that lies in the unit cube; values are linear in the triangle. Nine corners at most, but for
-/// rounding.
+/// The part of a triangle that lies in the unit cube; values are linear in the triangle. It has at
+/// most nine corners, except for rounding.
 class ClippedTriangle {
  public:
   explicit ClippedTriangle(const std::array<PatchPoint, 3>& triangle);
@@ -37,10 +37,10 @@ struct PatchBounds {
   std::array<double, 3> at;
 };
 
-/// The difference restricted to a triangle is a cubic; the largest of its ten Bernstein coefficients bounds it, and
-/// three of them are its values at the corners. The coefficients come from the polar form of a trilinear function T:
-/// the mean, over the six ways to share out three points among the three axes, of T(x of one, y of another, z of the
-/// third).
+/// The difference restricted to a triangle is a cubic. The largest of its ten Bernstein
+/// coefficients bounds it, and three of them are its values at the corners. The coefficients come
+/// from the polar form of a trilinear function T. It is the mean of T(x of one, y of another, z of
+/// the third) over the six ways to assign three points to the three axes.
 /// @param corners  the trilinear function at the cell's corners, x fastest
 PatchBounds patch_bounds(const std::array<PatchPoint, 3>& triangle, const std::array<double, 8>& corners);
 

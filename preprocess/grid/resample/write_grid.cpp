@@ -25,7 +25,7 @@ std::vector<std::size_t> kept_slots(const BrickSamples& samples) {
   return kept;
 }
 
-/// What lies beyond the lattice or in bricks that are not there counts as without data, padding does not.
+/// Samples beyond the lattice or in missing bricks count as without data; padding does not.
 template <class T>
 formats::FieldSummary summary_of(const PointField& field, const Array<T>& samples, const Index3& sample_count) {
   formats::FieldSummary summary = summarize(std::span<const T>(samples), field.name, field.unit);
@@ -33,7 +33,8 @@ formats::FieldSummary summary_of(const PointField& field, const Array<T>& sample
   return summary;
 }
 
-/// The macro levels from bricks: one of eight samples has two macrocells of four leaf cells on every axis.
+/// Builds the macro levels from bricks: a brick of eight samples has two macrocells of four leaf
+/// cells on every axis.
 template <class T>
 Levels<T> macro_levels(const ResampledMesh& grid, std::size_t field, const formats::MacroShape& shape) {
   constexpr std::int64_t per_brick = SampleLattice::brick_edge / 4;
@@ -97,7 +98,7 @@ Affine world_from_grid(const SampleLattice& lattice, const CleanMesh& mesh) {
           .origin = mesh.origin + lattice.low};
 }
 
-/// Neighbouring slots in one piece.
+/// Writes consecutive slots in one piece.
 template <class T>
 void write_bricks(const Array<T>& samples, const std::vector<std::size_t>& kept, const std::string& array,
                   formats::PackedFileWriter& writer, ProgressMeter& meter) {

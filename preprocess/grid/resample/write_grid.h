@@ -16,8 +16,8 @@ struct ResampledMesh {
   Certificates certificates;
 };
 
-/// Writes a packed grid with the bricks that have a sample inside the mesh or one that was given a value outside. Adds
-/// description and file_bytes.
+/// Writes a packed grid with the bricks that have a sample inside the mesh or a value given to one
+/// outside. Sets description and file_bytes.
 /// @param requested_error  of the first field, for its certificate
 void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<PointField>& fields,
                 const std::string& length_unit, std::optional<double> requested_error,
