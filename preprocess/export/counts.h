@@ -7,7 +7,7 @@
 
 namespace rhoray::preprocess {
 
-/// What a worker that writes a file hands over when it is done: some counts, as a packed file of kind "counts".
+/// Sends the result of a worker that writes a file: some counts, as a packed file of kind "counts".
 void hand_over_counts(const std::vector<std::uint64_t>& counts, int descriptor);
 
 /// Refuses when there are not as many as expected.

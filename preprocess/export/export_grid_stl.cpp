@@ -15,7 +15,8 @@ ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalu
   if (!std::isfinite(isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", isovalue, "; expected a finite number"));
   const OpenedGrid opened = open_grid(packed, options.field);
-  require_even_steps(opened, packed, "the surface of a grid");  // here, in no other process
+  // here rather than in the worker process
+  require_even_steps(opened, packed, "the surface of a grid");
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;
   request.program = import_worker;

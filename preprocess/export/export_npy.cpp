@@ -8,7 +8,7 @@ namespace {
 
 using formats::ElementType;
 
-/// "<f4" and so on; bytes have no order.
+/// "<f4" and so on; bytes have no byte order.
 std::string descr_of(ElementType type) {
   const std::string_view name = formats::element_name(type);  // "F32"
   const std::size_t bytes = formats::element_bytes(type);

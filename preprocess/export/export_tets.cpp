@@ -45,13 +45,13 @@ void with_values(const TetMesh& mesh, std::size_t field, Act&& act) {
     act(mesh.values<double>(field));
 }
 
-/// Where the field takes the isovalue on the edge from a corner inside to one outside.
+/// The point on an edge, from a corner inside to one outside, where the field takes the isovalue.
 Vec3 crossing(const Vec3& from, const Vec3& to, double value_from, double value_to, double isovalue) {
   const double share = (isovalue - value_from) / (value_to - value_from);
   return (1 - share) * from + share * to;
 }
 
-/// One tetrahedron's part of the isosurface: a triangle, or a quadrangle cut into two.
+/// One tetrahedron's part of the isosurface: a triangle, or a quadrilateral cut into two.
 void add_isosurface(StlFile& file, const std::array<Vec3, 4>& points, const std::array<double, 4>& values,
                     double isovalue) {
   std::size_t inside[4], outside[4], in_count = 0, out_count = 0;
@@ -66,7 +66,7 @@ void add_isosurface(StlFile& file, const std::array<Vec3, 4>& points, const std:
   const auto cut = [&](std::size_t i, std::size_t o) {
     return crossing(points[inside[i]], points[outside[o]], values[inside[i]], values[outside[o]], isovalue);
   };
-  // Fronts look away from the corner with the higher value.
+  // Fronts face away from the corner with the higher value.
   const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     if ((b - a).cross(c - a).dot(a - points[inside[0]]) >= 0)
       file.add(a, b, c);
@@ -94,9 +94,10 @@ void write_isosurface(StlFile& file, const TetMesh& mesh, std::size_t field, dou
   });
 }
 
-/// The faces that belong to one cell only.
+/// Writes the faces that belong to one cell only.
 void write_own_surface(StlFile& file, const TetMesh& mesh) {
-  // Seen from outside, the corners of each face run counter-clockwise (vertex order in formats/tet_mesh.h).
+  // Seen from outside, the corners of each face run counter-clockwise (vertex order in
+  // formats/tet_mesh.h).
   constexpr std::size_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   struct Face {
     std::array<std::uint32_t, 3> sorted;

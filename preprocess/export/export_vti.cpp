@@ -38,7 +38,7 @@ std::string in_xml(std::string_view text) {
   return out;
 }
 
-/// Fields that are written, by position.
+/// Indices of the fields that are written.
 std::vector<std::size_t> fields_of(const OpenedGrid& opened, const std::string& asked) {
   if (!asked.empty()) return {opened.field};
   std::vector<std::size_t> all(opened.description().fields.size());
@@ -50,7 +50,8 @@ std::uint64_t bytes_of(const formats::GridDescription& grid, std::size_t field) 
   return static_cast<std::uint64_t>(volume(grid.layout.sample_count)) * formats::element_bytes(grid.fields[field].type);
 }
 
-/// Everything before the samples. Numbers read back to the same bits, which VTK's own writer does not promise.
+/// Everything before the samples. Numbers read back to the same bits, which VTK's own writer does
+/// not guarantee.
 std::string head_of(const formats::GridDescription& grid, const std::vector<std::size_t>& fields) {
   const Index3& n = grid.layout.sample_count;
   const Affine& map = grid.world_from_grid;

@@ -14,7 +14,7 @@
 
 namespace rhoray::preprocess {
 
-/// One field of a packed grid by the position of its samples, whatever the layout.
+/// One field of a packed grid by sample index, for any layout.
 template <class T>
 class GridSamples {
  public:
@@ -45,7 +45,7 @@ class GridSamples {
   std::optional<formats::SparseAddress> sparse_;
 };
 
-/// A packed grid, and which of its fields is meant.
+/// A packed grid, and the selected field.
 struct OpenedGrid {
   formats::BrickGrid grid;
   std::size_t field = 0;
@@ -54,11 +54,13 @@ struct OpenedGrid {
   const formats::FieldSummary& summary() const { return grid.description().fields[field]; }
 };
 
-/// Opens a packed grid; refuses a file of another kind and a field that it does not have (ErrorCode::usage).
+/// Opens a packed grid. Refuses a file of another kind and a field that it does not have
+/// (ErrorCode::usage).
 /// @param field  empty = the first
 OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field);
 
-/// Refuses a grid whose samples stand at uneven steps (ErrorCode::unsupported), for formats that know even ones only.
+/// Refuses a grid with uneven sample steps (ErrorCode::unsupported), for formats that support only
+/// even ones.
 void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format);
 
 /// Calls act(GridSamples<T>) with the field's type; returns what act returns.

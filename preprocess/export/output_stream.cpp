@@ -14,7 +14,8 @@
 
 namespace rhoray::preprocess {
 
-/// Bytes from `first_byte_` of the file on, until they are written. Positions before them may be overwritten later.
+/// Bytes from `first_byte_` of the file on that are not yet written. Positions before them may be
+/// overwritten later.
 class OutputStream::Buffer : public std::streambuf {
  public:
   Buffer(const std::filesystem::path& path, const std::string& name)
@@ -86,7 +87,7 @@ class OutputStream::Buffer : public std::streambuf {
     return true;
   }
 
-  /// At first_byte_, which moves on. After a failure nothing more is written.
+  /// Writes at first_byte_ and advances it. After a failure nothing more is written.
   bool write(const char* bytes, std::size_t count) {
     if (error_ != 0) return false;
     while (count > 0) {
@@ -110,7 +111,7 @@ class OutputStream::Buffer : public std::streambuf {
   int descriptor_;
   std::vector<char> bytes_ = std::vector<char>(std::size_t{256} << 10);
   std::uint64_t first_byte_ = 0;
-  std::uint64_t end_ = 0;  ///< of all that was written
+  std::uint64_t end_ = 0;  ///< of all bytes written
   int error_ = 0;
   std::string act_;
   std::uint64_t needed_bytes_ = 0;

@@ -9,19 +9,21 @@
 
 namespace rhoray::preprocess {
 
-/// A stream into a file, such as a PendingFile by its open_name(), for what writes to std::ostream.
-/// The first call of the system that fails sets badbit, and `finish` throws its reason, which std::ofstream forgets.
+/// A stream into a file, such as a PendingFile by its open_name(), for code that writes to
+/// std::ostream. The first system call that fails sets badbit, and `finish` throws its reason,
+/// which std::ofstream loses.
 class OutputStream : public std::ostream {
  public:
-  /// Empties the file, or makes one. Refuses a file that cannot be opened.
+  /// Truncates the file, or creates it. Refuses a file that cannot be opened.
   /// @param name  for messages; empty: the path
   explicit OutputStream(const std::filesystem::path& path, const std::string& name = {});
   ~OutputStream() override;
 
-  /// Throws when a write has failed. To be asked before what a library says, which knows less.
+  /// Throws when a write has failed. Call it before using a library's own error, which is less
+  /// precise.
   void check() const;
 
-  /// Writes what is left, closes the file, and checks. Nothing may be written afterwards.
+  /// Writes the remaining bytes, closes the file, and checks. Nothing may be written afterwards.
   void finish();
 
  private:

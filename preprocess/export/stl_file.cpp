@@ -22,7 +22,8 @@ void write_number(std::ostream& file, const T& number) {
 StlFile::StlFile(const std::filesystem::path& path, const std::string& name)
     : name_(name.empty() ? path.string() : name), file_(path, name_) {
   std::array<char, title_bytes> title{};
-  constexpr std::string_view text = "rhoray";  // not beginning with "solid", which would make it a text
+  // must not begin with "solid", which would make it a text file
+  constexpr std::string_view text = "rhoray";
   std::memcpy(title.data(), text.data(), text.size());
   file_.write(title.data(), title.size());
   write_number(file_, std::uint32_t{0});

@@ -9,17 +9,17 @@
 
 namespace rhoray::preprocess {
 
-/// Writes a binary STL file, triangle by triangle. Corners are rounded to 32 bits, as the format has them.
+/// Writes a binary STL file, triangle by triangle. Corners are rounded to the format's 32 bits.
 class StlFile {
  public:
   /// @param name  for messages; empty: the path
   explicit StlFile(const std::filesystem::path& path, const std::string& name = {});
 
-  /// Left out when two corners are the same after rounding.
+  /// Leaves the triangle out when two corners are the same after rounding.
   void add(const Vec3& a, const Vec3& b, const Vec3& c);
 
-  /// Ends the file and returns the number of triangles in it; refuses a file that could not be written (ErrorCode::
-  /// resource) and more triangles than the format can count.
+  /// Completes the file and returns the number of triangles in it. Refuses a file that could not be
+  /// written (ErrorCode::resource) and more triangles than the format can count.
   std::uint64_t finish();
 
  private:

@@ -39,7 +39,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The address and thread sanitizers reserve terabytes of memory for themselves, so that no limit can be set there.
+// The address and thread sanitizers reserve terabytes of memory for themselves, so no limit can be
+// set there.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool memory_can_be_limited = false;
 #else
@@ -78,7 +79,7 @@ class Descriptor {
   int number_;
 };
 
-/// What lies between the two processes: in memory, or in the scratch folder.
+/// A file passed between the two processes: in memory, or in the scratch folder.
 Descriptor anonymous_file(const WorkerRequest& request, const char* name) {
   if (!request.scratch_folder.empty()) return Descriptor(open_nameless_file(request.scratch_folder, 0));
   const int number = ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
@@ -86,9 +87,10 @@ Descriptor anonymous_file(const WorkerRequest& request, const char* name) {
   return Descriptor(number);
 }
 
-/// From now on nobody can change an answer that lies in memory, so that it stays what is checked when it is opened.
+/// Seals an answer in memory: nobody can change it any more, so it stays as it is checked on
+/// opening.
 void freeze(const Descriptor& answer, const WorkerRequest& request) {
-  if (!request.scratch_folder.empty()) return;  // files on disk know no seals
+  if (!request.scratch_folder.empty()) return;  // files on disk have no seals
   if (::fcntl(answer.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
     refuse_by_system(request.doing, "fcntl F_ADD_SEALS");
 }
@@ -112,7 +114,8 @@ std::string worker_path(const std::string& program) {
   return path.string();
 }
 
-/// What the child needs, made before the fork: after it, only calls that are safe beside other threads are allowed.
+/// Everything that the child needs, prepared before the fork. After the fork, only calls that are
+/// safe beside other threads are allowed.
 struct Start {
   int input = -1, output = -1, complaints = -1, nothing = -1;
   pid_t parent = 0;
@@ -179,7 +182,7 @@ void set_limits(const WorkerLimits& limits) {
   fail_in_child("the worker program was not accepted by the system\n");
 }
 
-/// Passes on a line `<mark>DONE TOTAL`.
+/// Forwards the numbers of a line `<mark>DONE TOTAL`.
 void pass_progress_on(const char* numbers, const WorkerRequest& request) {
   std::uint64_t done = 0, total = 0;
   if (request.progress && std::sscanf(numbers, "%" SCNu64 " %" SCNu64, &done, &total) == 2)
@@ -193,7 +196,7 @@ void pass_progress_on(const char* numbers, const WorkerRequest& request) {
               "the input's disk or server does not answer, or the library that reads it has a defect");
 }
 
-/// Waits until there is something to read. Throws when the worker does nothing for too long.
+/// Waits until there is something to read. Throws when the worker is idle for too long.
 void wait_for_words(int descriptor, const WorkerRequest& request, IdleWatch& watch) {
   for (;;) {
     pollfd words{.fd = descriptor, .events = POLLIN, .revents = 0};
@@ -206,7 +209,8 @@ void wait_for_words(int descriptor, const WorkerRequest& request, IdleWatch& wat
   }
 }
 
-/// Waits until the worker has ended: one that has closed its standard error may go on. Throws as wait_for_words.
+/// Waits until the worker has ended: one that has closed its standard error may go on. Throws like
+/// wait_for_words.
 void wait_for_end(pid_t worker, const WorkerRequest& request, IdleWatch& watch) {
   constexpr int longest_ms = 128;
   double since_look_s = 0;
@@ -222,7 +226,8 @@ void wait_for_end(pid_t worker, const WorkerRequest& request, IdleWatch& watch) 
   }
 }
 
-/// What the worker prints, until it ends: progress is passed on, and the last of the rest is kept.
+/// Reads the worker's output until it ends. Progress is forwarded, and the end of the remaining
+/// text is returned.
 std::string complaints_of(int descriptor, pid_t worker, const WorkerRequest& request) {
   std::string text, rest;
   char piece[4096];
@@ -311,7 +316,7 @@ std::optional<ErrorCode> error_code_of(int exit_code) {
   throw Error(*error_code, lines.back(), hint);
 }
 
-/// The worker was ended by a signal: whose fault that is, and what it means.
+/// The worker was ended by a signal: reports the cause and what it means.
 [[noreturn]] void report_death(const End& end, const WorkerRequest& request, const std::string& complaints) {
   const int signal = WTERMSIG(end.status);
   const std::vector<std::string> lines = lines_of(complaints);
@@ -383,7 +388,7 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
   try {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
   } catch (const Error& error) {
-    // Memory may be missing here; whatever else is wrong is a defect of the worker.
+    // Memory may be exhausted here; any other error is a defect of the worker.
     const ErrorCode error_code = error.code() == ErrorCode::resource ? ErrorCode::resource : ErrorCode::internal;
     throw Error(error_code, concat("while ", request.doing, ": ", error.what()), error.hint());
   }
@@ -397,7 +402,7 @@ std::string in_one_line(std::string text) {
 }
 
 int report(ErrorCode error_code, const std::string& fact, const std::string& hint) {
-  std::string lines = "\n";  // whatever a library left unfinished ends here
+  std::string lines = "\n";  // ends a line that a library left unfinished
   if (!hint.empty()) lines += concat(hint_mark, in_one_line(hint), "\n");
   lines += in_one_line(fact.empty() ? "no reason given" : fact) + "\n";
   std::fputs(lines.c_str(), stderr);
@@ -411,7 +416,7 @@ int descriptor_named(const char* variable) {
 
 std::atomic<bool> is_worker = false;
 
-/// From now on, large arrays of this process lie in the folder that the caller named, if it did.
+/// Stores large arrays of this process in the folder that the caller named, if any.
 void use_scratch_folder() {
   const char* folder = std::getenv("RHORAY_SCRATCH");
   if (folder == nullptr) return;
@@ -434,7 +439,8 @@ void report_worker_progress(std::uint64_t done, std::uint64_t total) {
 }
 
 int worker_main(const std::function<void(int input, int output)>& act) {
-  const DefaultFloatingPoint default_floating_point;  // a library that was loaded may have set another
+  // a library that was loaded may have set another
+  const DefaultFloatingPoint default_floating_point;
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)

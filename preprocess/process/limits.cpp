@@ -24,10 +24,11 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20, gibibyte = std::uint64_t{1} << 30;
 
-/// What a thread's stack may reserve: the usual limit of 8 MiB, twice. It counts as private memory but is hardly used.
+/// Address space that a thread's stack may reserve: the usual limit of 8 MiB, twice. It counts as
+/// private memory but is hardly used.
 constexpr std::uint64_t stack_bytes = 16 * mebibyte;
 
-/// For the header of what is handed over, and for small files beside a large one.
+/// For the header of an answer, and for small files beside a large one.
 constexpr std::uint64_t small_file_bytes = 64 * mebibyte;
 
 constexpr auto unlimited = static_cast<std::uint64_t>(RLIM_INFINITY);
@@ -41,14 +42,14 @@ std::string text_of_file(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The number at the start of a text; nothing for "max" and what is no number.
+/// The number at the start of a text; nothing for "max" and other text.
 std::optional<std::uint64_t> number_in(const std::string& text) {
   std::uint64_t number = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
   return read.ec == std::errc() ? std::optional(number) : std::nullopt;
 }
 
-/// The least number that a group and those around it have in the file of this name.
+/// The smallest number that a group and its ancestors have in the file of this name.
 std::optional<std::uint64_t> least_of_groups(const fs::path& root, const std::string& group, const char* file) {
   std::optional<std::uint64_t> least;
   for (fs::path path = fs::path(group).relative_path();; path = path.parent_path()) {
@@ -66,7 +67,7 @@ std::uint64_t machine_memory_bytes() {
 
 using Resource = decltype(RLIMIT_DATA);
 
-/// As wanted, but not above what this process may have itself.
+/// The requested limit, but not above this process's own.
 rlimit within_own(Resource resource, const char* name, std::uint64_t soft, std::uint64_t hard) {
   rlimit own{};
   if (::getrlimit(resource, &own) != 0)
@@ -74,8 +75,9 @@ rlimit within_own(Resource resource, const char* name, std::uint64_t soft, std::
   return {.rlim_cur = std::min<rlim_t>(soft, own.rlim_cur), .rlim_max = std::min<rlim_t>(hard, own.rlim_max)};
 }
 
-/// The largest file that a worker has reason to write. Its answer is made from arrays in its memory, or, with a scratch
-/// folder, lies there, where the disk is the limit. What it writes for the caller was declared.
+/// The largest file that a worker may have to write. Its answer is made from arrays in its memory.
+/// With a scratch folder the answer is stored there, and the disk is the limit. Files that it
+/// writes for the caller were declared.
 std::uint64_t largest_file_bytes(const WorkerRequest& request, std::uint64_t memory_bytes) {
   std::uint64_t bytes = memory_bytes;
   if (struct statvfs disk{}; !request.scratch_folder.empty() && ::statvfs(request.scratch_folder.c_str(), &disk) == 0)
@@ -116,7 +118,7 @@ std::uint64_t default_memory_limit(std::uint64_t input_bytes, std::uint64_t usab
 
 WorkerLimits limits_for(const WorkerRequest& request) {
   const std::uint64_t stacks = stack_bytes * std::max(1U, std::thread::hardware_concurrency());
-  // A limit that was asked for is kept to the byte.
+  // A limit that was requested is kept to the byte.
   const std::uint64_t memory =
       request.memory_limit_bytes != 0
           ? request.memory_limit_bytes
@@ -137,10 +139,10 @@ WorkerLimits limits_for(const WorkerRequest& request) {
 
 std::optional<Activity> activity_of(pid_t process) {
   const std::string stat = text_of_file(concat("/proc/", process, "/stat"));
-  const std::size_t name_end = stat.rfind(')');  // the program's name may hold anything
+  const std::size_t name_end = stat.rfind(')');  // the program's name may hold any character
   if (name_end == std::string::npos) return std::nullopt;
   std::istringstream fields(stat.substr(name_end + 1));
-  std::string passed_over;  // of state, and of ten numbers up to the fourteenth field of proc(5)
+  std::string passed_over;  // skipped: state, and ten numbers up to the fourteenth field of proc(5)
   for (int field = 3; field < 14; ++field) fields >> passed_over;
   Activity activity;
   std::uint64_t user = 0, system = 0;
@@ -149,7 +151,8 @@ std::optional<Activity> activity_of(pid_t process) {
 
   const std::string transfers = text_of_file(concat("/proc/", process, "/io"));
   std::istringstream lines(transfers);
-  bool is_complete = transfers.empty();  // a kernel that does not count them: computing alone tells
+  // on a kernel that does not count them, CPU time alone counts
+  bool is_complete = transfers.empty();
   std::string name;
   for (std::uint64_t bytes = 0; lines >> name >> bytes;) {
     if (name == "rchar:" || name == "read_bytes:") activity.read_bytes += bytes;

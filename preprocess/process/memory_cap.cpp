@@ -18,7 +18,8 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// What a thread's stack may reserve: the usual limit of 8 MiB, twice, as checksums and sorting have threads each.
+/// Address space that a thread's stack may reserve: the usual limit of 8 MiB, twice. Checksums and
+/// sorting each use threads.
 constexpr std::uint64_t stack_bytes = std::uint64_t{16} << 20;
 
 rlim_t limit_with_stacks(std::uint64_t bytes) {
@@ -52,7 +53,8 @@ MemoryCap::MemoryCap(std::uint64_t bytes, std::filesystem::path folder)
 }
 
 MemoryCap::~MemoryCap() {
-  RHORAY_CHECK(::setrlimit(RLIMIT_DATA, &before_->limit) == 0);  // back to a limit that the system has accepted before
+  // back to a limit that the system has accepted before
+  RHORAY_CHECK(::setrlimit(RLIMIT_DATA, &before_->limit) == 0);
   std::pmr::set_default_resource(before_->resource);
 }
 

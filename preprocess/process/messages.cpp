@@ -19,7 +19,7 @@ using formats::ElementType;
 using formats::PackedFile;
 using formats::PackedFileWriter;
 
-/// Arrays gathered first, then declared and written in one go; empty ones are left out.
+/// Gathers arrays first, then declares and writes them at once. Empty arrays are left out.
 class MessageWriter {
  public:
   template <class T>
@@ -40,7 +40,7 @@ class MessageWriter {
     specs_.push_back({.name = name, .type = type, .shape = std::move(shape), .alignment = 64});
     contents_.push_back(bytes);
   }
-  /// Kept in this object; a text ends at its first NUL.
+  /// The texts are copied into this object; a text ends at its first NUL.
   void add_texts(const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
       joined_.insert(joined_.end(), text.c_str(), text.c_str() + std::strlen(text.c_str()) + 1);
@@ -62,7 +62,7 @@ class MessageWriter {
   Array<std::uint8_t> joined_;
 };
 
-/// The parcel's other end.
+/// Reads what a MessageWriter wrote.
 class MessageReader {
  public:
   MessageReader(const PackedFile& file, const char* kind) : file_(file) {
@@ -124,7 +124,8 @@ class MessageReader {
   std::size_t next_ = 0;
 };
 
-/// A list of fields: facts "<list>" [n, 2], values "<list>.0" ..., names and units among the texts.
+/// Adds a list of fields: facts "<list>" [n, 2], values "<list>.0" ..., names and units among the
+/// texts.
 void add_fields(MessageWriter& parcel, const std::string& list, const std::vector<NeutralField>& fields,
                 Array<std::array<std::uint64_t, 2>>& facts, std::vector<std::string>& texts) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -172,7 +173,7 @@ Affine affine_of(const Array<std::array<double, 3>>& rows) {
 void send(const NeutralVolume& volume, int descriptor) {
   MessageWriter parcel;
   const Index3& n = volume.sample_count;
-  const bool in_file = !volume.samples_file.empty();  // only where they stand goes over
+  const bool in_file = !volume.samples_file.empty();  // then only their location is sent
   const Array<std::uint64_t> facts{static_cast<std::uint64_t>(n.x),
                                    static_cast<std::uint64_t>(n.y),
                                    static_cast<std::uint64_t>(n.z),
@@ -227,7 +228,7 @@ void take_vectors(MessageReader& parcel, NeutralVolume& volume) {
   }
 }
 
-/// Parts of a header between which names stand.
+/// Delimiters of names in a header.
 bool may_end_name(char letter) {
   return letter == '=' || letter == ':' || letter == '"' || letter == '\'' || letter == '\0' ||
          std::isspace(static_cast<unsigned char>(letter)) != 0;
@@ -241,7 +242,7 @@ bool holds_name(std::string_view text, const std::string& name) {
   return false;
 }
 
-/// True when `named` is the file that was asked about, or its text names it.
+/// True when `named` is the requested file, or its text names it.
 bool belongs_to(const std::filesystem::path& source, const std::filesystem::path& named) {
   if (named == source) return true;
   constexpr std::size_t longest_header = std::size_t{16} << 20;
@@ -253,7 +254,7 @@ bool belongs_to(const std::filesystem::path& source, const std::filesystem::path
 
 constexpr auto last_type = static_cast<std::uint64_t>(ElementType::F64);
 
-/// What was left in the foreign file is mapped here.
+/// Maps samples that were left in the foreign file.
 void map_samples(const MessageReader& parcel, NeutralVolume& volume, std::uint64_t first_byte) {
   const ForeignFile source(volume.samples_file);
   const Index3& n = volume.sample_count;

@@ -18,7 +18,8 @@ namespace {
                                           " bytes here: ", std::strerror(error)));
 }
 
-/// Where the file system has no nameless files: one that loses its name at once.
+/// Where the file system does not support files without names: opens a file and removes its name at
+/// once.
 int open_and_unlink(const std::filesystem::path& folder) {
   std::string name = (folder / ".rhoray-scratch-XXXXXX").string();
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
@@ -26,7 +27,7 @@ int open_and_unlink(const std::filesystem::path& folder) {
   return descriptor;
 }
 
-/// 0, or why the space cannot be had.
+/// Returns 0, or the error when the space cannot be reserved.
 int reserve(int descriptor, std::uint64_t bytes) {
   if (bytes == 0) return 0;
   const auto size = static_cast<off_t>(bytes);
@@ -34,7 +35,7 @@ int reserve(int descriptor, std::uint64_t bytes) {
   do {
     error = ::fallocate(descriptor, 0, 0, size) == 0 ? 0 : errno;
   } while (error == EINTR);
-  // Some file systems cannot promise space: there the C library writes a byte into every block.
+  // Some file systems cannot reserve space. There the C library writes a byte into every block.
   return error == EOPNOTSUPP || error == ENOSYS ? ::posix_fallocate(descriptor, 0, size) : error;
 }
 

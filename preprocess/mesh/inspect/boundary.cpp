@@ -12,7 +12,7 @@
 namespace rhoray::preprocess::inspect {
 namespace {
 
-/// A face that one cell has alone, its vertices in the order in which they run counter-clockwise from outside.
+/// A face that belongs to one cell alone. Its vertices run counter-clockwise seen from outside.
 struct BoundaryFace {
   std::array<std::uint64_t, 3> vertices;
   std::uint64_t cell;
@@ -38,7 +38,7 @@ Vec3 place(const NeutralMesh& mesh, std::uint64_t point) {
   return {mesh.points[point][0], mesh.points[point][1], mesh.points[point][2]};
 }
 
-/// Sets that are joined two by two.
+/// Disjoint sets that are joined in pairs.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -54,11 +54,12 @@ class Sets {
 
 struct TransparentSurfaces {
   Tally pinched;   ///< edges where more than two faces of the boundary meet
-  Tally cavities;  ///< shells that enclose no cells
+  Tally cavities;  ///< closed boundary surfaces that enclose no cells
   std::uint64_t count = 0;
 };
 
-/// TransparentSurfaces are sets of boundary faces joined over edges. One that encloses emptiness has a negative volume.
+/// Finds the boundary's surfaces: sets of boundary faces joined over edges. A surface that encloses
+/// empty space has a negative volume.
 TransparentSurfaces transparent_surfaces_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& faces) {
   struct Edge {
     std::array<std::uint64_t, 2> ends;
@@ -94,7 +95,7 @@ TransparentSurfaces transparent_surfaces_of(const NeutralMesh& mesh, const std::
   return shells;
 }
 
-/// The points that the boundary names, each once.
+/// Returns the points that the boundary names, each once.
 PointTree points_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& faces) {
   std::vector<std::uint64_t> points;
   for (const BoundaryFace& face : faces) points.insert(points.end(), face.vertices.begin(), face.vertices.end());
@@ -105,7 +106,7 @@ PointTree points_of(const NeutralMesh& mesh, const std::vector<BoundaryFace>& fa
   return PointTree(std::move(named));
 }
 
-/// True when p lies in the triangle, its edges included and its corners not, within `tolerance`.
+/// True when p lies in the triangle within `tolerance`: edges count, corners do not.
 bool lies_in(const Vec3& p, const std::array<Vec3, 3>& triangle, double tolerance) {
   for (const Vec3& corner : triangle)
     if ((p - corner).length() <= tolerance) return false;

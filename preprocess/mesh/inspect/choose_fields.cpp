@@ -21,14 +21,14 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// A field of the source under the name by which it is asked for.
+/// A field of the source and the name under which users select it.
 struct SourceField {
   std::string name;
   const NeutralField* field;
   bool is_of_cells;
 };
 
-/// One scalar to be made of a source field.
+/// One scalar to be made from a source field.
 struct Selection {
   static constexpr int magnitude = -1;
 
@@ -57,7 +57,7 @@ void check_field(const SourceField& source, std::size_t place_count, const std::
                                            place_count, source.is_of_cells ? " cells" : " points"));
 }
 
-/// All fields of the mesh, points first; names differ.
+/// Returns all fields of the mesh, point fields first; their names differ.
 std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::string& source_name,
                                        std::vector<std::string>& notes) {
   std::vector<SourceField> fields;
@@ -76,7 +76,7 @@ std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::strin
   return fields;
 }
 
-/// Every name that can be asked for.
+/// Returns every name that can be selected.
 std::vector<std::string> names_on_offer(const std::vector<SourceField>& fields, bool cells_to_points) {
   std::vector<std::string> names;
   for (const SourceField& source : fields) {
@@ -111,7 +111,7 @@ std::optional<int> component_of(const SourceField& source, std::string_view suff
   return number;
 }
 
-/// A whole name first, as a name may itself hold a dot.
+/// Looks for the whole name first, because a name may itself contain a dot.
 std::optional<Selection> find_selection(const std::vector<SourceField>& fields, const std::string& asked) {
   for (const SourceField& source : fields)
     if (source.name == asked && !is_vector(source)) return Selection{asked, &source, 0};
@@ -164,7 +164,7 @@ std::vector<Selection> select_all(const std::vector<SourceField>& fields, bool c
   return all;
 }
 
-/// Length of a vector; its own scale is taken out where squares would leave the range of double.
+/// Length of a vector. The components are scaled where squares would leave the range of double.
 double magnitude_of(std::span<const double> components) {
   double sum = 0, largest = 0;
   for (const double c : components) {
@@ -193,7 +193,8 @@ Array<double> at_points(const Selection& selection, const CleanMesh& clean) {
   return values;
 }
 
-/// Volumes of the cells, as shares of the largest one so that no sum of weighted values overflows for their sake.
+/// Volumes of the cells relative to the largest one, so that they cause no overflow in sums of
+/// weighted values.
 Array<double> relative_volumes(const CleanMesh& clean) {
   Array<double> volumes(clean.cells.size());
   for (std::size_t c = 0; c < volumes.size(); ++c) {
@@ -239,7 +240,8 @@ Array<double> averaged_to_points(const Selection& selection, const CleanMesh& cl
   return values;
 }
 
-/// Single precision when it holds every value: exactly, or rounded but still finite where the values are derived.
+/// Converts to single precision when it holds every value: exactly, or, where the values are
+/// derived, rounded but still finite.
 std::optional<Array<float>> in_single_precision(const Array<double>& values, bool may_round) {
   Array<float> single(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -15,10 +15,11 @@ namespace rhoray::preprocess {
 namespace {
 
 constexpr std::size_t grain = 4096;
-constexpr double largest_coordinate = 1e100, smallest_extent = 1e-100;  // between them orientations are exact
+// between them orientations are exact
+constexpr double largest_coordinate = 1e100, smallest_extent = 1e-100;
 constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
-/// How often something was met, and where first.
+/// The count of one kind of problem, and its first positions.
 class Finding {
  public:
   void add(std::uint64_t id) {
@@ -26,7 +27,7 @@ class Finding {
   }
   std::uint64_t count() const { return count_; }
 
-  /// `3 cells <what> (4, 8, 15)`; nothing is noted when nothing was met.
+  /// Adds the note `3 cells <what> (4, 8, 15)`, or nothing when the count is 0.
   void note(std::vector<std::string>& notes, std::string_view thing, std::string_view what) const {
     if (count_ == 0) return;
     notes.push_back(concat(count_, " ", thing, count_ == 1 ? " " : "s ", what, count_ > 3 ? " (first " : " (", thing,
@@ -125,12 +126,13 @@ void choose_points(const NeutralMesh& mesh, const std::string& source_name, Clea
     for (std::size_t v = 0; v < 4; ++v) clean.cells[c][v] = number[mesh.cells[clean.source_cells[c]][v]];
 }
 
-/// The number from which the mesh's coordinates on one axis are counted. Where they lie around zero it is zero. Where
-/// they lie far away, all are within a factor of two of the middle and a difference of two such doubles is exact.
+/// Returns the origin of the mesh's coordinates on one axis. It is zero where the coordinates lie
+/// around zero. Where they lie far away, all are within a factor of two of the middle, and a
+/// difference of two such doubles is exact.
 double origin_on_axis(double low, double high) {
   const double middle = low / 2 + high / 2, extent = high - low;
   if (std::abs(middle) <= 2 * extent) return 0;
-  const double step = std::exp2(std::floor(std::log2(extent)) - 2);  // few digits, to be read with ease
+  const double step = std::exp2(std::floor(std::log2(extent)) - 2);  // few digits, easy to read
   return std::round(middle / step) * step;
 }
 

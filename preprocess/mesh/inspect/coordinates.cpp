@@ -13,7 +13,7 @@ bool is_finite(const std::array<double, 3>& p) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/// Points that stand where an earlier one stands.
+/// Finds points with the coordinates of an earlier point.
 Finding coincident_points(const NeutralMesh& mesh) {
   std::vector<std::uint64_t> order;
   for (std::uint64_t p = 0; p < mesh.points.size(); ++p)

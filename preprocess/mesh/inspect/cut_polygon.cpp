@@ -7,12 +7,12 @@ namespace {
 
 using Place = std::array<double, 2>;
 
-/// Twice the area of a triangle in the plane, above 0 where it turns counter-clockwise.
+/// Twice the area of a triangle in the plane, above 0 for counter-clockwise winding.
 double turn(const Place& a, const Place& b, const Place& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The corners' places in a plane where the polygon turns counter-clockwise.
+/// Projects the corners to a plane in which the polygon runs counter-clockwise.
 std::vector<Place> project(std::span<const Vec3> corners) {
   Vec3 normal(0, 0, 0);
   for (std::size_t i = 0; i + 1 < corners.size(); ++i)
@@ -28,8 +28,8 @@ std::vector<Place> project(std::span<const Vec3> corners) {
   return places;
 }
 
-/// Whether the corner at `at` of those that are left can be cut off: it turns the right way, and no other corner lies
-/// in its triangle.
+/// True when the corner at `at` of the remaining ones can be cut off: it is convex, and no other
+/// corner lies in its triangle.
 bool is_ear(const std::vector<Place>& places, const std::vector<std::size_t>& left, std::size_t at) {
   const std::size_t before = left[(at + left.size() - 1) % left.size()], after = left[(at + 1) % left.size()];
   const Place &a = places[before], &b = places[left[at]], &c = places[after];

@@ -6,8 +6,9 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// An unevaluated sum of doubles, rising in magnitude, no two of which overlap: any sum or product of doubles, exactly.
-/// In place: none of this module's has more terms than the determinant, three times 64.
+/// An unevaluated sum of doubles, ascending in magnitude, no two of which overlap. It represents
+/// any sum or product of doubles exactly. Storage is in place: no expansion here has more terms
+/// than the determinant, three times 64.
 class Expansion {
  public:
   Expansion() = default;
@@ -48,7 +49,7 @@ TwoParts two_product(double a, double b) {
   return {high, std::fma(a, b, -high)};
 }
 
-/// Shewchuk's GROW-EXPANSION, leaving out zeros.
+/// Shewchuk's GROW-EXPANSION, without zeros.
 Expansion plus(const Expansion& e, double b) {
   Expansion sum;
   double carried = b;
@@ -119,7 +120,8 @@ int orientation(const std::array<double, 3>& p0, const std::array<double, 3>& p1
     determinant += (forward - backward) * height;
     magnitude += (std::abs(forward) + std::abs(backward)) * std::abs(height);
   }
-  // Shewchuk's bound for this order of operations is (7 + 56 e) e of the magnitude, e = 2^-53; 8 e is above it.
+  // Shewchuk's bound for this order of operations is (7 + 56 e) e of the magnitude, e = 2^-53; 8 e
+  // is above it.
   constexpr double relative_error = 0x1p-50;
   if (std::abs(determinant) > relative_error * magnitude) return sign_of(determinant);
   return exact_orientation(p0, p1, p2, p3);

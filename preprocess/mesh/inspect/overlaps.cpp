@@ -30,7 +30,7 @@ Finding duplicated_cells(const NeutralMesh& mesh) {
   return std::move(tally).finding("cells given before", "cell", "kept: the picture is the same with one of them");
 }
 
-/// True when p lies inside the cell, its faces left out; never in a flat one.
+/// True when p lies inside the cell, faces excluded; false for a flat cell.
 bool lies_inside(const NeutralMesh& mesh, const std::array<double, 3>& p, const std::array<std::uint64_t, 4>& cell) {
   const auto& a = mesh.points[cell[0]];
   const auto& b = mesh.points[cell[1]];
@@ -48,7 +48,7 @@ std::array<double, 3> centre_of(const NeutralMesh& mesh, const std::array<std::u
   return centre;
 }
 
-/// A cell of the same vertices is a duplicate and counted as that.
+/// A cell with the same vertices is a duplicate and counted as such.
 bool has_same_vertices(std::array<std::uint64_t, 4> a, std::array<std::uint64_t, 4> b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());

@@ -15,7 +15,8 @@ bool names_a_vertex_twice(const std::array<std::uint64_t, 4>& cell) {
          cell[2] == cell[3];
 }
 
-/// 3 r / R of the inscribed and the circumscribed sphere: 1 for a regular tetrahedron, 0 for a flat one.
+/// 3 r / R of the inscribed and the circumscribed sphere: 1 for a regular tetrahedron, 0 for a flat
+/// one.
 double radius_ratio(const NeutralMesh& mesh, const std::array<std::uint64_t, 4>& cell) {
   std::array<Vec3, 4> p;
   for (std::size_t v = 0; v < 4; ++v) {

@@ -8,7 +8,7 @@
 namespace rhoray::preprocess::inspect {
 namespace {
 
-/// On which side of the face, its vertices in rising order, the cell lies.
+/// The side of the face, its vertices in ascending order, on which the cell lies.
 int side_of(const NeutralMesh& mesh, const CellFace& face) {
   const auto& v = face.vertices;
   return orientation(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],

@@ -34,7 +34,8 @@ void values(const NeutralMesh& mesh, Findings& findings) {
 
 namespace {
 
-/// Few different whole numbers, none of them rare, look like names of things rather than like a measured field.
+/// Few different whole numbers, none of them rare, are probably labels rather than a measured
+/// field.
 constexpr std::size_t most_labels = 64;
 
 template <class T>

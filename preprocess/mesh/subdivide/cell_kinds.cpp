@@ -12,7 +12,7 @@ using enum CellKind;
 
 constexpr CellFace tetrahedron_faces[] = {{3, {0, 2, 1}}, {3, {0, 1, 3}}, {3, {1, 2, 3}}, {3, {0, 3, 2}}};
 
-// A voxel's corners count along x, then y, then z; a hexahedron's run around.
+// A voxel's corners are ordered along x, then y, then z; a hexahedron's run around.
 constexpr CellFace voxel_faces[] = {{4, {0, 4, 6, 2}}, {4, {1, 3, 7, 5}}, {4, {0, 1, 5, 4}},
                                     {4, {2, 6, 7, 3}}, {4, {0, 2, 3, 1}}, {4, {4, 5, 7, 6}}};
 constexpr CellFace hexahedron_faces[] = {{4, {0, 4, 7, 3}}, {4, {1, 2, 6, 5}}, {4, {0, 1, 5, 4}},

@@ -63,7 +63,8 @@ void Comparison::measure_box() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
   for (std::size_t c = 0; c < mesh_.kinds.size(); ++c) {
-    if (mesh_.kinds[c] == CellKind::polyhedron) continue;  // a stream with counts; other cells hold the box well enough
+    // a stream with counts; other cells cover the box well enough
+    if (mesh_.kinds[c] == CellKind::polyhedron) continue;
     for (std::uint64_t i = mesh_.cell_offsets[c]; i < mesh_.cell_offsets[c + 1]; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const double x = mesh_.points[mesh_.cell_nodes[i]][axis];
@@ -75,7 +76,8 @@ void Comparison::measure_box() {
   diagonal_ = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
-/// The largest range of its components: a component of rounding alone does not count by itself.
+/// The largest range of its components, so that a component of rounding errors alone does not count
+/// by itself.
 double Comparison::range_of(const NeutralField& field) const {
   const auto components = static_cast<std::size_t>(field.component_count);
   double largest = 0;

@@ -34,7 +34,7 @@ bool names_a_point_twice(const CutCell& cell) {
   return false;
 }
 
-/// Where a cell is folded onto itself, two triangles lie on each other and part nothing from nothing.
+/// Drops pairs of coincident triangles where a cell is folded onto itself; they separate nothing.
 void drop_opposite_triangles(CutCell& cell) {
   const auto key = [&](const CornerTriangle& t) {
     std::array<std::uint64_t, 3> ids{cell.ids[t[0]], cell.ids[t[1]], cell.ids[t[2]]};
@@ -63,14 +63,15 @@ void fan_from_corner(CutCell& cell, std::uint32_t apex) {
   }
 }
 
-/// Six tetrahedra of a hexahedron, of which three stand about the line from its lowest corner to the one across, are
-/// made five: one with the lowest corner and one with the one across.
+/// Replaces three of a hexahedron's six tetrahedra by two, where three share the line from its
+/// lowest corner to the opposite one. Of the two, one has the lowest corner and one the opposite
+/// corner.
 void join_three_across(CutCell& cell, std::uint32_t across) {
   const auto holds = [&](const CornerTetrahedron& tet) {
     return std::find(tet.begin(), tet.end(), across) != tet.end();
   };
   if (std::count_if(cell.tets.begin(), cell.tets.end(), holds) != 3) return;
-  // About `across` the far sides of the three run x -> y -> z -> x.
+  // Around `across`, the far sides of the three run x -> y -> z -> x.
   const auto far_side = [&](const CornerTetrahedron& tet) {
     const std::size_t at = static_cast<std::size_t>(std::find(tet.begin() + 1, tet.end(), across) - tet.begin());
     return std::array<std::uint32_t, 2>{tet[at % 3 + 1], tet[(at + 1) % 3 + 1]};
@@ -87,7 +88,7 @@ void join_three_across(CutCell& cell, std::uint32_t across) {
   cell.tets.push_back({across, x, z, y});
 }
 
-/// A volume that is negative by rounding alone is not.
+/// A volume that is negative only by rounding does not count as negative.
 constexpr double volume_slack = 1e-10;
 
 void count_inverted(CutCell& cell) {
@@ -118,7 +119,7 @@ Place weighted_place(const CutCell& cell, const std::vector<double>& weights) {
   return place;
 }
 
-/// How far inside the plane of a triangle a place lies, positive inside.
+/// Signed distance of a point from the plane of a triangle, positive inside.
 struct InsideOf {
   const CutCell& cell;
   double sign;
@@ -130,9 +131,10 @@ struct InsideOf {
   }
 };
 
-/// CandidateList for a point that sees the whole boundary: first the mean of the corners, then, from there, always away
-/// from the plane that is farthest on the wrong side towards the corner farthest on its right side (fictitious play of
-/// the game "point against plane", whose value is the room that the cell's kernel has).
+/// Searches for a point that sees the whole boundary. It starts at the mean of the corners. Each
+/// step moves away from the plane that is farthest on the wrong side, towards the corner farthest
+/// on its right side. (This is fictitious play of the game "point against plane"; its value is the
+/// size of the cell's kernel.)
 bool find_center(CutCell& cell) {
   constexpr int most_steps = 400;
   double whole = 0, sum_of_sizes = 0;

@@ -14,7 +14,7 @@ Error refusal(const std::string& found, const std::string& expected) {
   return {ErrorCode::invalid, concat("found ", found, "; expected ", expected)};
 }
 
-/// The faces of a stream: act(corners) for each, after its counts were checked.
+/// Calls act(corners) for each face of a stream, after checking its counts.
 template <class Act>
 void for_each_face(std::span<const std::uint64_t> stream, Act&& act) {
   if (stream.empty()) throw refusal("a polyhedron without a face count", "the stream of its faces");
@@ -53,13 +53,13 @@ std::vector<Side> sides_of(const CutCell& cell) {
   return sides;
 }
 
-/// Two triangles with a common side; they wind alike when they run along it in opposite directions.
+/// Two triangles with a common side. They wind alike when they run along it in opposite directions.
 struct Neighbours {
   std::uint32_t other;
   bool wind_alike;
 };
 
-/// Where more than two triangles meet at a side, as where a cell touches itself, that side tells nothing.
+/// A side where more than two triangles meet, as where a cell touches itself, is ignored.
 std::vector<std::vector<Neighbours>> neighbours_of(const CutCell& cell) {
   const std::vector<Side> sides = sides_of(cell);
   std::vector<std::vector<Neighbours>> neighbours(cell.boundary.size());
@@ -77,7 +77,7 @@ std::vector<std::vector<Neighbours>> neighbours_of(const CutCell& cell) {
   return neighbours;
 }
 
-/// Turns triangles until all that are joined by sides wind like the first of them.
+/// Reverses triangles until all that are connected by sides wind like the first of them.
 void wind_alike(CutCell& cell) {
   const auto neighbours = neighbours_of(cell);
   enum class State { unseen, kept, turned };

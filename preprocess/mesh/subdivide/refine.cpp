@@ -19,16 +19,18 @@ namespace {
 
 constexpr std::size_t grain = 1024;
 
-/// The most points or tetrahedra that are made: in any mesh, and more for each curved cell. Cells of real meshes become
-/// 6 to some hundred tetrahedra.
+/// Limits of the number of points or tetrahedra: a constant for any mesh, plus an amount for each
+/// curved cell. Cells of real meshes become 6 to a few hundred tetrahedra.
 constexpr std::size_t most_in_any_mesh = std::size_t{1} << 19, most_per_cell = 4096;
 
-/// Between the middles of its edges a quadratic function in a tetrahedron strays by at most 6/4 of what it does there.
+/// In a tetrahedron, a quadratic function differs from its linear interpolant by at most 6/4 of the
+/// largest difference at the midpoints of the edges.
 constexpr double beyond_edges = 1.5;
-/// Between the sampled middles of faces and tetrahedra of other kinds: measured, not proved.
+/// The same between the sampled centres of faces and tetrahedra, for other kinds: measured, not
+/// proved.
 constexpr double beyond_middles = 1.25;
 
-// Edges of a tetrahedron by its corners, and which they are between two corners.
+// Edges of a tetrahedron by their corners, and the edge between two corners.
 constexpr std::uint8_t edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 constexpr std::uint8_t edge_between[4][4] = {{0, 0, 1, 2}, {0, 0, 3, 4}, {1, 3, 0, 5}, {2, 4, 5, 0}};
 constexpr std::uint8_t face_corners[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
@@ -72,8 +74,8 @@ class Refinement {
   Array<Edge>& edges() { return table_.edges; }
   const Array<Edge>& edges() const { return table_.edges; }
 
-  /// A cell whose nodes stand far from where its kind has them never follows its tetrahedra: without a limit, a damaged
-  /// file of 300 bytes is cut until the memory is full.
+  /// A cell whose nodes are far from the positions that its kind expects never follows its
+  /// tetrahedra. Without a limit, a damaged file of 300 bytes is cut until the memory is full.
   void require_room(std::size_t count) const {
     const std::size_t most =
         std::min<std::size_t>(no_point - 1, old_point_count_ + most_in_any_mesh + most_per_cell * cells_.size());
@@ -92,7 +94,8 @@ class Refinement {
       const double d = mesh_.points[a][axis] - mesh_.points[b][axis];
       length2 += d * d;
     }
-    if (!(length2 <= std::numeric_limits<double>::max())) length2 = 0;  // a NaN would spoil the order
+    // a NaN would spoil the order
+    if (!(length2 <= std::numeric_limits<double>::max())) length2 = 0;
     return table_.find_or_add({{a, b}, {at_a, at_b}, curved_cell, no_point, length2});
   }
 
@@ -115,7 +118,7 @@ class Refinement {
     return result;
   }
 
-  /// By length, then by ids: an order of all edges.
+  /// By length, then by ids: a total order of all edges.
   std::uint32_t longest_edge(const Tet& tet) const {
     std::uint32_t best = 0;
     for (std::uint32_t e = 1; e < 6; ++e) {
@@ -130,10 +133,11 @@ class Refinement {
                        [&](std::uint32_t e) { return edges()[e].middle != no_point; });
   }
 
-  /// Cuts tetrahedra, and what comes of them, until none strays too far and none has a longest edge that is cut.
+  /// Cuts tetrahedra and their parts until no error is too large and no longest edge is cut.
   void cut(Array<Tet> current) {
     Array<Tet> next;
-    std::vector<std::optional<std::size_t>> strays;  // in which share each does
+    // the index in Shares of the error that is too large
+    std::vector<std::optional<std::size_t>> strays;
     while (!current.empty()) {
       measure_new_edges();
       strays.assign(current.size(), std::nullopt);
@@ -162,7 +166,7 @@ class Refinement {
     }
   }
 
-  /// Both halves keep the orientation: the middle takes the place of one end.
+  /// Both halves keep the orientation: the midpoint replaces one end.
   void cut(const Tet& tet, std::uint32_t e, Array<Tet>& halves) {
     const std::uint8_t i = edge_ends[e][0], j = edge_ends[e][1];
     const std::uint32_t point = edges()[tet.edges[e]].middle;
@@ -182,11 +186,12 @@ class Refinement {
       half.places[replaced] = place;
       for (std::uint8_t k = 0; k < 4; ++k)
         if (k != replaced) half.edges[edge_between[replaced][k]] = to_corner[k];
-      if (names_a_point_twice(half)) halves.pop_back();  // of a collapsed cell, whose nodes coincide
+      // of a collapsed cell, whose nodes coincide
+      if (names_a_point_twice(half)) halves.pop_back();
     }
   }
 
-  /// Takes finished tetrahedra back of which an edge was cut for a neighbour's sake.
+  /// Takes back finished tetrahedra that have an edge cut for a neighbour.
   Array<Tet> unfinished_again() {
     Array<Tet> again;
     std::size_t kept = 0;
@@ -207,7 +212,7 @@ class Refinement {
     return stretch >= options_.finest * fine_steps;
   }
 
-  /// What measuring needs, kept between measurements for its memory.
+  /// Scratch data of measuring, kept between measurements for its memory.
   struct Scratch {
     explicit Scratch(const Comparison& comparison)
         : weights(comparison.most_nodes()), shares(comparison.share_count()) {}
@@ -216,9 +221,10 @@ class Refinement {
     Shares shares;
   };
 
-  /// How far the cell that speaks for an edge strays from it: at its middle, for quadratic tetrahedra, which tells all;
-  /// else at as many places as it could pass through zero, and one more. Its ends are taken from the same cell: where
-  /// neighbours do not agree about a face, as in a mesh that does not conform, cutting does not mend it.
+  /// Measures the distance between an edge and the cell that represents it. For quadratic
+  /// tetrahedra, the midpoint suffices. For other kinds, the number of samples is the number of
+  /// possible zeros plus one. The edge's ends are sampled in the same cell. Where neighbours do not
+  /// agree about a face, as in a mesh that does not conform, cutting does not repair it.
   void measure_edge(const Edge& edge, Scratch& scratch) const {
     const CellPlace a = coarse(edge.end_places[0]), b = coarse(edge.end_places[1]);
     const int sections = cells_[edge.curved_cell].shape->degree_along_lines();
@@ -254,7 +260,7 @@ class Refinement {
     return std::span(edge_shares_).subspan(e * width, width);
   }
 
-  /// The middle of some corners of a tetrahedron: how far is the cell from it?
+  /// Measures the distance from the cell at the centre of some corners of a tetrahedron.
   void measure_middle(const Tet& tet, std::span<const std::uint8_t> corners, Scratch& scratch) const {
     const double share = 1 / static_cast<double>(corners.size());
     CellPlace rough{}, place{};
@@ -273,23 +279,24 @@ class Refinement {
     comparison_.raise(scratch.curved, scratch.straight, 1, scratch.shares);
   }
 
-  /// Raises scratch.shares to what is found at the middles of the tetrahedron and its faces.
+  /// Raises scratch.shares to the errors at the centres of the tetrahedron and its faces.
   void measure_middles(const Tet& tet, Scratch& scratch) const {
     constexpr std::uint8_t all_corners[] = {0, 1, 2, 3};
     scratch.shares.assign(comparison_.share_count(), 0);
-    if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) return;  // its edges tell all
+    if (cells_[tet.curved_cell].shape->is_quadratic_in_tetrahedra()) return;  // its edges suffice
     for (const auto& face : face_corners) measure_middle(tet, face, scratch);
     measure_middle(tet, all_corners, scratch);
   }
 
-  /// The largest of the shares when it is too large.
+  /// Returns the index of the largest share when it is too large.
   std::optional<std::size_t> too_large(std::span<const double> shares, double factor) const {
     const auto largest = std::max_element(shares.begin(), shares.end());
     if (!(factor * *largest > options_.max_error)) return std::nullopt;
     return static_cast<std::size_t>(largest - shares.begin());
   }
 
-  /// In which share a tetrahedron strays too far from its cell: along its edges, or else in between.
+  /// Returns the index of the share in which a tetrahedron's error is too large: along its edges,
+  /// or else in between.
   std::optional<std::size_t> straying_share(const Tet& tet, Scratch& scratch) const {
     scratch.shares.assign(comparison_.share_count(), 0);
     raise_to_edges(tet, scratch.shares);
@@ -303,7 +310,8 @@ class Refinement {
       for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = std::max(shares[i], shares_of_edge(e)[i]);
   }
 
-  /// The cell's own node in the middle of an edge; no_point when there is none, or when it is an end (collapsed cells).
+  /// Returns the cell's own node in the middle of an edge. Returns no_point when there is none, or
+  /// when it is an end (collapsed cells).
   std::uint32_t node_in_middle(const Edge& edge) const {
     const CurvedCell& cell = cells_[edge.curved_cell];
     const CellPlace wanted = coarse(middle(edge.end_places[0], edge.end_places[1]));
@@ -360,7 +368,7 @@ class Refinement {
     return {.geometric = largest.front(), .of_fields = {largest.begin() + 1, largest.end()}};
   }
 
-  /// @param source  the tetrahedra that it began with
+  /// @param source  the tetrahedra at the start
   RefinedCells result(std::span<const CornerTetrahedronOfCell> source) const {
     std::vector<std::size_t> places(cells_.size() + 1, 0);
     for (const Tet& tet : finished_) ++places[tet.curved_cell + 1];
@@ -379,7 +387,8 @@ class Refinement {
     return refined;
   }
 
-  /// @param first_tets  of each curved cell its first tetrahedron of the result, and at the end their number
+  /// @param first_tets  for each curved cell its first tetrahedron of the result, and at the end
+  ///                    their number
   std::uint64_t count_cut_cells(std::span<const CornerTetrahedronOfCell> source,
                                 const std::vector<std::size_t>& first_tets) const {
     std::vector<std::size_t> counts(cells_.size(), 0);
@@ -397,9 +406,9 @@ class Refinement {
   RefineOptions options_;
   std::size_t old_point_count_;
   EdgeTable table_;
-  Array<double> edge_shares_;  ///< of each edge its Shares
+  Array<double> edge_shares_;  ///< Shares of each edge
   Array<Tet> finished_;
-  std::vector<std::uint64_t> cut_for_;  ///< as RefinedCells has it
+  std::vector<std::uint64_t> cut_for_;  ///< as in RefinedCells
 };
 
 }  // namespace

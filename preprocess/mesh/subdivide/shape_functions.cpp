@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t most_basis_functions = 27;
 constexpr int highest_order = 10;  // VTK's own limit
 
-// Nodes of second-degree cells after the corners: each lies in the middle of some corners.
+// Nodes of second-degree cells after the corners: each is at the mean of some corners.
 using Middle = std::vector<std::uint8_t>;
 
 std::vector<Middle> middles_of_tetrahedron(CellKind kind, std::size_t count) {
@@ -80,7 +80,7 @@ std::vector<CellPlace> places_of_nodes(CellKind kind, CellKind corners, std::siz
         place[axis] += places[corner][axis] / static_cast<double>(middle.size());
     places.push_back(place);
   }
-  // The node inside a pyramid lies at a quarter of its height, not at the mean of the corners.
+  // The node inside a pyramid is at a quarter of its height, not at the mean of the corners.
   if (corners == CellKind::pyramid && count == 19) places.back() = {0.375, 0.375, 0.25};
   RHORAY_CHECK(places.size() == count);
   return places;
@@ -90,7 +90,7 @@ double power(double x, int exponent) {
   return exponent == 0 ? 1 : exponent == 1 ? x : x * x;
 }
 
-/// What a monomial counts beyond linear: a serendipity cell of second degree allows 2.
+/// The excess of a monomial over linear: a serendipity cell of second degree allows 2.
 int beyond_linear(int exponent) {
   return exponent == 2 ? 2 : 0;
 }
@@ -139,7 +139,7 @@ void wedge_basis(const CellPlace& p, std::size_t count, Values& out) {
 }
 
 void pyramid_basis(const CellPlace& p, std::size_t count, Values& out) {
-  const double z = p[2], w = 1 - z;  // at the apex w is 0, and u and v mean nothing
+  const double z = p[2], w = 1 - z;  // at the apex w is 0, and u and v are undefined
   const double u = w > 0 ? p[0] / w : 0, v = w > 0 ? p[1] / w : 0;
   for (int i = 0; i <= 2; ++i)
     for (int j = 0; j <= 2; ++j)
@@ -150,7 +150,7 @@ void pyramid_basis(const CellPlace& p, std::size_t count, Values& out) {
   for (const double bubble : {a * (1 - v), a * v, b * (1 - u), b * u, a * v * (1 - v)}) out.add(bubble);
 }
 
-/// Solves for the inverse of a square matrix, row-major (Gauss, Jordan, with pivots).
+/// Computes the inverse of a square matrix, row-major (Gauss-Jordan elimination with pivoting).
 std::vector<double> inverse_of(std::vector<double> a, std::size_t n) {
   std::vector<double> inverse(n * n, 0);
   for (std::size_t i = 0; i < n; ++i) inverse[i * n + i] = 1;
@@ -158,7 +158,7 @@ std::vector<double> inverse_of(std::vector<double> a, std::size_t n) {
     std::size_t pivot = column;
     for (std::size_t row = column + 1; row < n; ++row)
       if (std::abs(a[row * n + column]) > std::abs(a[pivot * n + column])) pivot = row;
-    RHORAY_CHECK(std::abs(a[pivot * n + column]) > 1e-9);  // the nodes decide the functions
+    RHORAY_CHECK(std::abs(a[pivot * n + column]) > 1e-9);  // the nodes determine the functions
     for (std::size_t k = 0; k < n; ++k) {
       std::swap(a[pivot * n + k], a[column * n + k]);
       std::swap(inverse[pivot * n + k], inverse[column * n + k]);
@@ -180,7 +180,7 @@ std::vector<double> inverse_of(std::vector<double> a, std::size_t n) {
   return inverse;
 }
 
-// Where VTK's Lagrange cells keep the node of a lattice place.
+// Index of a lattice position's node in VTK's Lagrange cells.
 
 std::size_t hexahedron_index(const std::array<int, 3>& at, int n) {
   const auto [i, j, k] = at;
@@ -245,7 +245,8 @@ std::size_t wedge_index(const std::array<int, 3>& at, int n) {
   return static_cast<std::size_t>(index);
 }
 
-/// Barycentric indices of a triangle's nodes: its rim, corner by corner and edge by edge, then the triangle inside.
+/// Barycentric indices of a triangle's nodes: its rim, corner by corner and edge by edge, then the
+/// triangle inside.
 std::vector<std::array<int, 3>> triangle_nodes(int order) {
   std::vector<std::array<int, 3>> nodes;
   for (int low = 0, n = order; n >= 0; ++low, n -= 3) {
@@ -270,9 +271,10 @@ std::vector<std::array<int, 3>> triangle_nodes(int order) {
   return nodes;
 }
 
-/// Barycentric indices (of r, s, t, 1-r-s-t) of a tetrahedron's nodes: corners, edges, faces, then the one inside.
+/// Barycentric indices (of r, s, t, 1-r-s-t) of a tetrahedron's nodes: corners, edges, faces, then
+/// the one inside.
 std::vector<std::array<int, 4>> tetrahedron_nodes(int order) {
-  constexpr std::size_t corners[] = {3, 0, 1, 2};  // which index is largest there
+  constexpr std::size_t corners[] = {3, 0, 1, 2};  // the index that is largest there
   constexpr std::size_t edges[][2] = {{3, 0}, {0, 1}, {1, 3}, {3, 2}, {0, 2}, {1, 2}};
   constexpr std::size_t faces[][3] = {{0, 2, 3}, {2, 0, 1}, {2, 1, 3}, {1, 0, 3}};
   std::vector<std::array<int, 4>> nodes;
@@ -314,7 +316,8 @@ bool is_lagrange(CellKind kind) {
          kind == CellKind::lagrange_wedge;
 }
 
-/// The order of a Lagrange cell; 0 for the two kinds of second degree with nodes in the middles of faces.
+/// The order of a Lagrange cell; 0 for the two kinds of second degree with nodes at the centres of
+/// faces.
 int order_of(const KindOfCell& kind, std::size_t node_count) {
   const bool has_middles = (kind.corners == CellKind::tetrahedron && node_count == 15) ||
                            (kind.corners == CellKind::wedge && node_count == 21);
@@ -404,7 +407,8 @@ void ShapeFunctions::basis_at(const CellPlace& place, std::span<double> values) 
 }
 
 void ShapeFunctions::at(const CellPlace& place, std::span<double> weights) const {
-  constexpr double nothing = 1e-13;  // rounding of functions that are 0 there; a node without data must not count
+  // rounding of functions that are 0 there; a node without data must not count
+  constexpr double nothing = 1e-13;
   const auto cleaned = [](double weight) { return std::abs(weight) < nothing ? 0 : weight; };
   if (lattice_.order == 0) {
     std::array<double, most_basis_functions> basis;

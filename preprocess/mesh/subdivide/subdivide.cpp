@@ -25,7 +25,8 @@ namespace rhoray::preprocess {
 namespace {
 
 constexpr std::size_t cells_per_part = 4096;
-constexpr std::uint64_t is_center = std::uint64_t{1} << 63;  ///< marks a part's own new point, by its number there
+/// marks a part's own new point, by its number in the part
+constexpr std::uint64_t is_center = std::uint64_t{1} << 63;
 
 std::uint64_t id_of_cell(const CellMesh& mesh, std::uint64_t cell) {
   return mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
@@ -40,7 +41,7 @@ std::span<const std::uint64_t> nodes_of(const CellMesh& mesh, std::uint64_t cell
       .subspan(mesh.cell_offsets[cell], mesh.cell_offsets[cell + 1] - mesh.cell_offsets[cell]);
 }
 
-/// Some cells of the source, and which they are.
+/// Count and ids of the source cells with one kind of problem.
 struct Finding {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> first_ids;
@@ -68,7 +69,7 @@ struct Center {
   std::vector<double> weights;
 };
 
-/// What became of some cells in a row.
+/// Result for a range of consecutive cells.
 struct Part {
   std::vector<std::array<std::uint64_t, 4>> tets;
   std::vector<std::uint64_t> cells;  ///< of each tetrahedron
@@ -127,7 +128,7 @@ void check_nodes(const CellMesh& mesh, std::uint64_t cell, const KindOfCell& kin
                   concat("found point ", static_cast<std::int64_t>(node), "; expected 0 to ", mesh.points.size() - 1));
 }
 
-/// Cuts one cell after the other into tetrahedra over its corners.
+/// Cuts one cell at a time into tetrahedra over its corners.
 class CellCutter {
  public:
   CellCutter(const CellMesh& mesh, const CurvedCells& curved, Part& part) : mesh_(mesh), curved_(curved), part_(part) {}
@@ -183,7 +184,8 @@ class CellCutter {
 void cut_part(const CellMesh& mesh, const CurvedCells& curved, std::size_t begin, std::size_t end, Part& part) {
   CellCutter cutter(mesh, curved, part);
   for (std::uint64_t cell = begin; cell < end; ++cell) try {
-      if (mesh.kinds[cell] == CellKind::tetrahedron) {  // as it is; packing decides about its vertices
+      // unchanged; packing decides about its vertices
+      if (mesh.kinds[cell] == CellKind::tetrahedron) {
         check_nodes(mesh, cell, description_of(CellKind::tetrahedron));
         const std::span<const std::uint64_t> nodes = nodes_of(mesh, cell);
         part.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
@@ -210,7 +212,8 @@ std::vector<Part> cut_cells(const CellMesh& mesh, const CurvedCells& curved, con
   return parts;
 }
 
-/// For each point field whether it is among those named, itself or by a component. One without a name counts always.
+/// For each point field, whether it is selected, itself or by a component. A field without a name
+/// always counts.
 std::vector<bool> counted_fields(const CellMesh& mesh, const std::vector<std::string>& names) {
   std::vector<bool> counted;
   for (const NeutralField& field : mesh.point_fields)
@@ -229,7 +232,8 @@ RefinedCells refine_curved(CellMesh& mesh, const CurvedCells& curved, const std:
   return refine(mesh, curved.cells(), tets, options, progress);
 }
 
-/// Adds the points inside linear cells at the end of the mesh's, each a mean of its cell's corners, with their values.
+/// Adds the points inside linear cells at the end of the mesh's points. Each is a mean of its
+/// cell's corners, with their values.
 void add_centers(CellMesh& mesh, const std::vector<Part>& parts) {
   const auto mean = [](const Center& center, auto&& value_of) {
     double sum = 0;
@@ -256,7 +260,7 @@ struct Assembled {
   Array<std::uint64_t> cells;
 };
 
-/// @param first_center  the point that the first part's first new point became
+/// @param first_center  index of the first part's first new point
 Assembled assemble(const std::vector<Part>& parts, const RefinedCells& refined, std::span<const CurvedCell> curved,
                    std::uint64_t first_center) {
   Assembled all;
@@ -288,8 +292,9 @@ Assembled assemble(const std::vector<Part>& parts, const RefinedCells& refined, 
   return all;
 }
 
-/// Keeps the points that a tetrahedron uses, and those of the source that no cell used before: of these packing tells.
-/// What is left out: nodes of curved cells, and new points, that no tetrahedron needs.
+/// Keeps the points that a tetrahedron uses, and points of the source that no cell used before:
+/// packing reports those. Nodes of curved cells and new points that no tetrahedron needs are left
+/// out.
 void drop_unneeded_points(CellMesh& mesh, std::size_t source_point_count, std::span<const CurvedCell> curved,
                           Assembled& all) {
   constexpr std::uint64_t dropped = std::numeric_limits<std::uint64_t>::max();
@@ -319,7 +324,8 @@ void drop_unneeded_points(CellMesh& mesh, std::size_t source_point_count, std::s
     for (std::uint64_t& vertex : tet) vertex = number[vertex];
 }
 
-/// Values that were made up here keep the promise of fields that hold 32-bit floats; the others have them already.
+/// Rounds values computed here, so that fields of 32-bit floats hold only such values; the other
+/// values already are.
 void round_single_precision(std::vector<NeutralField>& fields) {
   for (NeutralField& field : fields)
     if (field.was_single_precision)
@@ -396,7 +402,7 @@ std::string percent_text(double share) {
   return share < 0.01 ? "less than 1 %" : concat(std::lround(100 * share), " %");
 }
 
-/// What the cuts were made for, the most frequent first.
+/// Notes the errors for which cuts were made, the most frequent first.
 void note_cuts(const RefinedCells& refined, const std::vector<NeutralField>& fields, std::vector<std::string>& notes) {
   if (refined.cut_cells == 0) return;
   struct Reason {
@@ -426,7 +432,7 @@ NeutralMesh move_over(CellMesh& mesh) {
   return result;
 }
 
-/// Tetrahedra alone need no work.
+/// A mesh of tetrahedra alone needs no work.
 NeutralMesh move_tetrahedra(CellMesh& mesh) {
   NeutralMesh result = move_over(mesh);
   result.cells.resize(mesh.kinds.size());
