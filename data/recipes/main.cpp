@@ -169,7 +169,7 @@ void add_test_volume(CLI::App& program, const std::string& name, recipes::TestVo
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of file size is met by an error of write
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is reported as an error of write
   CLI::App program("Make the surfaces, meshes and volumes for Rhoray's examples and measurements", "rhoray-recipes");
   program.require_subcommand(1);
   program.footer("Example:\n  rhoray-recipes torso-ct -o torso_ct.nhdr --size 64x64x64");

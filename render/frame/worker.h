@@ -155,7 +155,7 @@ struct alignas(128) Worker {
   ReceivedLight received;
   std::vector<SpreadDirections> pixels;  ///< for the tile's rays
   std::unique_ptr<WorldRays> world;      ///< null unless layers are clipped
-  AllHitsGroups all_hits;                  ///< used where one pass finds transparent surfaces
+  AllHitsGroups all_hits;                ///< used where one pass finds transparent surfaces
   WorkerCounts counts;
 
   Worker() {

@@ -28,7 +28,7 @@ struct Rounding {
   double value;  ///< in largest differences along an edge
   double cells;  ///< of a crossing's position
 };
-/// A position in a cell is off by 2^-20 cells (render/kernels/wide/README.md). With three axes, the
+/// A position in a cell is off by 2^-20 cells (render/KERNELS.md). With three axes, the
 /// value there is off by 3 times as much of the largest difference. Values and weights are rounded
 /// to 2^-24, some ten times.
 constexpr Rounding of_float{0x1p-18, 0x1p-17};
