@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
-#include "tools/rhoray/scene/slices.h"
+#include "tools/rhoray/scene/plane_text.h"
 
 namespace rhoray::tools {
 

@@ -5,7 +5,7 @@
 #include "render/called_for.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/method_names.h"
-#include "tools/rhoray/scene/slices.h"
+#include "tools/rhoray/scene/plane_text.h"
 #include "tools/rhoray/scene/tables.h"
 
 namespace rhoray::tools {

@@ -5,7 +5,6 @@
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/material.h"
 
@@ -64,20 +63,6 @@ render::HalfSpace plane_of(const LayerSpec& spec, const Vec3& middle) {
   return plane;
 }
 
-/// The axis of the world along which a vector points; nothing for other directions.
-std::optional<int> axis_of(const Vec3& normal) {
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 rest = normal;
-    rest[axis] = 0;
-    if (rest == Vec3(0, 0, 0)) return axis;
-  }
-  return std::nullopt;
-}
-
-std::string vector_text(const Vec3& v) {
-  return concat("(", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ")");
-}
-
 }  // namespace
 
 std::vector<Row<LayerSpec>> slice_rows() {
@@ -133,18 +118,6 @@ void say_slice(const render::Layer& layer, LayerSpec& spec) {
   if (layer.threshold != render::Layer{}.threshold) spec.threshold = layer.threshold;
   spec.lit = layer.surface.lit;
   spec.opacity = layer.surface.opacity;
-}
-
-std::string text_of_slice(const render::HalfSpace& plane) {
-  if (const std::optional<int> axis = axis_of(plane.normal))
-    return concat(axis_words[static_cast<std::size_t>(*axis)], " = ", rounded(plane.point[*axis]));
-  return concat("through ", vector_text(plane.point), " with normal ", vector_text(plane.normal));
-}
-
-std::string text_of_slice_outside(const render::HalfSpace& plane, const Box3& bounds) {
-  const std::string fact = concat("the slice ", text_of_slice(plane), " lies outside the data");
-  const std::optional<int> axis = axis_of(plane.normal);
-  return axis ? concat(fact, " (", rounded(bounds.min[*axis]), " to ", rounded(bounds.max[*axis]), ")") : fact;
 }
 
 }  // namespace rhoray::tools

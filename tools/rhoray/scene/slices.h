@@ -28,10 +28,4 @@ void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Pla
 /// Writes the slice of a layer into a specification.
 void say_slice(const render::Layer& layer, LayerSpec& spec);
 
-/// "z = 40", or "through (1, 2, 3) with normal (0, 1, 1)".
-std::string text_of_slice(const render::HalfSpace& plane);
-
-/// "the slice z = 999 lies outside the data (0 to 74)"; without the range for other normals.
-std::string text_of_slice_outside(const render::HalfSpace& plane, const Box3& bounds);
-
 }  // namespace rhoray::tools
