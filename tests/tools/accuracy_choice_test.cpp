@@ -110,7 +110,7 @@ TEST(AccuracyChoice, is_told_in_the_report) {
   ASSERT_EQ(
       bench.shell("rhoray accuracy ball.rho --iso 60 -o out --size 64x48 --repeat 1 --max-error 0.01 -q").exit_code, 0);
   const json results = json::parse(read_file(bench / "out/results.json"));
-  EXPECT_THAT(results["notes"].dump(), HasSubstr("would take method "));
+  EXPECT_THAT(results["notes"].dump(), HasSubstr("would use method "));
 }
 
 TEST(SelfCheck, finds_the_levels_as_good_as_they_promise) {

@@ -65,8 +65,8 @@ std::vector<Mistake> mistakes() {
        "s.json: /data: found \"ball.rho\"; expected an object of files by name, such as {\"head\": {\"file\": "
        "\"head.rho\"}}"},
       {with("data", R"({"ball": "ball.rho"})"), "s.json: /data/ball: found \"ball.rho\"; expected an object"},
-      {with("data", R"({"a/b": {}})"), "s.json: /data/a~1b: has no \"file\"; expected a file"},
-      {with("data", R"({"ball": {"file": ""}})"), "s.json: /data/ball/file: found \"\"; expected a file"},
+      {with("data", R"({"a/b": {}})"), "s.json: /data/a~1b: has no \"file\"; expected a file name"},
+      {with("data", R"({"ball": {"file": ""}})"), "s.json: /data/ball/file: found \"\"; expected a file name"},
       {with("data", R"({"ball": {"file": "bal.rho"}})"), "s.json: /data/ball/file: bal.rho: no such file",
        "did you mean ball.rho?", 3},
       {with("data", R"({"ball": {"file": "ball.rho", "field": "bone"}})"),

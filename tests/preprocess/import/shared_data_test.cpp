@@ -187,7 +187,7 @@ TEST_F(SharedData, holds_meshes_of_other_cells_whose_tetrahedra_agree_on_their_f
   for (const Row& row : std::vector<Row>{
            {"can.vtu",
             28836,
-            {"4,800 hexahedra became 28,836 tetrahedra", "6 points added inside cells", "33 cells have no point"}},
+            {"4,800 hexahedra became 28,836 tetrahedra", "6 points added inside cells", "33 cells have no inner point"}},
            {"AngularSector.vtk", 0, {"7,632 hexahedra became ", "144 pyramids became 288 tetrahedra"}},
            {"PentaHexa.vtk", 0, {"60 pentagonal prisms became ", "150 hexagonal prisms became "}},
            {"reservoir/UNISIM-II-D.vtu", 0, {"32,835 hexahedra became "}},

@@ -421,7 +421,7 @@ TEST(CurvedCells, say_when_the_error_asked_for_is_not_reached) {
   for (std::size_t n = 0; n < 12; ++n) mesh.point_fields[0].values[mesh.cell_nodes[n]] = n == 6 || n == 9 ? 1 : 0;
   EXPECT_THAT(subdivide(mesh, {.max_error = 0.05}).notes, testing::Not(Contains(HasSubstr("more than"))));
   EXPECT_THAT(subdivide(mesh, {.max_error = 1e-5, .finest = 0.25}).notes,
-              Contains(HasSubstr("more than the 1e-05 asked for")));
+              Contains(HasSubstr("more than the 1e-05 requested")));
 }
 
 /// A straight quadratic tetrahedron with a linear, a curved and a far more curved field.

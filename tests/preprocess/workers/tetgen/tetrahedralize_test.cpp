@@ -279,7 +279,7 @@ TEST(Tetrahedralize, turns_a_crossing_that_tetgen_finds_into_a_sentence) {
   }
   const Refusal refusal = refusal_of(boxes);
   EXPECT_EQ(refusal.error_code, ErrorCode::invalid);
-  EXPECT_THAT(refusal.text, AllOf(HasSubstr("cross"), HasSubstr("facet "), HasSubstr("around (")));
+  EXPECT_THAT(refusal.text, AllOf(HasSubstr("intersect"), HasSubstr("facet "), HasSubstr("around (")));
 }
 
 TEST(Tetrahedralize, refuses_what_encloses_nothing) {
