@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "preprocess/boundary_distance.h"
+#include "preprocess/mesh/boundary_distance.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {

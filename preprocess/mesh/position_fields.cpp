@@ -11,7 +11,7 @@
 
 #include "formats/base/text.h"
 #include "formats/shape_field.h"
-#include "preprocess/boundary_distance.h"
+#include "preprocess/mesh/boundary_distance.h"
 #include "preprocess/mesh/inspect/finding.h"
 
 namespace rhoray::preprocess {
