@@ -64,7 +64,7 @@ TEST(PositionFields, leave_no_cell_without_a_point_inside_and_keep_volumes_and_f
   for (const NeutralField& field : mesh.point_fields) EXPECT_EQ(field.values.size(), mesh.points.size());
   EXPECT_EQ(mesh.point_fields.back().values.back(), 3);
   ASSERT_EQ(mesh.notes.size(), 2U);
-  EXPECT_THAT(mesh.notes[1], testing::HasSubstr("were cut in four"));
+  EXPECT_THAT(mesh.notes[1], testing::HasSubstr("split in four"));
 }
 
 /// By another road than the regions of a triangle: the smallest distance over a fine net of its points, from above.

@@ -123,7 +123,7 @@ TEST(ChooseFields, refuses_a_mesh_without_fields_and_fields_of_the_wrong_size) {
   EXPECT_EQ(refusal(two_cells(), {}).code(), ErrorCode::invalid);
   NeutralMesh mesh = two_cells();
   mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20}));
-  EXPECT_THAT(refusal(mesh, {}).hint(), HasSubstr("averaged"));
+  EXPECT_THAT(refusal(mesh, {}).hint(), HasSubstr("averages"));
   mesh.point_fields.push_back(field_of("voltage", 1, {0, 1, 2}));
   EXPECT_THAT(refusal(mesh, {}).what(),
               HasSubstr("field \"voltage\": found 3 values of 1 components; expected those of 6 points"));
