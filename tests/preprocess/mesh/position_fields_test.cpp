@@ -1,4 +1,4 @@
-#include "preprocess/position_fields.h"
+#include "preprocess/mesh/position_fields.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
