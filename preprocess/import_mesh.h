@@ -18,7 +18,7 @@ struct ImportMeshOptions {
   /// the fields whose error counts (SubdivideOptions::fields); empty = all
   std::vector<std::string> error_fields{};
   std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
-  /// when not empty, the limit is a cap on anonymous memory (memory_cap.h)
+  /// when not empty, the limit is a cap on anonymous memory (process/memory_cap.h)
   std::filesystem::path scratch_folder{};
   /// of subdividing, and "reading (bytes)" of formats that are read array by array
   Progress progress{};
@@ -38,18 +38,20 @@ NeutralMesh import_mesh(const std::filesystem::path& path, const ImportMeshOptio
 NeutralSurface import_surface(const std::filesystem::path& path, const std::filesystem::path& sizes = {},
                               const ImportMeshOptions& options = {});
 
-/// What a foreign file holds, judged by its name and, for .vtk, by its header.
-enum class ForeignKind { volume, mesh, surface, unknown };
-ForeignKind foreign_kind(const std::filesystem::path& path);
-
-/// Lists the extensions of files of that kind, and other inputs of that kind, for messages.
-std::string extensions_of(ForeignKind kind);
-
-/// Returns advice, in one sentence, for a file whose format is known by its name but is not read
-/// here. Returns an empty string for other files.
-std::string advice_on(const std::filesystem::path& path);
-
 /// Writes a mesh as VTU (appended, compressed). On failure, no file is left under the name.
 void export_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, bool replace_existing);
+
+struct ConvertMeshOptions {
+  /// point and cell fields to keep (--field), whose errors count; empty = all
+  std::vector<std::string> fields{};
+  ImportMeshOptions import{};  ///< without error_fields
+  bool replace_existing = false;
+};
+
+/// Converts a mesh to tetrahedra in a VTU file and returns it. If cells were cut or left out, the
+/// cell field "source_cell" holds the position in the input of each tetrahedron's cell. Refuses an
+/// unknown field and names the nearest one (ErrorCode::usage).
+NeutralMesh convert_mesh(const std::filesystem::path& input, const std::filesystem::path& output,
+                         const ConvertMeshOptions& options = {});
 
 }  // namespace rhoray::preprocess

@@ -31,7 +31,7 @@ struct ImportVolumeOptions {
   std::optional<Vec3> spacing;           ///< replaces the file's
   std::optional<Vec3> origin;            ///< replaces the file's
   std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
-  /// when not empty, the limit is a cap on anonymous memory (memory_cap.h)
+  /// when not empty, the limit is a cap on anonymous memory (process/memory_cap.h)
   std::filesystem::path scratch_folder{};
   Progress progress{};  ///< phase "reading (bytes)", of formats that are read array by array
 };

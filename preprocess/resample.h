@@ -109,4 +109,12 @@ struct ResampleReport {
 ResampleReport resample(const NeutralMesh& mesh, const std::filesystem::path& path, const ResampleOptions& options,
                         const Progress& progress = {});
 
+/// Refuses an input that holds no mesh, before it is read (ErrorCode::invalid).
+void check_resample(const std::filesystem::path& input);
+
+/// As above, for the mesh of a foreign file or of a packed file. The mesh gets fields as in packing
+/// (pack.h). The file names the input as its source; the notes include those of reading.
+ResampleReport resample(const std::filesystem::path& input, const std::filesystem::path& output,
+                        ResampleOptions options, const Progress& progress = {});
+
 }  // namespace rhoray::preprocess

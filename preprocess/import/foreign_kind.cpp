@@ -7,7 +7,7 @@
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/mesh/plot3d_layout.h"
 #include "preprocess/import/worker_arguments.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "preprocess/process/foreign_file.h"
 #include "preprocess/workers/vdb/worker_arguments.h"
 

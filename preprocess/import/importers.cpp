@@ -6,7 +6,7 @@
 #include "preprocess/import/foreign_names.h"
 #include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/samples.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {

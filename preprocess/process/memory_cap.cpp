@@ -1,4 +1,4 @@
-#include "preprocess/memory_cap.h"
+#include "preprocess/process/memory_cap.h"
 
 #include <linux/magic.h>
 #include <sys/resource.h>

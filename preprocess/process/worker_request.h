@@ -20,7 +20,7 @@ struct WorkerRequest {
   std::uint64_t memory_limit_bytes = 0;
   /// When not empty, the messages and the large arrays of the worker are files without names in
   /// this folder instead of memory, and memory_limit_bytes counts anonymous memory only
-  /// (memory_cap.h).
+  /// (process/memory_cap.h).
   std::filesystem::path scratch_folder;
   double time_limit_s = 0;  ///< CPU time of the worker; 0 = none
   /// Receives the worker's progress reports. When it throws, the worker is ended and the exception

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "formats/base/text.h"
-#include "preprocess/memory_cap.h"
+#include "preprocess/process/memory_cap.h"
 #include "tests/tools/workbench.h"
 
 namespace rhoray::tests {

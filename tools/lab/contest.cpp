@@ -8,10 +8,10 @@
 
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
+#include "preprocess/input_file.h"
 #include "tools/lab/peers/ours.h"
 #include "tools/lab/picture_errors.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/progress_display.h"
 
 namespace rhoray::study {
@@ -265,7 +265,7 @@ void prepare_contest(const ContestSettings& settings, const std::vector<std::str
     if (std::find(systems.begin(), systems.end(), system) == systems.end())
       throw Error(ErrorCode::usage, concat("--systems: found '", system, "'; expected ", listed(systems)),
                   did_you_mean(system, systems));
-  tools::require_input(settings.input);
+  preprocess::require_input(settings.input);
   if (!settings.no_isosurfaces) require_publishable(settings.common, {name + "_isosurface"});
   if (settings.mip) require_publishable(settings.common, {name + "_mip"});
   ::setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);

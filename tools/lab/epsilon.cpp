@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "preprocess/input_file.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
 #include "tools/lab/shadow_starts.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
@@ -158,7 +158,7 @@ int run(const Settings& settings) {
   require_publishable_figures(settings.common, {shadow_table, step_table});
   tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   if (!(settings.light.length() > 0)) throw Error(ErrorCode::usage, "--light: found 0,0,0; expected a direction");
-  tools::require_input(settings.input);
+  preprocess::require_input(settings.input);
   const render::Volume volume = tools::load_volume(settings.input, settings.field);
   tools::Table shadows{shadow_table, "Rays to a light by how far off the surface they start", {}, {}};
   tools::Table sampled{step_table, "An isosurface by how far apart the field is sampled", {}, {}};

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "formats/brick_grid.h"
+#include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
 #include "render/render.h"
 #include "tools/lab/huge_pages.h"
@@ -18,7 +19,6 @@
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/picture_hash.h"
@@ -234,7 +234,7 @@ int run(const Settings& settings) {
   require_publishable(settings.common, {"layouts"});
   tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
   tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
-  tools::require_input(settings.input);
+  preprocess::require_input(settings.input);
   const tools::ScratchFolder scratch(settings.scratch);
   tools::Table table{"layouts", "How samples lie in memory: CPU time of one thread", {}, {}};
   bool is_same_everywhere = true;

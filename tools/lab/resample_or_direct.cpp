@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "formats/base/error.h"
+#include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
 #include "tools/analysis/data_forms.h"
 #include "tools/lab/figures.h"
@@ -15,7 +16,6 @@
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
@@ -262,7 +262,7 @@ int run(const Settings& settings) {
   const std::vector<int> sizes = sizes_of("--grids", settings.sizes),
                          whole_sizes = sizes_of("--whole", settings.whole_sizes),
                          vdb_sizes = sizes_of("--vdb", settings.vdb_sizes);
-  tools::require_input(settings.input);
+  preprocess::require_input(settings.input);
   const render::Volume mesh = tools::load_volume(settings.input, settings.field);
   if (!mesh.is_mesh())
     throw Error(ErrorCode::usage,

@@ -8,11 +8,11 @@
 #include <numbers>
 #include <random>
 
+#include "preprocess/input_file.h"
 #include "render/ray_caster.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
@@ -157,7 +157,7 @@ tools::Table measure(const Settings& settings, const std::function<void(const st
 int run(const Settings& settings) {
   require_publishable(settings.common, {"secondary_rays"});
   tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_input(settings.input);
+  preprocess::require_input(settings.input);
   const tools::Table table = [&] {
     tools::ProgressDisplay display(settings.common);
     return measure(settings, [&](const std::string& what) { display.show(what); });

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "render/ray_caster.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/structures/made_meshes.h"
@@ -20,7 +21,6 @@
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
@@ -210,7 +210,7 @@ void add_rounded_rows(const Settings& settings, const MeshForWays& mesh, const A
 int run(const Settings& settings) {
   tools::require_within("--cells", static_cast<double>(settings.cells), 6, 1e9);
   tools::require_within("--repeat", settings.repeat, 1, 10'000);
-  for (const std::string& input : settings.inputs) tools::require_input(input);
+  for (const std::string& input : settings.inputs) preprocess::require_input(input);
   require_publishable(settings.common, {"structures", "structures_orders", "structures_points"});
   const tools::ScratchFolder scratch(settings.scratch);
   tools::Table shapes{

@@ -8,9 +8,9 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
+#include "preprocess/input_file.h"
 #include "render/png.h"
 #include "tools/pictures/pictures_module.h"
-#include "tools/rhoray/input_file.h"
 
 namespace rhoray::tools {
 
@@ -108,7 +108,7 @@ TextImage make_text_image(const std::string& text, int pixels, const std::filesy
 }
 
 StoredPicture read_picture(const std::filesystem::path& path) {
-  require_input(path);
+  preprocess::require_input(path);
   StoredPicture picture;
   const std::string error_code = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
   if (!error_code.empty())

@@ -5,10 +5,10 @@
 #include "formats/base/parallel.h"
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/bench_effects.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/scene/document.h"
@@ -80,7 +80,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
           concat("no table '", asked, "'; available: phases, threads, views, isovalue, effects, memory, open and pack"),
           did_you_mean(asked, names));
   }
-  require_input(command.bench.input);
+  preprocess::require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
   const bool is_scene = !is_packed && is_scene_document(command.bench.input);
   const auto suits = [&](Takes takes) {

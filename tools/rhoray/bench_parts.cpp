@@ -1,6 +1,6 @@
 #include "tools/rhoray/bench_parts.h"
 
-#include "tools/rhoray/input_file.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
@@ -15,7 +15,7 @@ Json bench_context(const BenchOptions& options) {
           {"commit", commit()},
           {"compiler", compiler()},
           {"input", options.input.filename().string()},
-          {"input_bytes", input_bytes(options.input)},
+          {"input_bytes", preprocess::input_bytes(options.input)},
           {"repeat", options.repeat},
           {"threads", options.threads == 0 ? machine.core_count : options.threads}};
 }

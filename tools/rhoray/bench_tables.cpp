@@ -6,13 +6,12 @@
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
+#include "preprocess/pack.h"
 #include "tools/rhoray/bench_parts.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/scene/resolve.h"
 #include "tools/rhoray/version.h"
@@ -107,11 +106,12 @@ double copy_seconds(const BenchOptions& options, const std::filesystem::path& fo
 }
 
 /// Bytes of the packed file beyond points and fields, for one tetrahedron; null for grids.
-Json bytes_per_tetrahedron(const formats::PackedFile& file, const PackResult& packed) {
-  if (packed.kind != "tets") return nullptr;
+Json bytes_per_tetrahedron(const formats::PackedFile& file, const preprocess::PackReport& packed) {
+  const auto* mesh = std::get_if<formats::TetMeshDescription>(&packed.description);
+  if (mesh == nullptr) return nullptr;
   std::uint64_t plain = file.entry("points").byte_count;
   for (std::size_t f = 0; file.has(concat("field.", f)); ++f) plain += file.entry(concat("field.", f)).byte_count;
-  return static_cast<double>(packed.file_bytes - plain) / static_cast<double>(packed.cell_count);
+  return static_cast<double>(packed.file_bytes - plain) / static_cast<double>(mesh->cell_count);
 }
 
 /// Changes a picture to one that was not shown before.
@@ -383,22 +383,21 @@ Table open_table(const BenchOptions& options, const Step& step) {
 }
 
 Table pack_table(const BenchOptions& options, const Step& step) {
-  PackOptions pack;
-  pack.input = options.input;
+  preprocess::PackOptions pack;
   pack.memory_limit_bytes = options.memory_limit_bytes;
   pack.replace_existing = true;
   if (!options.field.empty()) pack.fields = {options.field};
-  check_pack(pack);
+  preprocess::check_pack(options.input, pack);
   const ScratchFolder scratch(options.scratch);
   const std::filesystem::path packed_path = scratch.path() / "packed.rho";
-  PackResult packed;
+  preprocess::PackReport packed;
   std::vector<double> cpu_seconds;
   const auto seconds = interleaved(2, options.repeat, [&](std::size_t row) {
     step(row == 0 ? "packing" : "reading and writing once");
     if (row == 1) return copy_seconds(options, scratch.path(), packed.raw_bytes);
     const Stopwatch watch;
     const double cpu_before = usage_so_far().cpu_s;
-    packed = pack_any(pack, packed_path, {});
+    packed = preprocess::pack(options.input, packed_path, pack);
     cpu_seconds.push_back(usage_so_far().cpu_s - cpu_before);
     return watch.seconds();
   });
@@ -407,7 +406,7 @@ Table pack_table(const BenchOptions& options, const Step& step) {
   Table table{
       "pack", "Packing, compared with reading the file and writing the raw data once", bench_context(options), {}};
   const Spread packing = spread_of(seconds[0]), copying = spread_of(seconds[1]);
-  Json row{{"content", packed.content}};
+  Json row{{"content", content_of(packed)}};
   add_spread(row, "pack_s", packing);
   row["pack_cpu_s"] = spread_of(cpu_seconds).median;
   add_spread(row, "copy_s", copying);

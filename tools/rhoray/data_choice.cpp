@@ -4,10 +4,9 @@
 #include "formats/base/nearest_name.h"
 #include "formats/color_grid.h"
 #include "formats/shape_field.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "preprocess/open_vdb.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/option_values.h"
 
 namespace rhoray::tools {
@@ -82,7 +81,7 @@ render::Volume load_field_that_varies(const std::filesystem::path& path) {
 }  // namespace
 
 render::Volume load_shown(const std::filesystem::path& path, const std::string& field) {
-  require_input(path);
+  preprocess::require_input(path);
   if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
     const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
@@ -108,7 +107,7 @@ render::Volume load_volume(const std::filesystem::path& path, const std::string&
 }
 
 render::Texture load_texture(const std::filesystem::path& path) {
-  require_input(path);
+  preprocess::require_input(path);
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
                 "rhoray pack --color makes one from a folder of pictures, .nrrd, .mha or .vti");

@@ -7,9 +7,9 @@
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
@@ -60,7 +60,7 @@ struct Content {
 };
 
 Content content_of(const std::filesystem::path& input) {
-  require_input(input);
+  preprocess::require_input(input);
   if (!formats::PackedFile::looks_packed(input))
     throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));

@@ -6,8 +6,8 @@
 #include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/input_file.h"
 #include "preprocess/open_vdb.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/vdb_info.h"
 
 namespace rhoray::tools {
@@ -36,7 +36,7 @@ formats::FieldSummary summarize_each(std::size_t count, const ValueAt& value_at)
 }
 
 Json head(const std::filesystem::path& path, const char* kind) {
-  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", input_bytes(path)}};
+  return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", preprocess::input_bytes(path)}};
 }
 
 Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
@@ -171,7 +171,7 @@ Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_
       break;
   }
   const std::string advice = preprocess::advice_on(path);
-  throw Error(ErrorCode::unsupported, unsupported_type(path),
+  throw Error(ErrorCode::unsupported, preprocess::unsupported_type(path),
               !advice.empty()
                   ? advice
                   : concat("supported: .rho; volumes ", preprocess::extensions_of(preprocess::ForeignKind::volume),

@@ -1,12 +1,10 @@
-#include <algorithm>
 #include <cstdio>
 
 #include "formats/base/error.h"
-#include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
@@ -24,12 +22,9 @@ struct ImportCommand {
   std::string time;
 };
 
-/// The cell field that tells where a tetrahedron comes from.
-constexpr const char* source_cell = "source_cell";
-
 void check(const ImportCommand& command, const std::filesystem::path& output) {
   const std::string name = command.input.string();
-  require_input(command.input);
+  preprocess::require_input(command.input);
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::mesh)
     throw Error(ErrorCode::invalid,
                 concat(name, ": is not a mesh of volume cells; expected a mesh such as .vtu or .vtk"),
@@ -39,37 +34,6 @@ void check(const ImportCommand& command, const std::filesystem::path& output) {
     throw Error(ErrorCode::usage,
                 concat(output.string(), ": found extension '", output.extension().string(), "'; expected .vtu"));
   require_writable(command.common, output, command.input);
-}
-
-/// Keeps the requested fields, in the file's order, and reports the others.
-void keep_fields(preprocess::NeutralMesh& mesh, const ImportCommand& command) {
-  if (command.fields.empty()) return;
-  std::vector<std::string> names;
-  for (const auto* fields : {&mesh.point_fields, &mesh.cell_fields})
-    for (const preprocess::NeutralField& field : *fields) names.push_back(field.name);
-  for (const std::string& asked : command.fields)
-    if (std::find(names.begin(), names.end(), asked) == names.end())
-      throw Error(ErrorCode::usage, concat(command.input.string(), ": no field \"", asked, "\""),
-                  did_you_mean(asked, names));
-  std::string left_out;
-  for (auto* fields : {&mesh.point_fields, &mesh.cell_fields})
-    std::erase_if(*fields, [&](const preprocess::NeutralField& field) {
-      if (std::find(command.fields.begin(), command.fields.end(), field.name) != command.fields.end()) return false;
-      left_out += concat(left_out.empty() ? "" : ", ", "\"", field.name, "\"");
-      return true;
-    });
-  if (!left_out.empty()) mesh.notes.push_back(concat("fields that --field does not name are left out: ", left_out));
-}
-
-/// If cells were cut into tetrahedra or left out, each tetrahedron keeps the number of its cell.
-void add_source_cells(preprocess::NeutralMesh& mesh) {
-  const auto is_named_so = [](const preprocess::NeutralField& field) { return field.name == source_cell; };
-  if (mesh.cell_ids.empty() || std::any_of(mesh.cell_fields.begin(), mesh.cell_fields.end(), is_named_so)) return;
-  preprocess::NeutralField field;
-  field.name = source_cell;
-  field.was_single_precision = false;
-  field.values.assign(mesh.cell_ids.begin(), mesh.cell_ids.end());
-  mesh.cell_fields.push_back(std::move(field));
 }
 
 void report(const ImportCommand& command, const preprocess::NeutralMesh& mesh, const std::filesystem::path& output,
@@ -97,21 +61,17 @@ int run(const ImportCommand& command) {
   if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; expected a file name ending in .vtu");
   check(command, output);
   const ThreadLimit limit(command.common.threads);
-  preprocess::NeutralMesh mesh;
-  {
+  const preprocess::NeutralMesh mesh = [&] {
     ProgressDisplay display(command.common);
-    display.show(concat("reading ", command.input.string()));
-    mesh = preprocess::import_mesh(command.input,
-                                   {.time = command.time,
-                                    .max_error = command.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
-                                    .error_fields = command.fields,
-                                    .memory_limit_bytes = command.common.memory.bytes,
-                                    .progress = display.progress()});
-    keep_fields(mesh, command);
-    add_source_cells(mesh);
-    display.show(concat("writing ", output.string()));
-    preprocess::export_mesh(mesh, output, command.common.force);
-  }
+    return preprocess::convert_mesh(
+        command.input, output,
+        {.fields = command.fields,
+         .import = {.time = command.time,
+                    .max_error = command.max_error.value_or(preprocess::ImportMeshOptions{}.max_error),
+                    .memory_limit_bytes = command.common.memory.bytes,
+                    .progress = display.progress()},
+         .replace_existing = command.common.force});
+  }();
   report(command, mesh, output, watch.seconds());
   return 0;
 }

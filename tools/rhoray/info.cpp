@@ -7,10 +7,10 @@
 #include "formats/intact.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "preprocess/input_file.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/foreign_info.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
@@ -271,7 +271,7 @@ int run(const InfoOptions& options) {
   int result = 0;
   for (const std::filesystem::path& path : options.files) {
     try {
-      require_input(path);
+      preprocess::require_input(path);
       const Json json = formats::PackedFile::looks_packed(path) || path.extension() == ".rho"
                             ? packed_info(path, options.findings)
                             : foreign_info(path, options.common.memory.bytes, options.findings);

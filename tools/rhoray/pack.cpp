@@ -1,11 +1,12 @@
 #include <cstdio>
 
 #include "formats/base/parallel.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
+#include "preprocess/pack.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/pack_any.h"
 #include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -14,21 +15,27 @@ namespace {
 
 struct PackCommand {
   CommonOptions common;
-  PackOptions pack;
+  std::filesystem::path input;
+  std::string layout, structure, cells = "auto";  ///< as typed; empty when not given
+  preprocess::PackOptions pack;
 };
 
-void report(const PackCommand& command, const std::filesystem::path& output, const PackResult& result, double seconds) {
+void report(const PackCommand& command, const std::filesystem::path& output, const preprocess::PackReport& result,
+            double seconds) {
   const Usage usage = usage_so_far();
   const double ratio = static_cast<double>(result.file_bytes) / static_cast<double>(result.raw_bytes);
   for (const std::string& note : result.notes) say(command.common, concat("note: ", note));
-  say(command.common, concat(output.string(), ": ", result.content, ", ", bytes_text(result.file_bytes), " (",
+  say(command.common, concat(output.string(), ": ", content_of(result), ", ", bytes_text(result.file_bytes), " (",
                              rounded(ratio, 3), " x raw)"));
   say(command.common,
       concat("took ", rounded(seconds, 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
              bytes_text(usage.peak_bytes), ", in the reading process ", bytes_text(usage.worker_peak_bytes)));
   if (!command.common.json) return;
+  const auto [kind, description] =
+      std::visit([](const auto& packed) { return std::pair(formats::describe(packed).kind, json_of(packed)); },
+                 result.description);
   const Json json{{"file", output.string()},
-                  {"kind", result.kind},
+                  {"kind", kind},
                   {"file_bytes", result.file_bytes},
                   {"raw_bytes", result.raw_bytes},
                   {"ratio", ratio},
@@ -37,7 +44,7 @@ void report(const PackCommand& command, const std::filesystem::path& output, con
                   {"peak_bytes", usage.peak_bytes},
                   {"worker_peak_bytes", usage.worker_peak_bytes},
                   {"notes", result.notes},
-                  {"description", result.description}};
+                  {"description", description}};
   std::puts(dump(json).c_str());
 }
 
@@ -49,28 +56,28 @@ std::filesystem::path default_output(const std::filesystem::path& input) {
 
 /// The command line stored in the file.
 std::string command_line(const PackCommand& command, const std::filesystem::path& output) {
-  const PackOptions& pack = command.pack;
-  std::vector<std::string> words{"rhoray", "pack", pack.input.string(), "-o", output.string()};
+  const preprocess::PackOptions& pack = command.pack;
+  std::vector<std::string> words{"rhoray", "pack", command.input.string(), "-o", output.string()};
   const auto add = [&](bool given, const char* name, const std::string& value) {
     if (given) words.insert(words.end(), {name, value});
   };
   const auto numbers = [](const std::optional<Vec3>& v) {
     return v ? concat(v->x, ",", v->y, ",", v->z) : std::string{};
   };
-  const PackOptions defaults;
+  const preprocess::PackOptions defaults;
   std::string fields;
   for (const std::string& field : pack.fields) fields += (fields.empty() ? "" : ",") + field;
   add(!pack.raw.empty(), "--raw", pack.raw);
   add(!fields.empty(), "--field", fields);
-  add(!pack.structure.empty(), "--structure", pack.structure);
-  add(pack.cells != defaults.cells, "--cells", pack.cells);
+  add(!command.structure.empty(), "--structure", command.structure);
+  add(pack.cells.has_value(), "--cells", command.cells);
   add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));
   add(pack.levels != defaults.levels, "--levels", concat(pack.levels));
   add(pack.factor != defaults.factor, "--factor", concat(pack.factor));
   if (pack.color) words.push_back("--color");
   add(pack.type.has_value(), "--type",
       std::string(formats::element_name(pack.type.value_or(formats::ElementType::U8))));
-  add(!pack.layout.empty(), "--layout", pack.layout);
+  add(!command.layout.empty(), "--layout", command.layout);
   add(pack.brick_edge.has_value(), "--brick-edge", concat(pack.brick_edge.value_or(0)));
   add(pack.spacing.has_value(), "--spacing", numbers(pack.spacing));
   add(pack.origin.has_value(), "--origin", numbers(pack.origin));
@@ -80,20 +87,32 @@ std::string command_line(const PackCommand& command, const std::filesystem::path
   return shell_line(words);
 }
 
+void read_options(PackCommand& command) {
+  using preprocess::MeshStructure, preprocess::SampleOrder;
+  preprocess::PackOptions& pack = command.pack;
+  if (command.layout == "bricks") pack.layout = SampleOrder::bricks;
+  if (command.layout == "linear") pack.layout = SampleOrder::linear;
+  if (command.layout == "sparse") pack.layout = SampleOrder::sparse;
+  if (command.structure == "clusters") pack.structure = MeshStructure::clusters;
+  if (command.structure == "leaves") pack.structure = MeshStructure::leaves;
+  if (command.cells != "auto") read_value(command.cells, pack.cells);
+}
+
 int run(PackCommand& command) {
   const Stopwatch watch;
-  PackOptions& pack = command.pack;
+  read_options(command);
+  preprocess::PackOptions& pack = command.pack;
   pack.memory_limit_bytes = command.common.memory.bytes;
   pack.replace_existing = command.common.force;
   const std::filesystem::path output =
-      command.common.output.empty() ? default_output(pack.input) : command.common.output;
+      command.common.output.empty() ? default_output(command.input) : command.common.output;
   pack.command = command_line(command, output);
-  check_pack(pack);
-  require_writable(command.common, output, pack.input);
+  preprocess::check_pack(command.input, pack);
+  require_writable(command.common, output, command.input);
   const ThreadLimit limit(command.common.threads);
-  const PackResult result = [&] {
+  const preprocess::PackReport result = [&] {
     ProgressDisplay display(command.common);
-    return pack_any(pack, output, display.progress());
+    return preprocess::pack(command.input, output, pack, display.progress());
   }();
   report(command, output, result, watch.seconds());
   return 0;
@@ -111,7 +130,7 @@ std::string file_types() {
 
 Subcommand pack_subcommand() {
   const auto command = std::make_shared<PackCommand>();
-  PackOptions& pack = command->pack;
+  preprocess::PackOptions& pack = command->pack;
   return {
       .name = "pack",
       .summary = "Pack a volume, a mesh or a surface",
@@ -122,7 +141,7 @@ Subcommand pack_subcommand() {
                          "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
                          file_types()),
       .options = all_options(
-          {{file_option("FILE", "Volume, mesh or surface", pack.input)},
+          {{file_option("FILE", "Volume, mesh or surface", command->input)},
            output_options(command->common, "Packed file; default the input's name with .rho"),
            {value_option(
                 "--field", "A[,B]",
@@ -140,7 +159,7 @@ Subcommand pack_subcommand() {
             choice_option(
                 "--layout", {"bricks", "linear", "sparse"},
                 "Order of samples in the file (volumes): bricks (default), linear, or sparse (only bricks with data)",
-                pack.layout),
+                command->layout),
             value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8, colours 8",
                          pack.brick_edge),
             flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
@@ -148,9 +167,10 @@ Subcommand pack_subcommand() {
             choice_option("--structure", {"clusters", "leaves"},
                           "Search structure (meshes): clusters of neighbouring tetrahedra (default), or leaf lists of "
                           "a uniform lattice",
-                          pack.structure),
+                          command->structure),
             value_option("--cells", "auto|N",
-                         "Approximate number of leaf cells (leaves); default auto, one per tetrahedron", pack.cells),
+                         "Approximate number of leaf cells (leaves); default auto, one per tetrahedron",
+                         command->cells),
             value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (leaves); default 1", pack.leaf_ratio),
             value_option("--levels", "N", "Levels of macrocells (volumes, leaves); default 3", pack.levels),
             value_option("--factor", "N", "Cells per axis of a macrocell (volumes, leaves); default 4", pack.factor)},

@@ -80,6 +80,30 @@ Json layout_json(const formats::BrickLayout& layout) {
   return json;
 }
 
+std::string content_of(const formats::GridDescription& grid) {
+  const Index3& count = grid.layout.sample_count;
+  std::string types;
+  for (const formats::FieldSummary& field : grid.fields)
+    types += concat(types.empty() ? "" : ", ", formats::element_name(field.type));
+  return concat(text_of(count), " = ", grouped(static_cast<std::uint64_t>(volume(count))), " samples ", types);
+}
+
+std::string content_of(const formats::ColorGridDescription& grid) {
+  const Index3& count = grid.layout.sample_count;
+  return concat(text_of(count), " = ", grouped(static_cast<std::uint64_t>(volume(count))), " colours ",
+                grid.has_alpha() ? "RGBA" : "RGB");
+}
+
+std::string content_of(const formats::TetMeshDescription& mesh) {
+  return concat(counted(mesh.cell_count, "tetrahedron", "tetrahedra"), ", ",
+                counted(mesh.point_count, "point", "points"), ", ", counted(mesh.fields.size(), "field", "fields"));
+}
+
+std::string content_of(const formats::SurfaceMeshDescription& surface) {
+  return concat(counted(surface.triangle_count, "triangle", "triangles"), ", ",
+                counted(surface.point_count, "point", "points"));
+}
+
 }  // namespace
 
 Json json_of(const Vec3& v) {
@@ -220,6 +244,10 @@ Box3 bounds_of(const SampleLattice& lattice) {
   Box3 box;
   for (int corner = 0; corner < 8; ++corner) box.extendBy(lattice.world_from_grid.point(corner_of(lattice, corner)));
   return box;
+}
+
+std::string content_of(const preprocess::PackReport& packed) {
+  return std::visit([](const auto& description) { return content_of(description); }, packed.description);
 }
 
 std::string text_of(const Vec3& v) {

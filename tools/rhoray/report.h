@@ -11,6 +11,7 @@
 #include "formats/field_summary.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "preprocess/pack.h"
 
 namespace rhoray::tools {
 
@@ -46,6 +47,9 @@ Json json_of(const Affine& world_from_grid);  ///< the same of samples at 0, 1, 
 
 /// Of the samples, in world axes.
 Box3 bounds_of(const SampleLattice& lattice);
+
+/// "103 x 94 x 161 = 1,558,802 samples U16", "51,419 tetrahedra, 8,278 points, 1 field".
+std::string content_of(const preprocess::PackReport& packed);
 
 std::string text_of(const Vec3& v);        ///< 0.781 0.781 1
 std::string text_of(const Index3& index);  ///< 512 x 512 x 275

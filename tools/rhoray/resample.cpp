@@ -1,16 +1,11 @@
-#include "preprocess/resample.h"
-#include "formats/base/parallel.h"
-#include "preprocess/unpack_mesh.h"
-
 #include <algorithm>
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/parallel.h"
 #include "preprocess/export_grid.h"
-#include "preprocess/import_mesh.h"
-#include "preprocess/position_fields.h"
+#include "preprocess/resample.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
@@ -74,44 +69,11 @@ void read_options(ResampleCommand& command) {
 }
 
 void check(const ResampleCommand& command, const std::filesystem::path& output) {
-  const std::string name = command.input.string();
-  require_input(command.input);
-  if (!formats::PackedFile::looks_packed(command.input)) {
-    const preprocess::ForeignKind kind = preprocess::foreign_kind(command.input);
-    if (kind == preprocess::ForeignKind::surface)
-      throw Error(ErrorCode::invalid, concat(name, ": holds a surface; expected a mesh of volume cells"),
-                  concat("fill it first: rhoray tetrahedralize ", name, " -o ", command.input.stem().string(), ".vtu"));
-    if (kind == preprocess::ForeignKind::volume)
-      throw Error(ErrorCode::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
-                  concat("pack it instead: rhoray pack ", name));
-    if (kind == preprocess::ForeignKind::unknown)
-      throw Error(ErrorCode::invalid, concat(unsupported_type(command.input),
-                                             "; expected a mesh (.vtu, .vtk, ...) or packed tetrahedra (.rho)"));
-  }
+  preprocess::check_resample(command.input);
   if (output.extension() != ".rho" && output.extension() != ".vdb")
     throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", output.extension().string(),
                                          "'; expected .rho or .vdb"));
   require_writable(command.common, output, command.input);
-}
-
-preprocess::NeutralMesh read_mesh(const ResampleCommand& command, ProgressDisplay& display) {
-  display.show(concat("reading ", command.input.string()));
-  if (!formats::PackedFile::looks_packed(command.input))
-    return preprocess::import_mesh(
-        command.input, {.error_fields = command.resample.fields, .memory_limit_bytes = command.common.memory.bytes});
-  const formats::PackedFile file = formats::PackedFile::open(command.input);
-  if (file.description().kind == "grid")
-    throw Error(ErrorCode::invalid, concat(command.input.string(), ": is already a packed grid; expected a mesh"));
-  return preprocess::unpack_mesh(formats::TetMesh(file));
-}
-
-/// As in packing: a mesh that has only cell fields shows these; a mesh without a varying field gets
-/// position fields.
-void give_fields(preprocess::NeutralMesh& mesh, preprocess::ResampleOptions& options) {
-  if (!preprocess::has_varying_field(mesh)) return preprocess::add_position_fields(mesh);
-  if (!mesh.point_fields.empty() || options.cells_to_points) return;
-  options.cells_to_points = true;
-  mesh.notes.push_back("no point data; cell data were averaged to the points");
 }
 
 /// The command line stored in the file.
@@ -131,12 +93,13 @@ std::string command_line(const ResampleCommand& command, const std::filesystem::
 
 /// Resamples to a packed grid, and for .vdb writes that as OpenVDB: its first field, without the
 /// certificate.
-preprocess::ResampleReport resample_to(const std::filesystem::path& output, const preprocess::NeutralMesh& mesh,
-                                       const preprocess::ResampleOptions& options, ProgressDisplay& display) {
-  if (output.extension() == ".rho") return preprocess::resample(mesh, output, options, display.progress());
+preprocess::ResampleReport resample_to(const std::filesystem::path& output, const ResampleCommand& command,
+                                       ProgressDisplay& display) {
+  const preprocess::ResampleOptions& options = command.resample;
+  if (output.extension() == ".rho") return preprocess::resample(command.input, output, options, display.progress());
   const ScratchFolder scratch(output.has_parent_path() ? output.parent_path() : std::filesystem::path("."));
   const std::filesystem::path packed = scratch.path() / "grid.rho";
-  preprocess::ResampleReport report = preprocess::resample(mesh, packed, options, display.progress());
+  preprocess::ResampleReport report = preprocess::resample(command.input, packed, options, display.progress());
   display.show(concat("writing ", output.string()));
   preprocess::ExportReport written =
       preprocess::export_vdb(packed, output, {.replace_existing = options.replace_existing});
@@ -216,22 +179,16 @@ int run(ResampleCommand& command) {
   preprocess::ResampleOptions& options = command.resample;
   options.memory_limit_bytes = command.common.memory.bytes;
   options.replace_existing = command.common.force;
-  options.source_name = command.input.filename().string();
   options.command = command_line(command, output);
   const ThreadLimit limit(command.common.threads);
-  std::vector<std::string> notes;
   const preprocess::ResampleReport report = [&] {
     ProgressDisplay display(command.common);
-    preprocess::NeutralMesh mesh = read_mesh(command, display);
-    give_fields(mesh, options);
-    notes = mesh.notes;
-    return resample_to(output, mesh, options, display);
+    return resample_to(output, command, display);
   }();
-  notes.insert(notes.end(), report.notes.begin(), report.notes.end());
 
   const CommonOptions& common = command.common;
   const Usage usage = usage_so_far();
-  for (const std::string& note : notes) say(common, concat("note: ", note));
+  for (const std::string& note : report.notes) say(common, concat("note: ", note));
   for (const auto& attempt : report.attempts)
     tell(common, concat(text_of(attempt.sample_count), " samples: coverage ", rounded(100 * attempt.coverage, 6),
                         " %, error at most ", rounded(attempt.max_error)));
@@ -251,7 +208,7 @@ int run(ResampleCommand& command) {
     json["cpu_seconds"] = usage.cpu_s;
     json["peak_bytes"] = usage.peak_bytes;
     json["worker_peak_bytes"] = usage.worker_peak_bytes;
-    json["notes"] = notes;
+    json["notes"] = report.notes;
     json["description"] = json_of(report.description);
     std::puts(dump(json).c_str());
   }

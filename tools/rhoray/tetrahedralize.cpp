@@ -9,11 +9,11 @@
 #include "formats/base/nearest_name.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/input_file.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/repair_surface.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/fault_file.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
@@ -77,7 +77,7 @@ void read_max_volume(TetrahedralizeCommand& command) {
 }
 
 void require_surface(const std::filesystem::path& input) {
-  require_input(input);
+  preprocess::require_input(input);
   if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
   throw Error(ErrorCode::invalid,
               concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
@@ -91,7 +91,7 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
     require_writable(command.common, output, input);
   }
   if (!command.sizes.empty()) {
-    require_input(command.sizes);
+    preprocess::require_input(command.sizes);
     if (command.inputs.size() > 1)
       throw Error(ErrorCode::usage, "--sizes: needs exactly one surface; found several",
                   "--size-field gives sizes in space");
@@ -196,7 +196,7 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
     file = command.size_field.substr(0, colon);
     field = command.size_field.substr(colon + 1);
   }
-  require_input(file);
+  preprocess::require_input(file);
   const std::uint64_t memory = command.common.memory.bytes;
   switch (preprocess::foreign_kind(file)) {
     case ForeignKind::volume: {

@@ -7,9 +7,9 @@
 #include "formats/intact.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/input_file.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
@@ -62,7 +62,7 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
 
 Findings examine(const std::filesystem::path& path, const VerifyOptions& options, ProgressDisplay& display) {
   Findings findings;
-  require_input(path);
+  preprocess::require_input(path);
   try {
     const formats::PackedFile file = formats::PackedFile::open(path);
     findings.file_bytes = file.file_bytes();

@@ -3,6 +3,7 @@
 #include "preprocess/import/readers.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
+#include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {

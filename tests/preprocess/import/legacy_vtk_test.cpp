@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "preprocess/import/readers.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
 

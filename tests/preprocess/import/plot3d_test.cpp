@@ -2,7 +2,7 @@
 
 #include "preprocess/import/mesh/plot3d_layout.h"
 #include "preprocess/import/readers.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "tests/preprocess/import/vtk_cells.h"
 
 namespace rhoray::preprocess {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "preprocess/import/readers.h"
-#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "tests/preprocess/import/vtk_cells.h"
 
 namespace rhoray::preprocess {

@@ -11,8 +11,8 @@
 #include <memory_resource>
 #include <optional>
 
-#include "preprocess/memory_cap.h"
 #include "preprocess/process/child_process.h"
+#include "preprocess/process/memory_cap.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 

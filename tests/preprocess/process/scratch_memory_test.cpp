@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "formats/base/error.h"
-#include "preprocess/memory_cap.h"
 #include "preprocess/neutral.h"
+#include "preprocess/process/memory_cap.h"
 #include "preprocess/process/nameless_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"

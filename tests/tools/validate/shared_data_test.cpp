@@ -5,7 +5,7 @@
 
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
-#include "preprocess/position_fields.h"
+#include "preprocess/mesh/position_fields.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/tools/validate/support.h"
 

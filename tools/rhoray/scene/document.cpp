@@ -5,7 +5,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/regular_file.h"
-#include "tools/rhoray/input_file.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/scene/json_tree.h"
 #include "tools/rhoray/scene/tables.h"
 
@@ -22,7 +22,7 @@ bool begins_with_brace(std::string_view text) {
 
 std::string document_text(const std::filesystem::path& path) {
   constexpr std::size_t most_bytes = std::size_t{4} << 20;
-  require_input(path);
+  preprocess::require_input(path);
   if (std::filesystem::is_directory(path))
     throw Error(ErrorCode::unreadable, concat(path.string(), ": is a folder; expected a scene document"));
   std::string text = first_bytes(path, most_bytes + 1);

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "formats/base/error.h"
-#include "tools/rhoray/input_file.h"
+#include "preprocess/input_file.h"
 #include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
@@ -205,7 +205,7 @@ ValueKind<std::filesystem::path> file_value() {
                 const std::filesystem::path name = json.get<std::string>();
                 const std::filesystem::path file = name.is_absolute() || at.folder.empty() ? name : at.folder / name;
                 try {
-                  require_input(file);
+                  preprocess::require_input(file);
                 } catch (const Error& error) {
                   throw Error(error.code(), concat(at.place.text(), ": ", error.what()), error.hint());
                 }

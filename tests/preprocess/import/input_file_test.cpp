@@ -1,9 +1,9 @@
-#include "tools/rhoray/input_file.h"
+#include "preprocess/input_file.h"
 
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace rhoray::tools {
+namespace rhoray::preprocess {
 namespace {
 
 using tests::expect_error;
@@ -25,4 +25,4 @@ TEST(InputFile, that_is_missing_is_refused_with_the_nearest_name) {
 }
 
 }  // namespace
-}  // namespace rhoray::tools
+}  // namespace rhoray::preprocess

@@ -1,4 +1,4 @@
-#include "preprocess/position_fields.h"
+#include "preprocess/mesh/position_fields.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "formats/base/text.h"
 #include "formats/shape_field.h"
-#include "preprocess/boundary_distance.h"
+#include "preprocess/mesh/boundary_distance.h"
 #include "preprocess/mesh/inspect/finding.h"
 
 namespace rhoray::preprocess {
@@ -145,6 +145,13 @@ void add_position_fields(NeutralMesh& mesh) {
     mesh.notes.push_back(
         concat(count_text(cut, "tetrahedron", "tetrahedra"),
                " with all corners on the boundary split in four, so that boundary_distance is above 0 inside"));
+}
+
+void give_fields(NeutralMesh& mesh, bool& cells_to_points) {
+  if (!has_varying_field(mesh)) return add_position_fields(mesh);
+  if (!mesh.point_fields.empty() || cells_to_points) return;
+  cells_to_points = true;
+  mesh.notes.push_back("no point data; cell data were averaged to the points");
 }
 
 }  // namespace rhoray::preprocess

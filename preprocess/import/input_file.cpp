@@ -1,4 +1,4 @@
-#include "tools/rhoray/input_file.h"
+#include "preprocess/input_file.h"
 
 #include <unistd.h>
 
@@ -11,9 +11,8 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/regular_file.h"
-#include "preprocess/import_mesh.h"
 
-namespace rhoray::tools {
+namespace rhoray::preprocess {
 
 namespace {
 
@@ -40,7 +39,7 @@ void require_input(const std::filesystem::path& path) {
                 did_you_mean(path.filename().string(), names_in(folder)));
   }
   if (!std::filesystem::is_directory(status)) require_regular_file(path);
-  if (std::filesystem::is_directory(status) && preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown)
+  if (std::filesystem::is_directory(status) && foreign_kind(path) == ForeignKind::unknown)
     throw Error(ErrorCode::unreadable,
                 concat(name, ": is a folder; expected a file, or a folder of DICOM images or pictures"));
   if (::access(path.c_str(), R_OK) != 0)
@@ -61,4 +60,4 @@ std::uintmax_t input_bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::preprocess

@@ -1,4 +1,4 @@
-#include "preprocess/boundary_distance.h"
+#include "preprocess/mesh/boundary_distance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "preprocess/position_fields.h"
+#include "preprocess/mesh/position_fields.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "preprocess/boundary_distance.h"
+#include "preprocess/mesh/boundary_distance.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::preprocess {
