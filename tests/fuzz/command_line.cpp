@@ -10,16 +10,7 @@
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/subcommands.h"
 
-namespace {
-
 using namespace rhoray::tools;
-
-Subcommand (*const makers[])() = {info_subcommand,    import_subcommand,   pack_subcommand,
-                                  verify_subcommand,  resample_subcommand, tetrahedralize_subcommand,
-                                  render_subcommand,  export_subcommand,   validate_subcommand,
-                                  compare_subcommand, bench_subcommand,    accuracy_subcommand};
-
-}  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   RHORAY_CHECK(std::freopen("/dev/null", "w", stdout) != nullptr);  // hides the help
@@ -38,13 +29,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const std::string& word : words) arguments.push_back(word.c_str());
 
   // Values stay in what a subcommand's rows point to: each command line gets new subcommands.
-  std::vector<Subcommand> subcommands;
+  std::vector<Subcommand> subcommands = all_subcommands();
   std::vector<std::function<int()>> not_run;  // own what the rows point to
   bool ran = false;
-  for (Subcommand (*const make)() : makers) {
-    subcommands.push_back(make());
-    not_run.push_back(std::move(subcommands.back().run));
-    subcommands.back().run = [&ran] {
+  for (Subcommand& subcommand : subcommands) {
+    not_run.push_back(std::move(subcommand.run));
+    subcommand.run = [&ran] {
       ran = true;
       return 0;
     };

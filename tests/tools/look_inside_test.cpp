@@ -165,31 +165,5 @@ TEST(VerifyCommand, finds_a_broken_header_or_seal) {
   }
 }
 
-TEST(Help, of_every_subcommand_ends_with_examples_whose_options_exist) {
-  const Workbench bench;
-  const RunResult overview = bench.rhoray({"--help"});
-  EXPECT_EQ(overview.exit_code, 0);
-  EXPECT_THAT(bench.rhoray({"--version"}).out, testing::StartsWith("rhoray "));
-  for (const char* subcommand :
-       {"info", "verify", "import", "pack", "resample", "export", "tetrahedralize", "render", "bench"}) {
-    SCOPED_TRACE(subcommand);
-    EXPECT_THAT(overview.out, HasSubstr(std::string("  ") + subcommand + " "));
-    const RunResult help = bench.rhoray({subcommand, "--help"});
-    EXPECT_EQ(help.exit_code, 0);
-    EXPECT_EQ(help.err, "");
-    const std::string start = std::string("  rhoray ") + subcommand;
-    std::string examples = help.out.substr(help.out.find("Example:\n"));
-    int count = 0;
-    for (std::string line = line_after(examples, start); !line.empty(); line = line_after(examples, start)) {
-      // None of the files exists: the command reads the options and names the first missing file.
-      const RunResult run = bench.shell("rhoray " + (subcommand + line));
-      EXPECT_EQ(run.exit_code, 3) << line << "\n" << run.err;
-      examples = examples.substr(examples.find(start + line) + start.size() + line.size());
-      ++count;
-    }
-    EXPECT_GE(count, 2);
-  }
-}
-
 }  // namespace
 }  // namespace rhoray::tests

@@ -146,14 +146,18 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 }  // namespace
 
 std::vector<Option> goal_options(Goal& goal) {
-  return {value_option("--max-error", "E",
-                       "Choose the fastest method with at most this error in 99 % of the pixels, tried on a small "
-                       "picture: cells along the ray; for a projection a share of the field's range",
-                       goal.max_error),
-          value_option("--budget-ms", "B",
-                       "Choose the most accurate method that traces the picture in this many milliseconds on this "
-                       "machine; --max-error has priority",
-                       goal.budget_ms)};
+  return in_group(
+      "Accuracy",
+      {with_details(value_option("--max-error", "E",
+                                 "Choose the fastest method with an error of at most E cells in 99 % of the pixels",
+                                 goal.max_error),
+                    "The error is measured along the ray, on a small picture. For a projection, E is a share of the "
+                    "field's range"),
+       for_experts(with_details(
+           value_option("--budget-ms", "B",
+                        "Choose the most accurate method that traces the picture in B milliseconds on this machine",
+                        goal.budget_ms),
+           "--max-error has priority"))});
 }
 
 void check(const Goal& goal) {

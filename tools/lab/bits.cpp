@@ -192,9 +192,11 @@ tools::Subcommand bits() {
   return {
       .name = "bits",
       .summary = "An isosurface of a grid whose samples are stored in fewer bits",
-      .examples =
-          "  rhoray-study bits smooth.rho --iso 600.5,2200.5 -o results\n"
-          "Errors are against the exact answer of the field as it is; storages that lose nothing are left out.\n",
+      .examples = {"rhoray-study bits smooth.rho --iso 600.5,2200.5 -o results"},
+      .sections = {{.heading = "Notes",
+                    .entries = {{"",
+                                 "Errors are against the exact answer of the field as it is; storages that lose "
+                                 "nothing are left out."}}}},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed grid", settings->input)},
            tools::output_options(settings->common, "FOLDER for bits.csv, .json and two figures (.svg)"),

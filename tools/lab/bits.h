@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/rhoray/command_line.h"
+#include "tools/rhoray/subcommand.h"
 
 namespace rhoray::study {
 

@@ -176,26 +176,26 @@ tools::Subcommand closed_surfaces() {
   return {
       .name = "closed-surfaces",
       .summary = "Many rays at closed isosurfaces: float, double and certified against the truth",
-      .examples =
-          "  rhoray-study closed-surfaces --rays 10000000 -o results\n"
-          "\n"
-          "Wavy balls in jittered tetrahedra and noisy ones in grids, also with values in coarse steps so that "
-          "vertices,\n"
-          "edges and faces lie at the isovalue; centres at 0, 1e3, 1e5 and (148376, 1234, -223423), scales 1e-6, 1 "
-          "and\n"
-          "1e6; a third of the rays anywhere, a third at edges, a third at vertices; half aimed in the volume's "
-          "frame,\n"
-          "half in the world. The truth is what certified says, or the judge, who decides again every ray\n"
-          "  - for which double decides otherwise, or finds another place (1e-6 cells and the bound);\n"
-          "  - that changes side an odd number of times between its ends, both outside: further changes are looked "
-          "for\n"
-          "    in double from 0.001 cells behind each; in odd rays certified and the judge follow all of them "
-          "(miscounted:\n"
-          "    they differ);\n"
-          "  - of a random sample.\n"
-          "Float is asked for one ray in eight. The same rays come out for any number of threads, others for another "
-          "seed.\n"
-          "Exit code 6 when certified missed, saw too much, was elsewhere, broke its bound or was miscounted.\n",
+      .examples = {"rhoray-study closed-surfaces --rays 10000000 -o results"},
+      .sections =
+          {{.heading = "Notes",
+            .entries =
+                {{"",
+                  "Wavy balls in jittered tetrahedra and noisy ones in grids, also with values in coarse steps so that "
+                  "vertices, edges and faces lie at the isovalue; centres at 0, 1e3, 1e5 and (148376, 1234, -223423), "
+                  "scales 1e-6, 1 and 1e6; a third of the rays anywhere, a third at edges, a third at vertices; half "
+                  "aimed in the volume's frame, half in the world. The truth is what certified says, or the judge, "
+                  "who decides again every ray"},
+                 {"", "- for which double decides otherwise, or finds another place (1e-6 cells and the bound);"},
+                 {"",
+                  "- that changes side an odd number of times between its ends, both outside: further changes are "
+                  "looked for in double from 0.001 cells behind each; in odd rays certified and the judge follow all "
+                  "of them (miscounted: they differ);"},
+                 {"", "- of a random sample."},
+                 {"",
+                  "Float is asked for one ray in eight. The same rays come out for any number of threads, others for "
+                  "another seed. Exit code 6 when certified missed, saw too much, was elsewhere, broke its bound or "
+                  "was miscounted."}}}},
       .options = tools::all_options(
           {tools::output_options(settings->common, "FOLDER for closed_surfaces.csv and .json"),
            {tools::value_option("--scratch", "FOLDER", "For the packed volumes", settings->scratch),

@@ -201,10 +201,12 @@ tools::Subcommand epsilon() {
   return {
       .name = "epsilon",
       .summary = "What is missed by distances chosen by hand: starts of shadow rays, steps of samples",
-      .examples =
-          "  rhoray-study epsilon smooth.rho --iso 600.5,2200.5 -o results\n"
-          "  rhoray-study epsilon torso.rho --iso p75 --view close-up\n"
-          "Everything is counted against the exact answer. A million is the most that can be wrong of a million.\n",
+      .examples = {"rhoray-study epsilon smooth.rho --iso 600.5,2200.5 -o results",
+                   "rhoray-study epsilon torso.rho --iso p75 --view close-up"},
+      .sections = {{.heading = "Notes",
+                    .entries = {{"",
+                                 "Everything is counted against the exact answer. A million is the most that can be "
+                                 "wrong of a million."}}}},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed grid or mesh", settings->input)},
            tools::output_options(settings->common,

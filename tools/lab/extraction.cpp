@@ -169,9 +169,8 @@ tools::Subcommand extraction() {
   return {
       .name = "extraction",
       .summary = "Another isovalue of a grid, by triangles and directly: the paper's Table 6",
-      .examples =
-          "  rhoray-study extraction torso-ct.rho --iso 250 -o results\n"
-          "  rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results\n",
+      .examples = {"rhoray-study extraction torso-ct.rho --iso 250 -o results",
+                   "rhoray-study extraction small.rho --iso 250 --cgal 40000 -o results"},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed grid", settings->input),
             tools::value_option("--iso", "V[,V]", "Isovalues; default auto", settings->isovalues),

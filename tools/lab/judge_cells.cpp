@@ -318,7 +318,7 @@ tools::Subcommand judge_cells() {
   return {
       .name = "judge-cells",
       .summary = "Methods for the first crossing in a trilinear cell against the exact judge",
-      .examples = "  rhoray-study judge-cells --cells 1000000 --classes random,near-tangent -o results\n",
+      .examples = {"rhoray-study judge-cells --cells 1000000 --classes random,near-tangent -o results"},
       .options = tools::all_options(
           {{tools::value_option("-o,--output", "FOLDER", "For judge_cells.csv and .json", settings->common.output),
             tools::flag_option("--force", "Replace files that are there", settings->common.force),

@@ -229,7 +229,7 @@ tools::Subcommand largest_values() {
   return {
       .name = "largest-values",
       .summary = "The largest value along rays: every method against the exact judge",
-      .examples = "  rhoray-study largest-values --rays 1000000 -o results\n",
+      .examples = {"rhoray-study largest-values --rays 1000000 -o results"},
       .options = tools::all_options(
           {tools::output_options(settings->common, "FOLDER for largest_values.csv and .json"),
            {tools::value_option("--scratch", "FOLDER", "For the packed volumes", settings->scratch),

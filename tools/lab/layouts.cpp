@@ -327,7 +327,7 @@ tools::Subcommand layouts() {
   return {
       .name = "layouts",
       .summary = "How samples lie in memory, and what that costs: the paper's Table 3 with rows of today",
-      .examples = "  rhoray-study layouts smooth.rho --iso 600.5 -o results\n",
+      .examples = {"rhoray-study layouts smooth.rho --iso 600.5 -o results"},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed grid", settings->input)},
            tools::output_options(settings->common, "FOLDER for layouts.csv and .json"),
@@ -351,9 +351,8 @@ tools::Subcommand one_frame() {
   const auto settings = std::make_shared<FrameSpec>();
   return {.name = "one-frame",
           .summary = "One picture on one thread, for tools that count from outside; prints who answered and its hash",
-          .examples =
-              "  valgrind --tool=callgrind '--toggle-collect=rhoray::render::render(*FrameMemory&)' "
-              "rhoray-study one-frame smooth.rho --size 96x96\n",
+          .examples = {"valgrind --tool=callgrind '--toggle-collect=rhoray::render::render(*FrameMemory&)' "
+                       "rhoray-study one-frame smooth.rho --size 96x96"},
           .options = tools::all_options(
               {{tools::file_option("FILE", "Packed file", settings->input)},
                shown_options(settings->shown),

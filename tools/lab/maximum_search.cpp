@@ -179,7 +179,7 @@ tools::Subcommand maximum_search() {
   return {
       .name = "maximum-search",
       .summary = "In which order to look for the largest value along rays: what each order looks at",
-      .examples = "  rhoray-study maximum-search head.rho -o results\n",
+      .examples = {"rhoray-study maximum-search head.rho -o results"},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed grid (.rho)", settings->file)},
            tools::output_options(settings->common, "FOLDER for maximum_search.csv and .json"),

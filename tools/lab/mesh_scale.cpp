@@ -153,7 +153,7 @@ tools::Subcommand mesh_scale() {
   return {
       .name = "mesh-scale",
       .summary = "Packing, a new isovalue and a frame for meshes of growing size",
-      .examples = "  rhoray-study mesh-scale --cells 1000000,10000000,100000000 --mip -o results\n",
+      .examples = {"rhoray-study mesh-scale --cells 1000000,10000000,100000000 --mip -o results"},
       .options = tools::all_options(
           {tools::output_options(settings->common, "FOLDER for mesh_scale.csv and .json"),
            {tools::value_option("--cells", "N[,N]", "About so many; default 100000,1000000,10000000",

@@ -100,17 +100,18 @@ int run(const Settings& settings) {
 
 tools::Subcommand peers_grid() {
   const auto settings = std::make_shared<Settings>();
-  return {.name = "peers-grid",
-          .summary = "A grid's isosurfaces and largest values by this renderer and by others, in one run",
-          .examples =
-              "  rhoray-study peers-grid smooth.rho --iso 600.5,2200.5 --mip -o results\n"
-              "  xvfb-run -a rhoray-study peers-grid smooth.rho --views front --systems ours,vtk\n"
-              "VTK's drawing needs an X display; xvfb-run brings one where there is none.\n",
-          .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed grid", settings->input)},
-               contest_options(*settings, system_words, "peers_isosurface and peers_mip"),
-               {tools::value_option("--scratch", "FOLDER", "For the packed grid", settings->scratch)}}),
-          .run = [settings] { return run(*settings); }};
+  return {
+      .name = "peers-grid",
+      .summary = "A grid's isosurfaces and largest values by this renderer and by others, in one run",
+      .examples = {"rhoray-study peers-grid smooth.rho --iso 600.5,2200.5 --mip -o results",
+                   "xvfb-run -a rhoray-study peers-grid smooth.rho --views front --systems ours,vtk"},
+      .sections = {{.heading = "Notes",
+                    .entries = {{"", "VTK's drawing needs an X display; xvfb-run brings one where there is none."}}}},
+      .options =
+          tools::all_options({{tools::file_option("FILE", "Packed grid", settings->input)},
+                              contest_options(*settings, system_words, "peers_isosurface and peers_mip"),
+                              {tools::value_option("--scratch", "FOLDER", "For the packed grid", settings->scratch)}}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

@@ -110,16 +110,17 @@ int run(const ContestSettings& settings) {
 
 tools::Subcommand peers_tets() {
   const auto settings = std::make_shared<ContestSettings>();
-  return {.name = "peers-tets",
-          .summary = "A mesh's isosurfaces by this renderer and by others, in one run",
-          .examples =
-              "  rhoray-study peers-tets torso.rho --iso 0.3 --mip -o results\n"
-              "  xvfb-run -a rhoray-study peers-tets torso.rho --views close-up --systems ours,vtk\n"
-              "VTK's drawing needs an X display; xvfb-run brings one where there is none.\n",
-          .options = tools::all_options(
-              {{tools::file_option("FILE", "Packed mesh of tetrahedra", settings->input)},
-               contest_options(*settings, system_words, "peers_tets_isosurface and peers_tets_mip")}),
-          .run = [settings] { return run(*settings); }};
+  return {
+      .name = "peers-tets",
+      .summary = "A mesh's isosurfaces by this renderer and by others, in one run",
+      .examples = {"rhoray-study peers-tets torso.rho --iso 0.3 --mip -o results",
+                   "xvfb-run -a rhoray-study peers-tets torso.rho --views close-up --systems ours,vtk"},
+      .sections = {{.heading = "Notes",
+                    .entries = {{"", "VTK's drawing needs an X display; xvfb-run brings one where there is none."}}}},
+      .options =
+          tools::all_options({{tools::file_option("FILE", "Packed mesh of tetrahedra", settings->input)},
+                              contest_options(*settings, system_words, "peers_tets_isosurface and peers_tets_mip")}),
+      .run = [settings] { return run(*settings); }};
 }
 
 }  // namespace rhoray::study

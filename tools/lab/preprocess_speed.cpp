@@ -24,10 +24,10 @@
 #include "tools/lab/preprocess_speed.h"
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
-#include "tools/rhoray/command_line.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/option_values.h"
+#include "tools/rhoray/subcommand.h"
 #include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 
@@ -268,7 +268,7 @@ tools::Subcommand preprocess_speed() {
   const auto settings = std::make_shared<Settings>();
   return {.name = "preprocess-speed",
           .summary = "Packing and resampling beside VTK and a plain copy of the bytes",
-          .examples = "  rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results\n",
+          .examples = {"rhoray-study preprocess-speed --meshes 500000 --sizes 128,256 -o results"},
           .options = {tools::value_option("-o,--output", "FOLDER", "For preprocess_speed.csv and .json",
                                           settings->common.output),
                       tools::flag_option("--force", "Replace files that are there", settings->common.force),

@@ -306,10 +306,13 @@ tools::Subcommand resample_or_direct() {
   return {
       .name = "resample-or-direct",
       .summary = "A mesh's isosurface from its tetrahedra, and from grids that it was resampled on",
-      .examples =
-          "  rhoray-study resample-or-direct torso.rho --iso p75 -o results\n"
-          "  rhoray-study resample-or-direct torso.rho --iso p75 --grids 64 --whole none --vdb none\n"
-          "Errors are against the exact answer of the mesh. The figure of times shows the first isovalue.\n",
+      .examples = {"rhoray-study resample-or-direct torso.rho --iso p75 -o results",
+                   "rhoray-study resample-or-direct torso.rho --iso p75 --grids 64 --whole none --vdb none"},
+      .sections =
+          {{.heading = "Notes",
+            .entries =
+                {{"",
+                  "Errors are against the exact answer of the mesh. The figure of times shows the first isovalue."}}}},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed mesh of tetrahedra", settings->input)},
            tools::output_options(settings->common, "FOLDER for resample_or_direct.csv, .json and two figures (.svg)"),

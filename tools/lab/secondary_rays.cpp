@@ -173,9 +173,8 @@ tools::Subcommand secondary_rays() {
   return {
       .name = "secondary-rays",
       .summary = "Rays that start at a surface, beside camera rays",
-      .examples =
-          "  rhoray-study secondary-rays smooth.rho --iso 600.5\n"
-          "  RHORAY_MACHINE=scalar rhoray-study secondary-rays smooth.rho --iso 600.5\n",
+      .examples = {"rhoray-study secondary-rays smooth.rho --iso 600.5",
+                   "RHORAY_MACHINE=scalar rhoray-study secondary-rays smooth.rho --iso 600.5"},
       .options = tools::all_options(
           {{tools::file_option("FILE", "Packed file", settings->input)},
            tools::output_options(settings->common, "FOLDER for secondary_rays.csv and .json"),

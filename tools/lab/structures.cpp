@@ -249,7 +249,7 @@ tools::Subcommand structures() {
   return {
       .name = "structures",
       .summary = "How rays find tetrahedra, and what that costs: lists, grids, trees, orders, rounded points",
-      .examples = "  rhoray-study structures --cells 1000000 -o results\n",
+      .examples = {"rhoray-study structures --cells 1000000 -o results"},
       .options = tools::all_options(
           {tools::output_options(settings->common, "FOLDER for structures*.csv and .json"),
            {tools::value_option("--meshes", "FILE[,FILE]", "Beside those that are made", settings->inputs),

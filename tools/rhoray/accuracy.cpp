@@ -44,8 +44,7 @@ bool is_of_one_picture(const std::string& names) {
   return names == "--accuracy" || names == "--method" || names == "--channels" || names == "--show";
 }
 
-std::vector<Option> study_picture_options(PictureOptions& picture) {
-  std::vector<Option> rows = picture_options(picture);
+std::vector<Option> of_all_methods(std::vector<Option> rows) {
   std::erase_if(rows, [](const Option& row) { return is_of_one_picture(row.names); });
   return rows;
 }
@@ -335,28 +334,39 @@ Subcommand accuracy_subcommand() {
   const auto command = std::make_shared<AccuracyCommand>();
   return {
       .name = "accuracy",
-      .summary = "Measure the error and the time of every method on your data",
-      .examples =
-          "  rhoray accuracy head.rho --iso 500 -o head_accuracy\n"
-          "  rhoray accuracy torso.json -o torso_accuracy --size 1280x720 --time-limit 1800\n"
-          "  rhoray accuracy pet.rho --mode mip -o pet_accuracy\n"
-          "Writes results.csv, results.json, report.html (one page without other files), pictures and, if gnuplot is\n"
-          "installed, plots. First results appear after a coarse pass and are then updated. After an interrupt the\n"
-          "report is complete for what was measured.\n",
+      .summary = "Measure error and time of every method on your data",
+      .group = "Measurements",
+      .examples = {"rhoray accuracy head.rho --iso 500 -o head_accuracy",
+                   "rhoray accuracy pet.rho --mode mip -o pet_accuracy",
+                   "rhoray accuracy torso.json -o torso_accuracy --size 1280x720 --time-limit 1800"},
+      .sections = {{.heading = "Results",
+                    .entries = {{"results.csv, .json", "all numbers"},
+                                {"report.html", "one page without other files"},
+                                {"pictures", "and plots, if gnuplot is installed"},
+                                {"",
+                                 "First results appear after a coarse pass and are then updated. After an interrupt "
+                                 "the report is complete for what was measured."}}}},
       .options = all_options(
-          {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
-           output_options(command->common, "Folder for the results; created if missing"),
-           study_picture_options(command->picture),
-           goal_options(command->goal),
-           {value_option("--seed", "N", "Random seed for the choice of pixels; default 1", command->seed),
-            value_option("--repeat", "N", "Number of times each variant is timed; default 5", command->repeat),
-            value_option("--time-limit", "S",
-                         "Time limit in seconds; variants that do not fit are left out and listed; default 600",
-                         command->time_limit_s)},
-           threads_option(command->common),
-           memory_option(command->common,
-                         "Leave out copies of the data that need more memory; default half of the machine's memory"),
-           message_options(command->common, "Print the results as JSON to stdout")}),
+          {in_group("Input", {file_option("FILE", "Packed file (.rho), OpenVDB file (.vdb) or scene document (.json)",
+                                          command->input)}),
+           of_all_methods(picture_options(command->picture)), goal_options(command->goal),
+           in_group("Output", all_options({output_options(command->common, "Folder for the results; created if missing",
+                                                          "FOLDER"),
+                                           of_all_methods(image_options(command->picture))})),
+           in_group(
+               "General",
+               all_options({{with_details(value_option("--time-limit", "S", "Time limit in seconds; default 600",
+                                                       command->time_limit_s),
+                                          "Variants that do not fit are left out and listed"),
+                             for_experts(value_option(
+                                 "--repeat", "N", "Number of times each variant is timed; default 5", command->repeat)),
+                             for_experts(value_option("--seed", "N", "Random seed for the choice of pixels; default 1",
+                                                      command->seed))},
+                            threads_option(command->common),
+                            {for_experts(memory_option(command->common,
+                                                       "Leave out copies of the data that need more memory; "
+                                                       "default half of the machine's memory"))},
+                            message_options(command->common, "Print the results as JSON to stdout")}))}),
       .run = [command] { return run(*command); }};
 }
 

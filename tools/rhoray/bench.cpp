@@ -156,40 +156,51 @@ Subcommand bench_subcommand() {
   return {
       .name = "bench",
       .summary = "Measure the speed of rendering, opening and packing",
-      .examples =
-          "  rhoray bench phases head.rho --iso 500,1250 --repeat 9\n"
-          "  rhoray bench threads head.rho --size 512x512\n"
-          "  rhoray bench effects head.json --repeat 9\n"
-          "  rhoray bench pack head.nrrd --json\n"
-          "Tables: phases (shares of traversal, intersection and shading), threads (1 to all), views (front, from\n"
-          "the feet, close up, inside: rays per second and cycles per ray), isovalue (the first picture after a\n"
-          "change), effects (cost of each effect, and Tables 4 and 1 of the paper), memory (beyond the mapped file),\n"
-          "open (with and without checksums), pack (compared with reading and writing once).\n",
+      .group = "Measurements",
+      .examples = {"rhoray bench phases head.rho --iso 500,1250 --repeat 9",
+                   "rhoray bench threads head.rho --size 512x512", "rhoray bench effects head.json --repeat 9",
+                   "rhoray bench pack head.nrrd --json"},
+      .sections = {{.heading = "Tables",
+                    .entries = {{"phases", "shares of traversal, intersection and shading"},
+                                {"threads", "from 1 thread to all"},
+                                {"views", "rays per second and cycles per ray: front, from the feet, close up, inside"},
+                                {"isovalue", "the first picture after a change of the isovalue"},
+                                {"effects", "cost of each effect, and Tables 4 and 1 of the paper"},
+                                {"memory", "memory beyond the mapped file"},
+                                {"open", "opening with and without checksums"},
+                                {"pack", "packing, compared with reading and writing once"}}}},
       .options = all_options(
-          {{files_option("[TABLE] FILE",
-                         "Table, and a packed file (all tables but pack), a scene (effects) or a file to pack (pack); "
-                         "default all tables that suit the file",
-                         command->words)},
-           {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json to this folder",
-                         command->common.output),
-            flag_option("--force", "Overwrite existing tables", command->common.force),
-            value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
-            value_option("--size", "WxH", "Image size; default 512x512, as in the paper", bench.size),
-            value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
-            choice_option("--accuracy", accuracy_words(), "As in render, with the same default", bench.accuracy),
-            value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso", bench.view),
-            value_option("--field", "NAME", "Field; default the first", bench.field),
-            choice_option("--normals", normals_words(), "Surface normals, as in render", bench.normals),
-            value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
-            flag_option("--mip", "Also time maximum intensity projection", bench.mip),
-            value_option("--scratch", "FOLDER",
-                         "Folder to which table pack writes; default the system's temporary folder", bench.scratch),
-            flag_option("--csv", "Print CSV to stdout", command->csv)},
-           threads_option(command->common),
-           memory_option(command->common,
-                         "Memory limit of the process that reads the input of table pack; default: see Limits in "
-                         "`rhoray --help`"),
-           message_options(command->common, "Print one JSON document per table to stdout, one per line")}),
+          {in_group("Input", {files_option("[TABLE] FILE",
+                                           "A table, and a packed file, a scene (effects) or a file to pack (pack); "
+                                           "default all tables for the file",
+                                           command->words),
+                              value_option("--field", "NAME", "Field; default the first", bench.field)}),
+           in_group("Picture",
+                    {value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+                     flag_option("--mip", "Also time maximum intensity projection", bench.mip),
+                     value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso",
+                                  bench.view),
+                     value_option("--size", "WxH", "Image size in pixels; default 512x512", bench.size),
+                     choice_option("--accuracy", accuracy_words(), "Accuracy of hits, as in render", bench.accuracy),
+                     for_experts(
+                         choice_option("--normals", normals_words(), "Surface normals, as in render", bench.normals)),
+                     for_experts(value_option("--color-by", "NAME", "Field that colours surfaces, as in render",
+                                              bench.color_by))}),
+           in_group("Output",
+                    {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json to this folder",
+                                  command->common.output),
+                     flag_option("--force", "Overwrite existing tables", command->common.force),
+                     flag_option("--csv", "Print CSV to stdout", command->csv)}),
+           in_group(
+               "General",
+               all_options(
+                   {{value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat)},
+                    threads_option(command->common),
+                    {for_experts(value_option(
+                         "--scratch", "FOLDER",
+                         "Folder to which table pack writes; default the system's temporary folder", bench.scratch)),
+                     worker_memory_option(command->common, "the process that reads the input of table pack")},
+                    message_options(command->common, "Print one JSON document per table to stdout, one per line")}))}),
       .run = [command] { return run(*command); }};
 }
 

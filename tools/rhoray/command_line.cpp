@@ -8,6 +8,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
+#include "tools/rhoray/help.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/version.h"
 
@@ -17,38 +18,6 @@ namespace {
 
 std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
-}
-
-std::string overview(std::span<const Subcommand> subcommands) {
-  std::string text =
-      "Ray tracing of volumes and tetrahedral meshes.\n"
-      "Usage: rhoray SUBCOMMAND [OPTIONS] FILE...\n"
-      "\n"
-      "Subcommands:\n";
-  for (const Subcommand& each : subcommands)
-    text += concat("  ", each.name, std::string(each.name.size() < 16 ? 16 - each.name.size() : 1, ' '), each.summary,
-                   "\n");
-  text +=
-      "\n"
-      "Options:\n"
-      "  --help          print this text; `rhoray SUBCOMMAND --help` describes one subcommand\n"
-      "  --version       print version, commit and compiler\n"
-      "\n"
-      "Limits:\n"
-      "  Foreign files are read, and TetGen and CGAL run, in worker processes with limits:\n"
-      "  memory          --memory; default 8 GiB plus 1024 times the size of the input file, at most 90 % of the\n"
-      "                  memory of the machine or of the control group; 90 % if one input names other files\n"
-      "  files           256 open; each at most as large as the worker's memory, or as the output it must write\n"
-      "  idle time       60 s without CPU time, reading or writing\n"
-      "  Inputs must be files or folders; pipes and devices are refused.\n"
-      "\n"
-      "Exit codes: 0 success, 1 internal error, 2 wrong usage, 3 input missing or unreadable, 4 input invalid or\n"
-      "damaged, 5 out of memory, disk or time, 6 comparison outside its limit, 7 unknown file type or version;\n"
-      "130, 143, 129 ended by SIGINT, SIGTERM, SIGHUP; 141 the reader of a pipe has gone\n"
-      "\n"
-      "Example:\n"
-      "  rhoray pack head.nrrd -o head.rho && rhoray render head.rho -o head.png\n";
-  return text;
 }
 
 bool takes_no_value(const Option& row) {
@@ -80,8 +49,8 @@ std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcomman
 }
 
 std::vector<std::string> long_names(const Subcommand& subcommand) {
-  std::vector<std::string> names{"--help"};
-  for (const Option& row : subcommand.options)
+  std::vector<std::string> names;
+  for (const Option& row : rows_with_help(subcommand))
     if (const std::size_t at = row.names.find("--"); at != std::string::npos) names.push_back(row.names.substr(at));
   return names;
 }
@@ -115,7 +84,7 @@ void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> add
     const bool positional = row.kind == Option::Kind::file || row.kind == Option::Kind::files;
     if (positional && added[i]->count() == 0)
       throw Error(ErrorCode::usage, concat("no ", row.names, " given"),
-                  concat("`rhoray ", subcommand.name, " --help` ends with an example"));
+                  concat("`rhoray ", subcommand.name, " --help` starts with examples"));
     for (const std::string& text : added[i]->results()) try {
         row.take(takes_no_value(row) ? std::string{} : text);
       } catch (const Error& error) {
@@ -127,15 +96,18 @@ void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> add
 int run_subcommand(const Subcommand& subcommand, int argc, const char* const* argv) {
   CLI::App app(subcommand.summary, "rhoray " + subcommand.name);
   app.allow_extras();  // refused by us, with what was probably meant
-  app.footer("Example:\n" + subcommand.examples);
+  app.set_help_all_flag("--help-all");
   const std::vector<CLI::Option*> added = add_options(app, subcommand);
+  const auto print_help = [&](HelpLevel level) {
+    std::fputs(help_text(subcommand, level, help_width()).c_str(), stdout);
+    return 0;
+  };
   try {
     app.parse(argc - 1, argv + 1);
   } catch (const CLI::CallForHelp&) {
-    for (CLI::Option* option : added)
-      if (option->get_positional()) option->required();  // shown without brackets; while parsing, we check that
-    std::fputs(app.help().c_str(), stdout);
-    return 0;
+    return print_help(HelpLevel::common);
+  } catch (const CLI::CallForAllHelp&) {
+    return print_help(HelpLevel::all);
   } catch (const CLI::ParseError& error) {
     throw Error(ErrorCode::usage, first_line(error.what()));
   }
@@ -181,7 +153,7 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
     const std::string word = argc > 1 ? argv[1] : "";
     if (word.empty()) return fail(ErrorCode::usage, "no subcommand given", "`rhoray --help` lists them");
     // That standard output takes them is seen at its end (standard_streams.h).
-    if (word == "--help" || word == "-h") return std::fputs(overview(subcommands).c_str(), stdout), 0;
+    if (word == "--help" || word == "-h") return std::fputs(overview(subcommands, help_width()).c_str(), stdout), 0;
     if (word == "--version") return std::puts(version_line().c_str()), 0;
     const Subcommand& subcommand = choose(subcommands, word);
     place += " " + subcommand.name;

@@ -7,32 +7,44 @@
 
 namespace rhoray::tools {
 
-std::vector<Option> output_options(CommonOptions& common, const std::string& help) {
-  return {value_option("-o,--output", "FILE", help, common.output),
+std::vector<Option> output_options(CommonOptions& common, const std::string& help, const std::string& value) {
+  return {value_option("-o,--output", value, help, common.output),
           flag_option("--force", "Overwrite existing output", common.force)};
 }
 
 std::vector<Option> threads_option(CommonOptions& common) {
-  return {value_option("--threads", "N", "Number of threads; 0, the default, uses all cores", common.threads)};
+  return {value_option("--threads", "N", "Number of threads; default 0 (all cores)", common.threads)};
 }
 
-std::vector<Option> memory_option(CommonOptions& common, const std::string& help) {
-  return {value_option("--memory", "SIZE", help, common.memory)};
+Option memory_option(CommonOptions& common, const std::string& help) {
+  return value_option("--memory", "SIZE", help, common.memory);
+}
+
+Option worker_memory_option(CommonOptions& common, const std::string& worker) {
+  return for_experts(
+      memory_option(common, concat("Memory limit of ", worker, "; default: see Limits in `rhoray --help`")));
 }
 
 std::vector<Option> message_options(CommonOptions& common, const std::string& json_help) {
   return {flag_option("-q,--quiet", "Print errors only", common.quiet),
-          flag_option("-v,--verbose", "Print more", common.verbose),
-          choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
-                        "Progress on stderr; auto: a bar on a terminal, else none", common.progress),
+          flag_option("-v,--verbose", "Print more messages", common.verbose),
+          for_experts(choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
+                                    "Progress on stderr; auto: a bar on a terminal, else none; default auto",
+                                    common.progress)),
           flag_option("--json", json_help, common.json)};
 }
 
 Option max_error_option(std::optional<double>& max_error) {
-  return value_option("--max-error", "E",
-                      "Largest error of tetrahedra made from higher-order cells, relative to the mesh's box diagonal "
-                      "and to the range of each kept field (meshes); default 0.01",
-                      max_error);
+  return with_details(
+      value_option("--max-error", "E", "Largest error of the tetrahedra that replace a higher-order cell; default 0.01",
+                   max_error),
+      "The error of the shape is relative to the diagonal of the mesh's box. The error of a kept field "
+      "is relative to the field's range");
+}
+
+Option time_option(std::string& time) {
+  return value_option("--time", "T",
+                      "Time step: first, last, #N counted from 0, or the nearest to a time; default last", time);
 }
 
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {

@@ -24,16 +24,18 @@ struct CommonOptions {
   bool json = false;
 };
 
-std::vector<Option> output_options(CommonOptions& common, const std::string& help);  ///< -o, --force
-std::vector<Option> threads_option(CommonOptions& common);                           ///< --threads
-std::vector<Option> memory_option(CommonOptions& common, const std::string& help);   ///< --memory
-std::vector<Option> message_options(CommonOptions& common,
-                                    const std::string& json_help);  ///< -q, -v, --progress, --json
+/// -o, --force
+std::vector<Option> output_options(CommonOptions& common, const std::string& help, const std::string& value = "FILE");
+std::vector<Option> threads_option(CommonOptions& common);             ///< --threads
+Option memory_option(CommonOptions& common, const std::string& help);  ///< --memory
+/// --memory of a worker process, for experts.
+Option worker_memory_option(CommonOptions& common, const std::string& worker);
+/// -q, -v, --progress, --json
+std::vector<Option> message_options(CommonOptions& common, const std::string& json_help);
 
 // Options of `pack` and `import` for meshes.
 Option max_error_option(std::optional<double>& max_error);  ///< --max-error
-inline constexpr const char* time_help =
-    "Time step (meshes): first, last, #N from 0, or a time, for which the nearest step is used; default last";
+Option time_option(std::string& time);                      ///< --time
 
 /// The rows of several lists, in order.
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists);

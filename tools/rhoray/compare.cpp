@@ -104,14 +104,17 @@ Subcommand compare_subcommand() {
   const auto command = std::make_shared<CompareCommand>();
   return {.name = "compare",
           .summary = "Compare two pictures",
-          .examples =
-              "  rhoray compare before.png after.png\n"
-              "  rhoray compare before.png after.png --fail 0.01 --fail-share 0.001 --map where.png\n"
-              "Channels of the same name are compared as stored: 8-bit channels as numbers from 0 to 1 (in sRGB),\n"
-              "EXR channels without conversion. Exit code 6: the limit of --fail is exceeded.\n",
+          .group = "Pictures",
+          .examples = {"rhoray compare before.png after.png",
+                       "rhoray compare before.png after.png --fail 0.01 --fail-share 0.001 --map where.png"},
+          .sections = {{.heading = "Notes",
+                        .entries = {{"",
+                                     "Channels of the same name are compared as stored: 8-bit channels as numbers from "
+                                     "0 to 1 (in sRGB), EXR channels without conversion."}},
+                        .is_expert = true}},
           .options = all_options(
               {{files_option("A B", "Two pictures of the same size", command->files),
-                value_option("--fail", "E", "Largest allowed difference of a pixel; 0 requires equal pictures",
+                value_option("--fail", "E", "Exit code 6 if a pixel differs by more than E; 0 requires equal pictures",
                              command->limit),
                 value_option("--fail-share", "S", "Share of pixels that may differ by more; default 0", command->share),
                 value_option("--map", "FILE", "Write a picture of the differences", command->map),

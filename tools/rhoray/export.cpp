@@ -153,25 +153,22 @@ Subcommand export_subcommand() {
   const auto command = std::make_shared<ExportCommand>();
   return {.name = "export",
           .summary = "Convert a packed file to another format",
-          .examples =
-              "  rhoray export head.rho -o head.vti\n"
-              "  rhoray export head.rho -o head.nvdb\n"
-              "  rhoray export head.rho --iso 500 -o skin.stl\n"
-              "  rhoray export torso.rho -o torso.vtu\n",
+          .group = "Files",
+          .examples = {"rhoray export head.rho -o head.vti", "rhoray export head.rho --iso 500 -o skin.stl",
+                       "rhoray export torso.rho -o torso.vtu", "rhoray export head.rho -o head.nvdb"},
           .options = all_options(
-              {{file_option("FILE", "Packed file; numpy can read it without conversion, see formats/SPEC.md",
-                            command->input)},
+              {{with_details(file_option("FILE", "Packed file", command->input),
+                             "numpy can read it without conversion; see formats/SPEC.md")},
                output_options(command->common,
                               "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),
                {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
                              command->field),
-                value_option("--iso", "V",
-                             "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); a mesh "
-                             "without --iso gives its own surface",
-                             command->isovalue)},
-               memory_option(command->common,
-                             "Memory limit of the process that writes .vdb, .nvdb, or the .stl of a grid; default: see "
-                             "Limits in `rhoray --help`"),
+                with_details(value_option("--iso", "V",
+                                          "Isovalue of an .stl: a number, a percentile (p95) or auto (Otsu's "
+                                          "threshold)",
+                                          command->isovalue),
+                             "Without --iso, the .stl of a mesh is the mesh's own surface"),
+                worker_memory_option(command->common, "the process that writes .vdb, .nvdb, or the .stl of a grid")},
                message_options(command->common, "Print a JSON summary to stdout")}),
           .run = [command] { return run(*command); }};
 }

@@ -80,23 +80,20 @@ int run(const ImportCommand& command) {
 
 Subcommand import_subcommand() {
   const auto command = std::make_shared<ImportCommand>();
-  return {
-      .name = "import",
-      .summary = "Convert a mesh to tetrahedra in a VTU file",
-      .examples =
-          "  rhoray import can.vtu -o can-tets.vtu\n"
-          "  rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu\n",
-      .options = all_options(
-          {{file_option("FILE", "Mesh of volume cells", command->input)},
-           output_options(command->common, "Output mesh (.vtu)"),
-           {value_option("--field", "A[,B]", "Point or cell fields to keep; default all", command->fields),
-            max_error_option(command->max_error), value_option("--time", "T", time_help, command->time)},
-           threads_option(command->common),
-           memory_option(
-               command->common,
-               "Memory limit of the process that reads the input, such as 2G; default: see Limits in `rhoray --help`"),
-           message_options(command->common, "Print a JSON summary to stdout")}),
-      .run = [command] { return run(*command); }};
+  return {.name = "import",
+          .summary = "Convert a mesh to tetrahedra in a VTU file",
+          .group = "Meshes",
+          .examples = {"rhoray import can.vtu -o can-tets.vtu",
+                       "rhoray import pipe.vtk --field pressure --max-error 0.002 -o pipe.vtu"},
+          .options = all_options(
+              {{file_option("FILE", "Mesh of volume cells", command->input)},
+               output_options(command->common, "Output mesh (.vtu)"),
+               {value_option("--field", "A[,B]", "Point or cell fields to keep; default all", command->fields),
+                max_error_option(command->max_error), time_option(command->time)},
+               threads_option(command->common),
+               {worker_memory_option(command->common, "the process that reads the input")},
+               message_options(command->common, "Print a JSON summary to stdout")}),
+          .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

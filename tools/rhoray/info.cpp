@@ -9,6 +9,7 @@
 #include "formats/tet_mesh.h"
 #include "preprocess/input_file.h"
 #include "preprocess/unpack_mesh.h"
+#include "tools/rhoray/command_line.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/foreign_info.h"
 #include "tools/rhoray/measure.h"
@@ -291,21 +292,18 @@ int run(const InfoOptions& options) {
 
 Subcommand info_subcommand() {
   const auto options = std::make_shared<InfoOptions>();
-  return {.name = "info",
-          .summary = "Show what a file contains",
-          .examples =
-              "  rhoray info head.rho\n"
-              "  rhoray info head.rho torso.vtu --json\n"
-              "  rhoray info torso.vtu --stats\n",
-          .options = all_options(
-              {{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
-                flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
-                            options->findings)},
-               memory_option(
-                   options->common,
-                   "Memory limit of the process that reads a foreign file; default: see Limits in `rhoray --help`"),
-               message_options(options->common, "Print one JSON document per file to stdout, one per line")}),
-          .run = [options] { return run(*options); }};
+  return {
+      .name = "info",
+      .summary = "Show what a file contains",
+      .group = "Files",
+      .examples = {"rhoray info head.rho", "rhoray info head.rho torso.vtu --json", "rhoray info torso.vtu --stats"},
+      .options =
+          all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
+                        flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
+                                    options->findings),
+                        worker_memory_option(options->common, "the process that reads a foreign file")},
+                       message_options(options->common, "Print one JSON document per file to stdout, one per line")}),
+      .run = [options] { return run(*options); }};
 }
 
 }  // namespace rhoray::tools

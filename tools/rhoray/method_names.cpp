@@ -106,9 +106,9 @@ Accuracy accuracy_named(const std::string& word) {
               did_you_mean(word, accuracy_words()));
 }
 
-std::string method_help() {
-  return concat("One method by name, for comparison. Grids: ", forms(Mode::isosurface, false),
-                ". Meshes: ", forms(Mode::isosurface, true), ". MIP: ", forms(Mode::mip, false));
+std::string method_forms() {
+  return concat("Grids: ", forms(Mode::isosurface, false), ". Meshes: ", forms(Mode::isosurface, true),
+                ". MIP: ", forms(Mode::mip, false));
 }
 
 Method method_named(const std::string& word, Mode mode, bool is_mesh, const std::string& asked_by) {

@@ -12,8 +12,8 @@ namespace rhoray::tools {
 std::vector<std::string> accuracy_words();
 render::Accuracy accuracy_named(const std::string& word);
 
-/// The names for --method, as --help shows them: one line for each kind of layer.
-std::string method_help();
+/// The names for --method of each kind of layer, as sentences of the help.
+std::string method_forms();
 
 /// The method with this name for this kind of layer; refuses other names and lists the valid ones
 /// (ErrorCode::usage).

@@ -15,6 +15,8 @@ namespace rhoray::tools {
 
 namespace {
 
+constexpr const char* positional_group = "Input";
+
 [[noreturn]] void refuse(const std::string& text, std::string_view expected, const std::string& hint = {}) {
   throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected), hint);
 }
@@ -206,14 +208,17 @@ Option number_option(std::string names, std::string value, std::string help, con
 Option choice_option(std::string names, std::vector<std::string> words, std::string help, std::string& out) {
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : "|") + word;
-  return {Option::Kind::value, std::move(names), list, std::move(help), [&out, words, list](const std::string& text) {
-            for (const std::string& word : words)
-              if (text == word) {
-                out = text;
-                return;
-              }
-            refuse(text, list, did_you_mean(text, words));
-          }};
+  Option row{Option::Kind::value, std::move(names), list, std::move(help),
+             [&out, words, list](const std::string& text) {
+               for (const std::string& word : words)
+                 if (text == word) {
+                   out = text;
+                   return;
+                 }
+               refuse(text, list, did_you_mean(text, words));
+             }};
+  row.choices = std::move(words);
+  return row;
 }
 
 Option flag_option(std::string names, std::string help, bool& out) {
@@ -227,13 +232,37 @@ Option answer_option(std::string names, std::string help, std::string (*text)())
 }
 
 Option file_option(std::string name, std::string help, std::filesystem::path& out) {
-  return {Option::Kind::file, std::move(name), "", std::move(help),
-          [&out](const std::string& text) { read_value(text, out); }};
+  Option row{Option::Kind::file, std::move(name), "", std::move(help),
+             [&out](const std::string& text) { read_value(text, out); }};
+  row.group = positional_group;
+  return row;
 }
 
 Option files_option(std::string name, std::string help, std::vector<std::filesystem::path>& out) {
-  return {Option::Kind::files, std::move(name), "", std::move(help),
-          [&out](const std::string& text) { read_value(text, out.emplace_back()); }};
+  Option row{Option::Kind::files, std::move(name), "", std::move(help),
+             [&out](const std::string& text) { read_value(text, out.emplace_back()); }};
+  row.group = positional_group;
+  return row;
+}
+
+std::vector<Option> in_group(const std::string& group, std::vector<Option> rows) {
+  for (Option& row : rows) row.group = group;
+  return rows;
+}
+
+Option with_details(Option row, std::string details) {
+  row.details = std::move(details);
+  return row;
+}
+
+Option for_experts(Option row) {
+  row.is_expert = true;
+  return row;
+}
+
+std::vector<Option> for_experts(std::vector<Option> rows) {
+  for (Option& row : rows) row.is_expert = true;
+  return rows;
 }
 
 void require_within(const std::string& option, double value, double lo, double hi) {

@@ -10,7 +10,7 @@
 #include "formats/base/interval.h"
 #include "formats/base/vector.h"
 #include "formats/packed_file.h"
-#include "tools/rhoray/command_line.h"
+#include "tools/rhoray/subcommand.h"
 
 namespace rhoray::tools {
 
@@ -64,7 +64,7 @@ Option value_option(std::string names, std::string value, std::string help, T& o
 Option number_option(std::string names, std::string value, std::string help, const Interval<double>& limits,
                      std::optional<double>& out);
 
-/// A row for an option that takes one of some words.
+/// A row for an option that takes one of some words, which become the row's choices.
 Option choice_option(std::string names, std::vector<std::string> words, std::string help, std::string& out);
 
 Option flag_option(std::string names, std::string help, bool& out);
@@ -72,6 +72,12 @@ Option flag_option(std::string names, std::string help, bool& out);
 Option answer_option(std::string names, std::string help, std::string (*text)());
 Option file_option(std::string name, std::string help, std::filesystem::path& out);
 Option files_option(std::string name, std::string help, std::vector<std::filesystem::path>& out);
+
+// What the help says about rows; see Option.
+std::vector<Option> in_group(const std::string& group, std::vector<Option> rows);
+Option with_details(Option row, std::string details);
+Option for_experts(Option row);
+std::vector<Option> for_experts(std::vector<Option> rows);
 
 /// Refuses a number outside [lo, hi] by name (ErrorCode::usage).
 void require_within(const std::string& option, double value, double lo, double hi);

@@ -118,12 +118,12 @@ int run(PackCommand& command) {
   return 0;
 }
 
-/// The files that are read, as lines of the help.
-std::string file_types() {
+HelpSection file_types() {
   using preprocess::ForeignKind;
-  return concat("Volumes: ", preprocess::extensions_of(ForeignKind::volume),
-                "\nMeshes: ", preprocess::extensions_of(ForeignKind::mesh),
-                "\nSurfaces: ", preprocess::extensions_of(ForeignKind::surface), "\n");
+  return {.heading = "File types",
+          .entries = {{"volumes", preprocess::extensions_of(ForeignKind::volume)},
+                      {"meshes", preprocess::extensions_of(ForeignKind::mesh)},
+                      {"surfaces", preprocess::extensions_of(ForeignKind::surface)}}};
 }
 
 }  // namespace
@@ -134,50 +134,56 @@ Subcommand pack_subcommand() {
   return {
       .name = "pack",
       .summary = "Pack a volume, a mesh or a surface",
-      .examples = concat("  rhoray pack head.nrrd -o head.rho\n"
-                         "  rhoray pack torso.vtu --field potential -o torso.rho\n"
-                         "  rhoray pack heart.stl -o heart.rho\n"
-                         "  rhoray pack slices/ --color --spacing 0.33,0.33,1 -o photographs.rho\n"
-                         "  rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho\n",
-                         file_types()),
+      .group = "Files",
+      .examples = {"rhoray pack head.nrrd -o head.rho", "rhoray pack torso.vtu --field potential -o torso.rho",
+                   "rhoray pack ct.raw --raw 512x512x275:uint16:le --spacing 0.78,0.78,1 -o ct.rho",
+                   "rhoray pack heart.stl -o heart.rho",
+                   "rhoray pack slices/ --color --spacing 0.33,0.33,1 -o photographs.rho"},
+      .sections = {file_types()},
       .options = all_options(
-          {{file_option("FILE", "Volume, mesh or surface", command->input)},
-           output_options(command->common, "Packed file; default the input's name with .rho"),
-           {value_option(
-                "--field", "A[,B]",
-                "Fields to keep; the first is shown by default; default all fields of a mesh, the first of a volume",
-                pack.fields),
-            value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read samples without a header", pack.raw),
-            flag_option("--color",
-                        "Keep colours, for use as a texture (8-bit RGB or RGBA volumes: a folder of pictures, .nrrd, "
-                        ".mha, .vti)",
-                        pack.color),
-            value_option("--spacing", "X,Y,Z", "Replace the file's spacing (volumes)", pack.spacing),
-            value_option("--origin", "X,Y,Z", "Replace the file's origin (volumes)", pack.origin),
-            value_option("--type", "TYPE",
-                         "Type of the stored samples (volumes): U8, I8, U16, I16, U32, I32, F32 or F64", pack.type),
-            choice_option(
-                "--layout", {"bricks", "linear", "sparse"},
-                "Order of samples in the file (volumes): bricks (default), linear, or sparse (only bricks with data)",
-                command->layout),
-            value_option("--brick-edge", "N", "Samples per axis of a brick (volumes); default 4, sparse 8, colours 8",
-                         pack.brick_edge),
-            flag_option("--cell-data", "Also keep cell fields, averaged to points (meshes)", pack.cell_data),
-            max_error_option(pack.max_error), value_option("--time", "T", time_help, pack.time),
-            choice_option("--structure", {"clusters", "leaves"},
-                          "Search structure (meshes): clusters of neighbouring tetrahedra (default), or leaf lists of "
-                          "a uniform lattice",
-                          command->structure),
-            value_option("--cells", "auto|N",
-                         "Approximate number of leaf cells (leaves); default auto, one per tetrahedron",
-                         command->cells),
-            value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron (leaves); default 1", pack.leaf_ratio),
-            value_option("--levels", "N", "Levels of macrocells (volumes, leaves); default 3", pack.levels),
-            value_option("--factor", "N", "Cells per axis of a macrocell (volumes, leaves); default 4", pack.factor)},
-           threads_option(command->common),
-           memory_option(command->common,
-                         "Memory cap, such as 512M; larger data are streamed through the output's folder"),
-           message_options(command->common, "Print a JSON summary to stdout")}),
+          {in_group("Input",
+                    {file_option("FILE", "Volume, mesh or surface", command->input),
+                     value_option("--field", "A[,B]",
+                                  "Fields to keep; `render` shows the first; default all of a mesh, the first of a "
+                                  "volume",
+                                  pack.fields)}),
+           in_group("Volumes",
+                    {value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]",
+                                  "Read samples without a header, after SKIP bytes", pack.raw),
+                     value_option("--spacing", "X,Y,Z", "Replace the file's spacing", pack.spacing),
+                     value_option("--origin", "X,Y,Z", "Replace the file's origin", pack.origin),
+                     with_details(flag_option("--color", "Keep colours, for use as a texture", pack.color),
+                                  "For 8-bit RGB or RGBA volumes: a folder of pictures, .nrrd, .mha or .vti"),
+                     value_option("--type", "TYPE",
+                                  "Type of the stored samples: U8, I8, U16, I16, U32, I32, F32 or F64", pack.type),
+                     for_experts(choice_option(
+                         "--layout", {"bricks", "linear", "sparse"},
+                         "Order of the samples; sparse keeps only bricks with data; default bricks", command->layout)),
+                     for_experts(value_option("--brick-edge", "N",
+                                              "Samples per axis of a brick; default 4, for sparse and colours 8",
+                                              pack.brick_edge))}),
+           in_group("Meshes",
+                    {flag_option("--cell-data", "Also keep cell fields, averaged to points", pack.cell_data),
+                     time_option(pack.time), max_error_option(pack.max_error),
+                     for_experts(with_details(
+                         choice_option("--structure", {"clusters", "leaves"}, "Search structure; default clusters",
+                                       command->structure),
+                         "clusters: neighbouring tetrahedra stand together. leaves: leaf lists of a uniform lattice")),
+                     for_experts(value_option("--cells", "auto|N",
+                                              "Approximate number of leaf cells, for leaves; default auto, one per "
+                                              "tetrahedron",
+                                              command->cells)),
+                     for_experts(value_option("--leaf-ratio", "R", "Leaf cells per tetrahedron, for leaves; default 1",
+                                              pack.leaf_ratio))}),
+           for_experts(
+               in_group("Macrocells of volumes and leaves",
+                        {value_option("--levels", "N", "Levels of macrocells; default 3", pack.levels),
+                         value_option("--factor", "N", "Cells per axis of a macrocell; default 4", pack.factor)})),
+           in_group("Output", output_options(command->common, "Packed file; default the input's name with .rho")),
+           in_group("General", all_options({threads_option(command->common),
+                                            {with_details(memory_option(command->common, "Memory cap, such as 512M"),
+                                                          "Larger data are streamed through the output's folder")},
+                                            message_options(command->common, "Print a JSON summary to stdout")}))}),
       .run = [command] { return run(*command); }};
 }
 

@@ -101,48 +101,64 @@ Subcommand render_subcommand() {
   return {
       .name = "render",
       .summary = "Render a picture of a packed file or a scene",
+      .group = "Pictures",
       .examples =
-          "  rhoray render head.rho -o head.png\n"
-          "  rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png\n"
-          "  rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png\n"
-          "  rhoray render head.rho --mode mip --range 0,2000 -o mip.exr --channels depth,value\n"
-          "  rhoray render head.rho --slice z=40 --slice y --colormap gray --range -200,400 -o planes.png\n"
-          "  rhoray render head.rho --iso 500 --clip-plane 0,0,40,0,0,-1 --slice z=40 --colormap gray -o open.png\n"
-          "  rhoray render lungs.rho --normals smooth -o lungs.png\n"
-          "  rhoray render head.rho --iso 500 --texture photographs.rho -o skin.png\n"
-          "  rhoray render smoke.vdb --iso 0.5 -o smoke.png\n"
-          "  rhoray render torso.json --size 4k -o torso.png\n"
-          "  rhoray render sweep.json --frames 36 -o sweep_%04d.png\n",
+          {"rhoray render head.rho -o head.png", "rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png",
+           "rhoray render head.rho --mode mip --range 0,2000 -o mip.png",
+           "rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png",
+           "rhoray render head.rho --mode mip --range 0,2000 --channels depth,value -o mip.exr",
+           "rhoray render head.rho --slice z=40 --slice y --colormap gray --range -200,400 -o planes.png",
+           "rhoray render head.rho --iso 500 --clip-plane 0,0,40,0,0,-1 --slice z=40 --colormap gray -o open.png",
+           "rhoray render head.rho --iso 500 --texture photographs.rho -o skin.png",
+           "rhoray render smoke.vdb --iso 0.5 -o smoke.png", "rhoray render torso.json --size 4k -o torso.png",
+           "rhoray render sweep.json --frames 36 -o sweep_%04d.png"},
       .options = all_options(
-          {{file_option("FILE", "Packed file, OpenVDB file (.vdb), or scene document (.json)", command->input)},
-           output_options(command->common, "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
+          {{file_option("FILE", "Packed file (.rho), OpenVDB file (.vdb) or scene document (.json)", command->input)},
            picture_options(command->picture),
+           in_group("Input",
+                    {answer_option("--scene-help", "Print the keys of scene documents", scene_reference),
+                     for_experts(answer_option("--scene-schema", "Print the JSON Schema of scene documents",
+                                               scene_schema_text)),
+                     for_experts(flag_option("--no-verify", "Do not check the file's checksums while rendering",
+                                             command->no_verify))}),
            goal_options(command->goal),
-           {value_option("--pick", "X,Y", "Print which cell a pixel shows; several: X,Y:X,Y", command->picks),
-            value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
-            value_option("--sheet", "COLUMNS", "Draw all frames of a scene in one picture, in this many columns",
-                         command->sheet),
-            flag_option("--stats", "Print what was traced to stdout: rays, cells, seconds by phase",
-                        command->statistics),
-            flag_option("--explain", "Print what the scene needs and does not need, and why; render nothing",
-                        command->explain),
-            flag_option("--print-scene", "Print the scene document with every choice; render nothing",
-                        command->print_scene),
-            answer_option("--scene-help", "Print the keys of scene documents", scene_reference),
-            answer_option("--scene-schema", "Print the JSON Schema of scene documents", scene_schema_text),
-            value_option("--verify", "N",
-                         "Trace N random pixels and N edge pixels again with exact arithmetic and print the errors; "
-                         "exit code 6 if the method's promise does not hold, 4 if the file's value ranges are wrong",
-                         command->self_check.pixels),
-            value_option("--verify-limit", "E",
-                         "Exit code 6 also if not 99 % of the random pixels are within E: cells along the ray; for a "
-                         "projection a share of the field's range",
-                         command->self_check.limit),
-            value_option("--verify-seed", "N", "Random seed for --verify; default 1", command->self_check.seed),
-            flag_option("--no-verify", "Do not check the file's checksums while rendering", command->no_verify)},
-           threads_option(command->common),
-           memory_option(command->common, "Refuse pictures that need more memory; default the machine's memory"),
-           message_options(command->common, "Print choices, statistics and times as JSON to stdout")}),
+           in_group(
+               "Accuracy",
+               {with_details(value_option("--verify", "N",
+                                          "Check N random pixels and N edge pixels with exact arithmetic and print "
+                                          "the errors",
+                                          command->self_check.pixels),
+                             "Exit code 6 if the method's promise does not hold, 4 if the file's value ranges are "
+                             "wrong"),
+                for_experts(with_details(
+                    value_option("--verify-limit", "E",
+                                 "Exit code 6 also if fewer than 99 % of the random pixels are within E cells",
+                                 command->self_check.limit),
+                    "The error is measured along the ray. For a projection, E is a share of the "
+                    "field's range")),
+                for_experts(value_option("--verify-seed", "N", "Random seed for --verify; default 1",
+                                         command->self_check.seed))}),
+           in_group(
+               "Output",
+               all_options(
+                   {output_options(command->common,
+                                   "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
+                    image_options(command->picture),
+                    {value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
+                     value_option("--sheet", "COLUMNS",
+                                  "Draw all frames of a scene in one picture with this many columns", command->sheet),
+                     with_details(value_option("--pick", "X,Y", "Print which cell a pixel shows", command->picks),
+                                  "Several pixels: X,Y:X,Y"),
+                     flag_option("--stats", "Print statistics of rays, cells and times to stdout", command->statistics),
+                     flag_option("--explain", "Print what the scene needs, and why; render nothing", command->explain),
+                     flag_option("--print-scene", "Print the complete scene document; render nothing",
+                                 command->print_scene)}})),
+           in_group("General",
+                    all_options(
+                        {threads_option(command->common),
+                         {memory_option(command->common,
+                                        "Refuse pictures that need more memory; default the machine's memory")},
+                         message_options(command->common, "Print choices, statistics and times as JSON to stdout")}))}),
       .run = [command] { return run(*command); }};
 }
 

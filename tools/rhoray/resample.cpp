@@ -223,30 +223,37 @@ Subcommand resample_subcommand() {
   return {
       .name = "resample",
       .summary = "Resample tetrahedra on a grid, with a certified error",
-      .examples =
-          "  rhoray resample torso.vtu --size 256 -o torso_grid.rho\n"
-          "  rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho\n"
-          "  rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb\n"
-          "Samples next to the mesh get extrapolated values where a cell at its border needs them. The grid\n"
-          "therefore extends beyond the mesh, by at most one and a half cells per axis.\n"
-          "Coverage is the share of the mesh's volume in cells with values; the error bound holds there.\n",
+      .group = "Meshes",
+      .examples = {"rhoray resample torso.vtu --size 256 -o torso_grid.rho",
+                   "rhoray resample torso.rho --max-error 0.5% --field potential -o torso_grid.rho",
+                   "rhoray resample torso.vtu --spacing 2 --field potential -o torso.vdb"},
+      .sections = {{.heading = "Notes",
+                    .entries = {{"",
+                                 "Samples next to the mesh get extrapolated values where a cell at its border needs "
+                                 "them. The grid therefore extends beyond the mesh, by at most one and a half cells "
+                                 "per axis."},
+                                {"",
+                                 "Coverage is the share of the mesh's volume in cells with values. The error bound "
+                                 "holds there."}},
+                    .is_expert = true}},
       .options = all_options(
           {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
            output_options(command->common,
                           "Packed grid (.rho) or OpenVDB (.vdb); default the input's name with _grid.rho"),
            {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each axis", command->size),
             value_option("--spacing", "H|X,Y,Z", "Sample spacing, in the mesh's unit", command->spacing),
-            value_option(
-                "--max-error", "E|E%",
-                "Refine until the first field's error is at most E, or E % of its range, in the whole mesh; --size or "
-                "--spacing gives the first grid. Exit code 6 if this is not reached; the best grid is still written",
-                command->max_error),
-            value_option("--field", "A[,B]", "Fields to sample; the first is shown by default; default all",
+            with_details(value_option("--max-error", "E|E%",
+                                      "Refine until the first field's error is at most E, or E % of its range, in the "
+                                      "whole mesh",
+                                      command->max_error),
+                         "--size or --spacing gives the first grid. Exit code 6 if this is not reached; the best grid "
+                         "is still written"),
+            value_option("--field", "A[,B]", "Fields to sample; `render` shows the first; default all",
                          command->resample.fields),
             flag_option("--cell-data", "Also sample cell fields, averaged to points",
                         command->resample.cells_to_points)},
            threads_option(command->common),
-           memory_option(command->common, "Memory limit for the samples and for the reading process, such as 2G"),
+           {memory_option(command->common, "Memory limit for the samples and for the reading process, such as 2G")},
            message_options(command->common, "Print a JSON summary to stdout")}),
       .run = [command] { return run(*command); }};
 }

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "tools/rhoray/command_line.h"
+#include <vector>
+
+#include "tools/rhoray/subcommand.h"
 
 namespace rhoray::tools {
 
@@ -17,5 +19,8 @@ Subcommand export_subcommand();
 Subcommand validate_subcommand();
 Subcommand compare_subcommand();
 Subcommand accuracy_subcommand();
+
+/// Those of `rhoray`, in the order of its help.
+std::vector<Subcommand> all_subcommands();
 
 }  // namespace rhoray::tools

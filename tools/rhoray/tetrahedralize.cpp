@@ -339,58 +339,64 @@ Subcommand tetrahedralize_subcommand() {
   return {
       .name = "tetrahedralize",
       .summary = "Fill closed surfaces with tetrahedra (TetGen)",
-      .examples =
-          "  rhoray tetrahedralize heart.ply -o heart.vtu\n"
-          "  rhoray tetrahedralize scalp.tri skull.tri brain.tri --max-volume 1:50,3:20 -o head.vtu\n"
-          "  rhoray tetrahedralize scan.stl --repair -o scan.vtu\n"
-          "  rhoray tetrahedralize torso.ply --size-field distance:heart.ply:1:20:0.2 -o torso.vtu\n"
-          "  rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu\n",
+      .group = "Meshes",
+      .examples = {"rhoray tetrahedralize heart.ply -o heart.vtu",
+                   "rhoray tetrahedralize scan.stl --repair -o scan.vtu",
+                   "rhoray tetrahedralize scalp.tri skull.tri brain.tri --max-volume 1:50,3:20 -o head.vtu",
+                   "rhoray tetrahedralize torso.ply --size-field distance:heart.ply:1:20:0.2 -o torso.vtu",
+                   "rhoray tetrahedralize torso.smesh --quality 1.4 --sizes torso.mtr -o torso.vtu"},
       .options = all_options(
-          {{files_option("SURFACE",
-                         "Surfaces: .ply, .stl, .obj, .off, .tri, .vtk, .poly, .smesh or .face; nested surfaces make "
-                         "regions, numbered from the outside",
-                         command->inputs)},
-           output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu"),
-           {flag_option("--repair",
-                        "Repair a faulty surface: merge, drop, orient, stitch, fill holes, resolve self-intersections; "
-                        "reports how far it moved",
-                        command->mend),
-            value_option("--max-move", "SHARE",
-                         "With --repair: largest allowed movement, as a share of the box diagonal; default 0.02",
-                         command->max_move),
-            value_option("--wrap", "SHARE",
-                         "Instead of --repair: wrap the surface in a new closed one that bridges gaps up to this share "
-                         "of the box diagonal",
-                         command->repair.wrap),
-            flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
-                        command->repair.largest_part_only),
-            value_option("--quality", "R",
-                         "Largest ratio of circumradius to shortest edge; 0 adds no points; default 1.4 where the "
-                         "surface's triangles allow it; a note reports the ratio reached",
-                         command->fill.quality),
-            value_option(
-                "--max-volume", "V",
-                "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; 0, the default: no limit",
-                command->max_volume),
-            value_option("--size-field", "FIELD",
-                         "Target edge lengths: a volume FILE, a mesh FILE:FIELD, or distance:SURFACE:NEAR:FAR:GROWTH",
-                         command->size_field),
-            value_option("--sizes", "FILE", "Target sizes at the points (.mtr); default the .mtr beside the surface",
-                         command->sizes),
-            {Option::Kind::flag, "--regions", "", "Number the regions in cell field 'region' (the default)",
-             [command](const std::string&) { command->no_regions = false; }},
-            flag_option("--no-regions", "Do not number the regions", command->no_regions),
-            flag_option("--cavities", "Leave every second one of nested surfaces empty inside",
-                        command->fill.empty_cavities),
-            value_option("--tetgen", "SWITCHES",
-                         "More switches for TetGen, of Y O S T X M: Y keeps the surface's triangles, S100 adds at most "
-                         "100 points",
-                         command->fill.tetgen),
-            value_option("--time-limit", "SECONDS",
-                         "CPU time limit of each worker; default 3600 for TetGen, 300 for CGAL",
-                         command->time_limit_s)},
-           memory_option(command->common, "Memory limit of each worker process; default 8G for TetGen and CGAL"),
-           message_options(command->common, "Print a JSON summary to stdout")}),
+          {{with_details(files_option("SURFACE", "Surfaces: .ply, .stl, .obj, .off, .tri, .vtk, .poly, .smesh or .face",
+                                      command->inputs),
+                         "Nested surfaces make regions, numbered from the outside")},
+           in_group("Repair",
+                    {with_details(
+                         flag_option("--repair", "Repair a faulty surface, and report how far it moved", command->mend),
+                         "Merges, drops, orients and stitches parts, fills holes and resolves self-intersections"),
+                     value_option("--max-move", "SHARE",
+                                  "With --repair: largest movement, as a share of the box diagonal; default 0.02",
+                                  command->max_move),
+                     flag_option("--largest-part", "With --repair: keep only the connected part with the largest area",
+                                 command->repair.largest_part_only),
+                     with_details(
+                         value_option("--wrap", "SHARE", "Instead of --repair: wrap the surface in a new closed one",
+                                      command->repair.wrap),
+                         "The new surface bridges gaps up to this share of the box diagonal")}),
+           in_group(
+               "Tetrahedra",
+               {with_details(value_option("--quality", "R",
+                                          "Largest ratio of circumradius to shortest edge; 0 adds no points; default "
+                                          "1.4 where the surface allows it",
+                                          command->fill.quality),
+                             "A note reports the ratio reached"),
+                value_option("--max-volume", "V",
+                             "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; default 0, no "
+                             "limit",
+                             command->max_volume),
+                value_option("--size-field", "FIELD",
+                             "Target edge lengths: a volume FILE, a mesh FILE:FIELD, or "
+                             "distance:SURFACE:NEAR:FAR:GROWTH",
+                             command->size_field),
+                value_option("--sizes", "FILE",
+                             "Target sizes at the points (.mtr); default the .mtr beside the surface", command->sizes),
+                flag_option("--cavities", "Leave every second one of nested surfaces empty inside",
+                            command->fill.empty_cavities),
+                for_experts({Option::Kind::flag, "--regions", "",
+                             "Number the regions in cell field 'region' (the default)",
+                             [command](const std::string&) { command->no_regions = false; }}),
+                for_experts(flag_option("--no-regions", "Do not number the regions", command->no_regions)),
+                for_experts(with_details(value_option("--tetgen", "SWITCHES",
+                                                      "More switches for TetGen, of Y O S T X M", command->fill.tetgen),
+                                         "Y keeps the surface's triangles. S100 adds at most 100 points"))}),
+           in_group("Output", output_options(command->common, "Mesh (.vtu); default the first input's name with .vtu")),
+           in_group("General",
+                    all_options({{for_experts(value_option(
+                                      "--time-limit", "SECONDS",
+                                      "CPU time limit of each worker; default 3600 for TetGen, 300 for CGAL",
+                                      command->time_limit_s)),
+                                  memory_option(command->common,
+                                                "Memory limit of each worker process; default 8G for TetGen and CGAL")},
+                                 message_options(command->common, "Print a JSON summary to stdout")}))}),
       .run = [command] { return run(*command); }};
 }
 

@@ -118,41 +118,52 @@ int run(ValidateCommand& command) {
 
 Subcommand validate_subcommand() {
   const auto command = std::make_shared<ValidateCommand>();
-  return {.name = "validate",
-          .summary = "Check an isosurface against a CGAL reference",
-          .examples =
-              "  rhoray validate torso.rho --iso 0.5\n"
-              "  rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation\n"
-              "Needs the program rhoray-validate-worker beside `rhoray`, which links CGAL (GPL-3 or later).\n"
-              "Exit code 6: a check is outside its limit; 4: the file's value ranges are wrong.\n",
-          .options = all_options(
-              {{file_option("FILE", "Packed file", command->input),
-                value_option("--iso", "V", "Isovalue: a number, p95 (percentile), or auto (Otsu's threshold)",
-                             command->isovalue),
-                value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
-                choice_option("--accuracy", accuracy_words(),
-                              "Accuracy of the renderer; default double, which is exact enough for the limits",
-                              command->accuracy),
-                value_option("--method", "NAME", method_help(), command->method),
-                value_option("--samples", "N", "Number of rays, sent from around the data; default 100000",
-                             command->samples),
-                value_option("--seed", "N", "Random seed; default 1. For a mesh the same seed gives the same report",
-                             command->seed),
-                value_option("--max-depth-error", "E",
-                             "Largest error along a ray, beyond the error bound of a hit if it has one: for a mesh in "
-                             "diagonals of its box, default 1e-9; for a grid in cells, default 1e-9",
-                             command->max_depth_error),
-                value_option("--report", "DIR",
-                             "Write the report to this folder as text, JSON and CSV, with pictures of the errors; "
-                             "created if missing",
-                             command->folder),
-                flag_option("--force", "Overwrite an existing report", command->common.force),
-                value_option("--time-limit", "S", "CPU time limit of the worker, in seconds; default 3600",
-                             command->time_limit_s)},
-               threads_option(command->common),
-               memory_option(command->common, "Memory limit of the worker; default: see Limits in `rhoray --help`"),
-               message_options(command->common, "Print the report as JSON to stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "validate",
+      .summary = "Check an isosurface against a CGAL reference",
+      .group = "Measurements",
+      .examples = {"rhoray validate torso.rho --iso 0.5",
+                   "rhoray validate head.rho --iso 500 --samples 1000000 --report head_validation"},
+      .sections = {{.heading = "Exit codes",
+                    .entries = {{"4", "the file's value ranges are wrong"}, {"6", "a check is outside its limit"}}},
+                   {.heading = "Needs",
+                    .entries = {{"",
+                                 "The program rhoray-validate-worker beside `rhoray`. It links CGAL (GPL-3 or "
+                                 "later)."}},
+                    .is_expert = true}},
+      .options = all_options(
+          {{file_option("FILE", "Packed file", command->input)},
+           in_group("Surface",
+                    {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
+                     value_option("--iso", "V", "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold)",
+                                  command->isovalue),
+                     choice_option("--accuracy", accuracy_words(), "Accuracy of the renderer; default double",
+                                   command->accuracy),
+                     for_experts(with_details(
+                         value_option("--method", "NAME", "Use one method, for comparison", command->method),
+                         method_forms()))}),
+           in_group("Check",
+                    {value_option("--samples", "N", "Number of rays, sent from around the data; default 100000",
+                                  command->samples),
+                     with_details(value_option("--max-depth-error", "E", "Largest error along a ray; default 1e-9",
+                                               command->max_depth_error),
+                                  "The unit is the diagonal of a mesh's box, or a cell of a grid. The error bound "
+                                  "of a hit is added, if it has one"),
+                     for_experts(with_details(value_option("--seed", "N", "Random seed; default 1", command->seed),
+                                              "For a mesh the same seed gives the same report"))}),
+           in_group("Output",
+                    {with_details(value_option("--report", "DIR", "Write the report to this folder", command->folder),
+                                  "The report is text, JSON and CSV, with pictures of the errors. A missing folder "
+                                  "is created"),
+                     flag_option("--force", "Overwrite an existing report", command->common.force)}),
+           in_group("General",
+                    all_options({threads_option(command->common),
+                                 {for_experts(value_option("--time-limit", "S",
+                                                           "CPU time limit of the worker, in seconds; default 3600",
+                                                           command->time_limit_s)),
+                                  worker_memory_option(command->common, "the worker")},
+                                 message_options(command->common, "Print the report as JSON to stdout")}))}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

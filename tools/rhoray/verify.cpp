@@ -8,6 +8,7 @@
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/input_file.h"
+#include "tools/rhoray/command_line.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
@@ -123,10 +124,10 @@ Subcommand verify_subcommand() {
   const auto options = std::make_shared<VerifyOptions>();
   return {.name = "verify",
           .summary = "Check packed files for damage",
-          .examples =
-              "  rhoray verify head.rho torso.rho\n"
-              "  rhoray verify head.rho --deep --json\n"
-              "Exit code 0: no damage; 4: damage found; 3: a file could not be read.\n",
+          .group = "Files",
+          .examples = {"rhoray verify head.rho torso.rho", "rhoray verify head.rho --deep --json"},
+          .sections = {{.heading = "Exit codes",
+                        .entries = {{"0", "no damage"}, {"3", "a file could not be read"}, {"4", "damage found"}}}},
           .options = all_options(
               {{files_option("FILE", "Packed files", options->files),
                 flag_option("--deep", "Also check every value: ranges, macrocells, boxes, leaf lists", options->deep)},

@@ -126,19 +126,20 @@ const std::vector<Row<ClipSpec>>& clip_rows() {
 
 std::vector<Option> clip_options(std::optional<ClipSpec>& spec) {
   const auto said = [&spec]() -> ClipSpec& { return spec ? *spec : spec.emplace(); };
-  return {{Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
-           "Show only what lies inside this box, in world units; surfaces are cut open, not capped",
-           [said](const std::string& text) { said().box = read_box(text); }},
-          {Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ...",
-           concat("Show only what lies on the normal's side of a plane; 0,0,40,0,0,1 shows what lies above z = 40; may "
-                  "be given up to ",
-                  render::Clip::most_planes, " times"),
-           [said](const std::string& text) {
-             if (said().planes.size() == render::Clip::most_planes)
-               throw Error(ErrorCode::usage, concat("too many planes; expected at most ", render::Clip::most_planes));
-             said().planes.push_back(read_half_space(text));
-           }},
-          {Option::Kind::flag, "--cut-away", "", "Hide the inside of the clip region",
+  return {with_details({Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
+                        "Show only the inside of this box, in world units",
+                        [said](const std::string& text) { said().box = read_box(text); }},
+                       "Surfaces are cut open, not capped"),
+          with_details({Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ...",
+                        "Show only the normal's side of a plane. 0,0,40,0,0,1 shows what lies above z = 40",
+                        [said](const std::string& text) {
+                          if (said().planes.size() == render::Clip::most_planes)
+                            throw Error(ErrorCode::usage,
+                                        concat("too many planes; expected at most ", render::Clip::most_planes));
+                          said().planes.push_back(read_half_space(text));
+                        }},
+                       concat("May be given up to ", render::Clip::most_planes, " times")),
+          {Option::Kind::flag, "--cut-away", "", "Hide the inside of the clip region, and show the rest",
            [said](const std::string&) { said().keep = keep_outside; }}};
 }
 

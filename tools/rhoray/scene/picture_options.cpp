@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "tools/rhoray/common_options.h"
 #include "tools/rhoray/method_names.h"
 #include "tools/rhoray/scene/clip.h"
 #include "tools/rhoray/scene/material.h"
@@ -23,6 +24,12 @@ Option of_the_layer(PictureOptions& options, Option row) {
     given.push_back(name);
   };
   return row;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
+  return text;
 }
 
 Option word_option(std::string names, const std::vector<std::string>& words, std::string help,
@@ -121,116 +128,146 @@ std::vector<Option> picture_options(PictureOptions& options) {
   CameraSpec& camera = scene.camera;
   PictureSpec& image = scene.image;
   const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
-  std::vector<Option> rows{
-      layers(choice_option("--mode", {"iso", "mip"},
-                           "iso: isosurface; mip: maximum intensity projection; triangles are shown as they are",
-                           options.mode)),
-      layers(value_option("--iso", "V[,V...]",
-                          "Isovalue: a number, p95 (percentile) or auto (Otsu's threshold; for boundary_distance "
-                          "1/10000 of its maximum); several values give several surfaces; default auto",
-                          layer.isovalues)),
-      layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
-                          scene.data[0].field)),
-      layers(
-          value_option("--mesh", "FILE[,FILE...]", "Packed surfaces of triangles, shown as landmarks", options.meshes)),
-      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
-      word_option("--view", view_words(),
-                  "Side from which the camera looks: iso (three-quarter), +x, -x, +y, -y, +z, -z; default iso",
-                  camera.view),
-      value_option("--azimuth", "DEG", "Camera azimuth around the world's z axis; 0 looks along +y",
-                   camera.azimuth_deg),
-      number_option("--elevation", "DEG", "Camera elevation above the horizon; 90 looks straight down",
-                    limits::elevation_deg, camera.elevation_deg),
-      number_option("--zoom", "FACTOR", "Zoom factor; 1: the data just fits; 2: twice as large", limits::zoom,
-                    camera.zoom),
-      number_option("--fov", "DEG", "Vertical field of view; default 30", limits::fov_deg, camera.fov_deg),
-      switch_option("--ortho", "Orthographic projection", true, camera.orthographic),
-      above_zero_option("--ortho-height", "H", "Height of the image in world units; implies --ortho",
-                        camera.orthographic_height),
-      value_option("--camera-position", "X,Y,Z", "Camera position in world units; default fitted to the data",
-                   camera.position),
-      value_option("--camera-target", "X,Y,Z", "Point the camera looks at, in world units", camera.target),
-      value_option("--camera-up", "X,Y,Z", "Up direction of the image", camera.up),
-      layers(value_option("--surface-color", "COLOR",
-                          "Surface colour: #rrggbb (sRGB) or r,g,b (linear, 0 to 1); by default several surfaces have "
-                          "different colours",
-                          layer.color)),
-      layers(choice_option(
-          "--normals", normals_words(),
-          "Surface normals. Meshes and triangles: flat (exact gradient of each cell, normal of each triangle) or "
-          "smooth (linear between averages at the points). Grids: exact (gradient of the trilinear field)",
-          layer.normals)),
-      layers(value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
-      layers(choice_option("--colormap", colormap_words(), "Colour map of --color-by and --slice; default viridis",
-                           layer.colormap)),
-      layers(slice_option(options.slices)),
-      layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color, placed in world axes",
-                          options.texture)),
-      value_option("--background", "COLOR",
-                   "Background colour, written as --surface-color; default white for isosurfaces, black for MIP",
-                   image.background),
-      layers(number_option("--ambient", "A", "Ambient light, 0 to 1; default 0.12", limits::share, layer.ambient)),
-      layers(number_option("--specular", "S", "Specular strength, 0 to 1; 0 computes none; default 0.25", limits::share,
-                           layer.specular)),
-      layers(number_option("--shininess", "N", "Specular exponent; default 40", limits::shininess, layer.shininess)),
-      layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", limits::share, layer.opacity)),
-      flag_option("--shadows",
-                  "Cast shadows from a key light, by default at the camera's upper left; a weaker light at the camera "
-                  "fills them. Default: one light at the camera, without shadows",
-                  options.shadows),
-      angles_option("--light",
-                    "Direction of a key light, as azimuth and elevation of a camera; a weaker light at the camera is "
-                    "added. --shadows makes the key light cast shadows",
-                    options.key_light),
-      number_option("--light-size", "DEG",
-                    "Angular diameter of the key light, which then casts shadows with soft edges (16 rays per hit); "
-                    "default 0, sharp edges",
-                    limits::angular_diameter_deg, options.key_light_size),
-      {Option::Kind::flag, "--ao", "",
-       "Ambient occlusion: less ambient light near opaque surfaces, up to a tenth of the diagonal of the shown data; "
-       "16 rays per hit",
-       [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionSpec{}; }},
-      {Option::Kind::value, "--fog", "A,B",
-       "Fog: surfaces fade into the background with distance from the camera; it starts at A and is complete at B",
-       [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
-      layers(value_option("--range", "A,B",
-                          "Values shown as black and white in MIP, or as first and last colour with --color-by or "
-                          "--slice; default the field's range",
-                          layer.range)),
-      choice_option(
-          "--accuracy", accuracy_words(),
-          "preview: fast, approximate; float: single precision inside cells; double: double precision; certified: "
-          "every hit and miss proven, with an error bound; exact: exact arithmetic for every decision, slow. certified "
-          "and exact first check the file's value ranges; exit code 4 if these are wrong. Default float for "
-          "isosurfaces of meshes and of uniform grids (dense or in bricks), else double",
-          scene.accuracy),
-      layers(value_option("--method", "NAME", method_help(), layer.method)),
-      value_option(
-          "--channels", "A,B",
-          "Extra EXR channels: depth, normal, cell, value, roots, iterations, cost, error (only certified and exact)",
-          image.channels),
-      word_option("--show", show_words(),
-                  "Heat map instead of colours: error (only certified and exact), roots in the hit cell, iterations of "
-                  "the root search, cost (cells visited); default color",
-                  image.show),
-      switch_option("--no-hierarchy", "Visit every leaf cell, for comparison; the picture is the same at double", false,
-                    image.hierarchy),
-      whole_number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; adaptive: more at edges; default 1",
-                          limits::pixel_samples, image.antialias),
-      whole_number_option(
-          "--frames", "N",
-          "Number of pictures from the first key frame of a scene's camera to the last; needs -o out_%04d.png",
-          limits::frames, image.frames),
-      {Option::Kind::flag, "--axes", "", "Draw arrows along the world axes, in the lower left corner",
-       [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesSpec{}; }},
-      switch_option("--box", "Draw a box around the shown data, with ticks in world units", true,
-                    scene.annotations.box),
-      {Option::Kind::flag, "--colorbar", "", "Draw a colour bar for --color-by, a slice, a projection or a heat map",
-       [&annotations = scene.annotations](const std::string&) { annotations.color_bar = ColorBarSpec{}; }},
-      value_option("--caption", "TEXT", "Caption below the picture", scene.annotations.caption)};
-  const std::vector<Option> clip_rows = clip_options(scene.clip);
-  rows.insert(rows.end(), clip_rows.begin(), clip_rows.end());
-  return rows;
+  return all_options(
+      {in_group("Input",
+                {layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
+                                     scene.data[0].field)),
+                 layers(value_option("--mesh", "FILE[,FILE...]",
+                                     "Packed triangle meshes to show too, such as landmarks", options.meshes))}),
+       in_group(
+           "Surface",
+           {with_details(
+                layers(choice_option("--mode", {"iso", "mip"},
+                                     "Isosurface or maximum intensity projection (MIP); default iso", options.mode)),
+                "Triangle meshes are shown as they are"),
+            with_details(layers(value_option("--iso", "V[,V...]",
+                                             "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
+                                             "default auto",
+                                             layer.isovalues)),
+                         "Several values give several surfaces. For the field boundary_distance, auto is 1/10000 of "
+                         "its maximum"),
+            layers(slice_option(options.slices)),
+            layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", limits::share, layer.opacity)),
+            with_details(layers(choice_option(
+                             "--normals", normals_words(),
+                             "Surface normals: flat or smooth for meshes, exact for grids; default flat for meshes",
+                             layer.normals)),
+                         "flat: exact gradient of each cell, or normal of each triangle. smooth: linear between "
+                         "averages at the points. exact: gradient of the trilinear field")}),
+       in_group(
+           "Colour",
+           {with_details(layers(value_option("--surface-color", "COLOR",
+                                             "Surface colour: #rrggbb (sRGB) or r,g,b (linear)", layer.color)),
+                         "Linear r, g and b lie between 0 and 1. By default, several surfaces have different colours"),
+            layers(
+                value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
+            layers(choice_option("--colormap", colormap_words(),
+                                 "Colour map of --color-by and --slice; default viridis", layer.colormap)),
+            with_details(
+                layers(value_option("--range", "A,B",
+                                    "Values of the first and the last colour; default the field's range", layer.range)),
+                "In MIP these colours are black and white"),
+            with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
+                                             options.texture)),
+                         "The texture is placed in world axes"),
+            value_option("--background", "COLOR",
+                         "Background colour, written as for --surface-color; default white (MIP: black)",
+                         image.background)}),
+       in_group(
+           "Light",
+           {with_details(flag_option("--shadows", "Cast shadows from a key light at the upper left, or from --light",
+                                     options.shadows),
+                         "A weaker light at the camera brightens the shadows. By default, one light at the camera "
+                         "casts no shadows"),
+            with_details(angles_option("--light", "Add a key light in this direction: azimuth and elevation in degrees",
+                                       options.key_light),
+                         "The angles are those of a camera. A weaker light at the camera is added too. The key light "
+                         "casts shadows only with --shadows or --light-size"),
+            with_details(
+                number_option("--light-size", "DEG", "Angular diameter of the key light, for soft shadows; default 0",
+                              limits::angular_diameter_deg, options.key_light_size),
+                "The key light then casts shadows, with 16 rays per hit"),
+            with_details({Option::Kind::flag, "--ao", "", "Ambient occlusion: less ambient light near opaque surfaces",
+                          [&effects = scene.effects](const std::string&) { effects.occlusion = OcclusionSpec{}; }},
+                         "Surfaces occlude up to a tenth of the diagonal of the shown data, with 16 rays per hit"),
+            {Option::Kind::value, "--fog", "A,B",
+             "Fade surfaces into the background between the distances A and B from the camera",
+             [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
+            layers(
+                number_option("--ambient", "A", "Ambient light, 0 to 1; default 0.12", limits::share, layer.ambient)),
+            layers(number_option("--specular", "S", "Specular strength, 0 to 1; default 0.25", limits::share,
+                                 layer.specular)),
+            layers(number_option("--shininess", "N", "Specular exponent; default 40", limits::shininess,
+                                 layer.shininess))}),
+       in_group(
+           "Camera",
+           {word_option("--view", view_words(),
+                        "Side from which the camera looks; iso: three-quarter view; default iso", camera.view),
+            value_option("--azimuth", "DEG", "Camera azimuth around the z axis; 0 looks along +y", camera.azimuth_deg),
+            number_option("--elevation", "DEG", "Camera elevation; 90 looks straight down", limits::elevation_deg,
+                          camera.elevation_deg),
+            number_option("--zoom", "FACTOR", "Zoom factor; 1 just fits the data; default 1", limits::zoom,
+                          camera.zoom),
+            number_option("--fov", "DEG", "Vertical field of view in degrees; default 30", limits::fov_deg,
+                          camera.fov_deg),
+            switch_option("--ortho", "Use an orthographic projection", true, camera.orthographic),
+            for_experts(above_zero_option("--ortho-height", "H", "Height of the image in world units; implies --ortho",
+                                          camera.orthographic_height)),
+            for_experts(value_option("--camera-position", "X,Y,Z",
+                                     "Camera position in world units; default fitted to the data", camera.position)),
+            for_experts(value_option("--camera-target", "X,Y,Z", "Point at which the camera looks, in world units",
+                                     camera.target)),
+            for_experts(value_option("--camera-up", "X,Y,Z", "Up direction of the image", camera.up))}),
+       in_group("Clipping", clip_options(scene.clip)),
+       in_group("Annotation",
+                {{Option::Kind::flag, "--axes", "", "Draw arrows along the world axes",
+                  [&annotations = scene.annotations](const std::string&) { annotations.axes = AxesSpec{}; }},
+                 switch_option("--box", "Draw a box around the data, with ticks in world units", true,
+                               scene.annotations.box),
+                 with_details({Option::Kind::flag, "--colorbar", "", "Draw a colour bar",
+                               [&annotations = scene.annotations](const std::string&) {
+                                 annotations.color_bar = ColorBarSpec{};
+                               }},
+                              "For --color-by, a slice, a MIP or a heat map"),
+                 value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
+       in_group(
+           "Accuracy",
+           {with_details(
+                choice_option("--accuracy", accuracy_words(),
+                              "Accuracy of hits, from fast to exact; default float for most isosurfaces, else double",
+                              scene.accuracy),
+                "preview: approximate. float: single precision inside cells. double: double precision. "
+                "certified: every hit and miss is proven, with an error bound. exact: exact arithmetic for "
+                "every decision. certified and exact first check the file's value ranges; exit code 4 if "
+                "these are wrong. The default is float for isosurfaces of meshes and of uniform grids, dense "
+                "or in bricks; else double"),
+            for_experts(
+                with_details(layers(value_option("--method", "NAME", "Use one method, for comparison", layer.method)),
+                             method_forms())),
+            for_experts(with_details(
+                word_option("--show", show_words(),
+                            "Draw a heat map: error, roots in the hit cell, iterations of the root search, or cost "
+                            "(cells visited); default color",
+                            image.show),
+                "error needs --accuracy certified or exact")),
+            for_experts(with_details(
+                switch_option("--no-hierarchy", "Visit every leaf cell, for comparison", false, image.hierarchy),
+                "At --accuracy double the picture is the same"))})});
+}
+
+std::vector<Option> image_options(PictureOptions& options) {
+  PictureSpec& image = options.scene_spec.image;
+  return {value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+          with_details(whole_number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 1",
+                                           limits::pixel_samples, image.antialias),
+                       "Pixels at edges get more samples than others"),
+          with_details(
+              value_option("--channels", "A,B", "Extra EXR channels, such as depth, normal, value", image.channels),
+              concat("All: ", joined(channel_words()), ". error needs --accuracy certified or exact")),
+          with_details(
+              whole_number_option("--frames", "N", "Number of pictures of a scene's camera path; needs -o out_%04d.png",
+                                  limits::frames, image.frames),
+              "They go from the first key frame to the last")};
 }
 
 namespace {

@@ -23,8 +23,12 @@ struct PictureOptions {
   std::vector<std::string> of_the_layer;  ///< options given that say what is shown and how it looks
 };
 
-/// The rows of these options, for `render`. They write into `options`, which stays where it is.
+// The rows of these options, for `render`. They write into `options`, which stays where it is.
+
+/// What is shown, and how; by group.
 std::vector<Option> picture_options(PictureOptions& options);
+/// The images that are written: size, samples, channels, frames.
+std::vector<Option> image_options(PictureOptions& options);
 
 /// The scene for a file. Refuses mutually exclusive options (ErrorCode::usage).
 SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file);

@@ -84,11 +84,12 @@ std::vector<Row<LayerSpec>> slice_rows() {
 }
 
 Option slice_option(std::vector<LayerSpec>& slices) {
-  return {Option::Kind::value, "--slice", "AXIS[=POSITION]...",
-          "Show the field on a plane, with --colormap and --range: z=40 is perpendicular to z at 40 world units, z "
-          "lies in the middle of the data, px,py,pz,nx,ny,nz is a point and a normal; may be given several times. With "
-          "--mode or --iso these are shown too, else slices alone",
-          [&slices](const std::string& text) { slices.push_back(read_slice(text)); }};
+  return with_details(
+      {Option::Kind::value, "--slice", "AXIS[=POSITION]...",
+       "Show the field on a plane, such as z=40. Without --mode and --iso, only slices are shown",
+       [&slices](const std::string& text) { slices.push_back(read_slice(text)); }},
+      "z=40 is perpendicular to z at 40 world units, z lies in the middle of the data, px,py,pz,nx,ny,nz is a point "
+      "and a normal. May be given several times. --colormap and --range set the colours");
 }
 
 void choose_slice(const LayerSpec& spec, const render::Volume& volume, const Place& place, render::Layer& layer) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rhoray::tools {
+
+/// One row of a subcommand's options: how it is spelled, what it takes, what it does, and where the
+/// answer goes.
+struct Option {
+  enum class Kind {
+    flag,    ///< takes no value; `take` is called with an empty text
+    answer,  ///< the same, and it is all that is done, as with --help: no file need be given, nothing is run
+    value,   ///< takes one value, at most once; each time that it is given where the value's name ends in "..."
+    file,    ///< a positional argument that must be there
+    files    ///< as many positional arguments as there are, at least one
+  };
+
+  Kind kind = Kind::value;
+  std::string names;  ///< "-o,--output", or "FILE" for a positional argument
+  std::string value;  ///< what stands for the value in the help: "WxH"
+  std::string help;   ///< at most two sentences, without the last full stop; the default comes last: "default 30"
+  std::function<void(const std::string&)> take;  ///< refuses with an Error (ErrorCode::usage); see option_values.h
+  std::vector<std::string> choices{};            ///< the words that are accepted; empty: also other values
+  std::string details{};                         ///< more sentences, which --help-all adds
+  std::string group = "Options";                 ///< heading in the help
+  bool is_expert = false;                        ///< --help leaves it out, --help-all shows it
+};
+
+/// A part of the help that is not about options.
+struct HelpSection {
+  struct Entry {
+    std::string term;  ///< empty: the text is a paragraph
+    std::string text;
+  };
+
+  std::string heading;
+  std::vector<Entry> entries;
+  bool is_expert = false;  ///< --help leaves it out, --help-all shows it
+};
+
+struct Subcommand {
+  std::string name;
+  std::string summary;
+  std::string group = "Subcommands";    ///< heading in the overview
+  std::vector<std::string> examples;    ///< work when the files they name are there; --help shows the first three
+  std::vector<HelpSection> sections{};  ///< follow the options in the help
+  std::vector<Option> options;
+  std::function<int()> run;  ///< returns the exit code
+};
+
+}  // namespace rhoray::tools
