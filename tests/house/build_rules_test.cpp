@@ -58,6 +58,33 @@ TEST(House, links_tetgen_and_cgals_number_types_into_the_worker_only) {
   EXPECT_FALSE(std::regex_search(libraries(RHORAY_PROGRAM), viral));
 }
 
+/// Configures in a folder as on a machine that lacks the libraries of components and tests. Blanks and line ends of
+/// what CMake says become single blanks.
+RunResult configure_without_libraries(const TemporaryFolder& folder, const std::string& definition) {
+  std::vector<std::string> words{"cmake",           "--preset", "render-only",          "-S",
+                                 RHORAY_SOURCE_DIR, "-B",       folder.path().string(), definition};
+  for (const std::string library : {"CGAL", "Eigen3", "GTest", "VTK"})
+    words.push_back("-DCMAKE_DISABLE_FIND_PACKAGE_" + library + "=ON");
+  RunResult run = run_program(words, RHORAY_SOURCE_DIR);
+  run.err = std::regex_replace(run.err, std::regex("\\s+"), " ");
+  return run;
+}
+
+TEST(House, is_configured_without_the_libraries_of_components_that_are_left_out) {
+  const TemporaryFolder folder;
+  const RunResult bare = configure_without_libraries(folder, "-DRHORAY_COMPONENTS=");
+  EXPECT_EQ(bare.exit_code, 0) << bare.err;
+  const auto expect_refusal = [&](const std::string& definition, const std::string& sentence) {
+    const RunResult refused = configure_without_libraries(folder, definition);
+    EXPECT_NE(refused.exit_code, 0) << definition;
+    EXPECT_THAT(refused.err, testing::HasSubstr(sentence)) << definition;
+  };
+  expect_refusal("-DRHORAY_COMPONENTS=import", "The component 'import' needs VTK, which was not found: install it");
+  expect_refusal("-DRHORAY_COMPONENTS=vdb;tetgen", "(Debian: libcgal-dev), or leave 'tetgen' out");
+  expect_refusal("-DRHORAY_COMPONENTS=textgen", "RHORAY_COMPONENTS: found 'textgen'; expected all, or some of import");
+  expect_refusal("-DRHORAY_TESTS=ON", "need the component 'import': add it to RHORAY_COMPONENTS");
+}
+
 TEST(House, is_formatted_by_clang_format) {
   if (run_program({"sh", "-c", "command -v clang-format"}).exit_code != 0)
     GTEST_SKIP() << "clang-format is not installed";

@@ -27,14 +27,18 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
+std::filesystem::path module_path() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
+}
+
 /// Loads a function of the module.
 template <class Act>
 Act* load(const char* name) {
-  const std::filesystem::path module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
-  void* const handle = ::dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
+  require_pictures_module();
+  void* const handle = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
   if (symbol == nullptr)
-    throw Error(ErrorCode::unsupported, concat("pictures can be neither written nor read: ", ::dlerror()));
+    throw Error(ErrorCode::unsupported, concat("the module for pictures cannot be loaded: ", ::dlerror()));
   return reinterpret_cast<Act*>(symbol);
 }
 
@@ -49,6 +53,14 @@ void require_ids_that_fit(const render::Framebuffer& picture, const std::filesys
 
 }  // namespace
 
+void require_pictures_module() {
+  const std::filesystem::path path = module_path();
+  if (!std::filesystem::exists(path))
+    throw Error(ErrorCode::unsupported,
+                concat("this needs the module ", pictures_module, ", which is not in ", path.parent_path().string()),
+                "tools/setup/build builds it; PNG pictures without annotations are written without it");
+}
+
 void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels) {
   const std::string format = format_of(path);
   if (format.empty())
@@ -57,6 +69,7 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
   if (channels.any() && format != "openexr")
     throw Error(ErrorCode::usage, concat(path.string(), ": only EXR stores --channels"),
                 "use a file name ending in .exr");
+  if (format != "png") require_pictures_module();
 }
 
 std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const std::vector<PictureText>& texts,

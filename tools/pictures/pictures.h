@@ -11,9 +11,13 @@
 
 namespace rhoray::tools {
 
+/// Refuses if the module is missing that draws annotations, reads pictures, and writes all pictures
+/// but PNG (ErrorCode::unsupported).
+void require_pictures_module();
+
 /// Checks the picture format, which follows from the extension: .png .exr .tif .tiff .jpg .jpeg.
 /// Refuses other extensions. Refuses channels in all formats except EXR, because the others cannot
-/// store them (ErrorCode::usage).
+/// store them (ErrorCode::usage). Refuses formats that need the module if it is missing.
 void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels);
 
 /// Returns the bytes of a picture file. The format follows from the extension of `path`, which

@@ -98,7 +98,10 @@ double Checks::wait() {
 void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan) {
   require_writable(command, output, plan);
   require_memory(command, plan);
-  if (has_annotations(plan)) find_font(known_fonts());
+  if (has_annotations(plan)) {
+    require_pictures_module();
+    find_font(known_fonts());
+  }
   if (command.self_check.pixels > 0) require_checkable(plan);
 }
 
