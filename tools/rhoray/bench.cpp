@@ -5,14 +5,15 @@
 #include "formats/base/parallel.h"
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
+#include "render/document.h"
+#include "render/document/material.h"
+#include "render/method_words.h"
+#include "render/scene_words.h"
 #include "tools/rhoray/bench_effects.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/material.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -82,7 +83,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   }
   require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
-  const bool is_scene = !is_packed && is_scene_document(command.bench.input);
+  const bool is_scene = !is_packed && render::is_scene_document(command.bench.input);
   const auto suits = [&](Takes takes) {
     if (is_scene) return takes == Takes::packed_or_scene;
     return is_packed == (takes != Takes::unpacked);
@@ -176,10 +177,11 @@ Subcommand bench_subcommand() {
             value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat),
             value_option("--size", "WxH", "Image size; default 512x512, as in the paper", bench.size),
             value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
-            choice_option("--accuracy", accuracy_words(), "As in render, with the same default", bench.accuracy),
+            choice_option("--accuracy", render::accuracy_words(), "As in render, with the same default",
+                          bench.accuracy),
             value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso", bench.view),
             value_option("--field", "NAME", "Field; default the first", bench.field),
-            choice_option("--normals", normals_words(), "Surface normals, as in render", bench.normals),
+            choice_option("--normals", render::normals_words(), "Surface normals, as in render", bench.normals),
             value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by),
             flag_option("--mip", "Also time maximum intensity projection", bench.mip),
             value_option("--scratch", "FOLDER",

@@ -2,11 +2,13 @@
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/number_text.h"
 #include "formats/brick_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
+#include "render/isovalue.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/input_file.h"
@@ -93,7 +95,7 @@ std::optional<double> chosen_isovalue(const ExportCommand& command, const Conten
   std::vector<std::string> names;
   for (const formats::FieldSummary& field : content.fields) {
     if (command.field.empty() || field.name == command.field) {
-      const Isovalue iso = choose_isovalue(command.isovalue, field);
+      const render::Isovalue iso = render::choose_isovalue(command.isovalue, field);
       if (iso.from != "given")
         say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
       return iso.value;
@@ -151,29 +153,30 @@ int run(ExportCommand& command) {
 
 Subcommand export_subcommand() {
   const auto command = std::make_shared<ExportCommand>();
-  return {.name = "export",
-          .summary = "Convert a packed file to another format",
-          .examples =
-              "  rhoray export head.rho -o head.vti\n"
-              "  rhoray export head.rho -o head.nvdb\n"
-              "  rhoray export head.rho --iso 500 -o skin.stl\n"
-              "  rhoray export torso.rho -o torso.vtu\n",
-          .options = all_options(
-              {{file_option("FILE", "Packed file; numpy can read it without conversion, see formats/SPEC.md",
-                            command->input)},
-               output_options(command->common,
-                              "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),
-               {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
-                             command->field),
-                value_option("--iso", "V",
-                             "Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); a mesh "
-                             "without --iso gives its own surface",
-                             command->isovalue)},
-               memory_option(command->common,
-                             "Memory limit of the process that writes .vdb, .nvdb, or the .stl of a grid; default: see "
-                             "Limits in `rhoray --help`"),
-               message_options(command->common, "Print a JSON summary to stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "export",
+      .summary = "Convert a packed file to another format",
+      .examples =
+          "  rhoray export head.rho -o head.vti\n"
+          "  rhoray export head.rho -o head.nvdb\n"
+          "  rhoray export head.rho --iso 500 -o skin.stl\n"
+          "  rhoray export torso.rho -o torso.vtu\n",
+      .options = all_options(
+          {{file_option("FILE", "Packed file; numpy can read it without conversion, see formats/SPEC.md",
+                        command->input)},
+           output_options(command->common,
+                          "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),
+           {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
+                         command->field),
+            value_option("--iso", "V",
+                         "render::Isovalue of an .stl: a number, p95 (percentile), or auto (Otsu's threshold); a mesh "
+                         "without --iso gives its own surface",
+                         command->isovalue)},
+           memory_option(command->common,
+                         "Memory limit of the process that writes .vdb, .nvdb, or the .stl of a grid; default: see "
+                         "Limits in `rhoray --help`"),
+           message_options(command->common, "Print a JSON summary to stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

@@ -3,6 +3,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"

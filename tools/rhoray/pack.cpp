@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
 #include "tools/rhoray/common_options.h"

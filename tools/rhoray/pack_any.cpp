@@ -4,6 +4,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/packed_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -14,7 +15,6 @@
 #include "preprocess/pack_volume.h"
 #include "preprocess/position_fields.h"
 #include "tools/rhoray/input_file.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

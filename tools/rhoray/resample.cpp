@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/position_fields.h"
