@@ -14,6 +14,8 @@ enum class ElementType : std::uint8_t { U8, I8, U16, I16, U32, I32, U64, I64, F3
 
 std::size_t element_bytes(ElementType type);
 std::string_view element_name(ElementType type);  ///< "U8", "F64", ...
+/// Reads U8, uint8, f32, float, ...; refuses other texts (ErrorCode::usage).
+void read_value(const std::string& text, ElementType& out);
 
 template <class T>
 constexpr ElementType element_type_of();  // below

@@ -4,10 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <system_error>
+#include <vector>
 
 #include "formats/base/error.h"
+#include "formats/base/nearest_name.h"
 
 namespace rhoray {
 namespace {
@@ -30,12 +34,37 @@ void require_regular(const std::filesystem::path& path, const struct stat& statu
               S_ISFIFO(status.st_mode) ? "save what comes through the pipe to a file first" : "");
 }
 
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());  // a folder lists its files in no particular order
+  return names;
+}
+
 }  // namespace
 
 void require_regular_file(const std::filesystem::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) refuse_by_system(path);
   require_regular(path, status);
+}
+
+void require_readable(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code error_code;
+  const std::filesystem::file_status status = std::filesystem::status(path, error_code);
+  if (!std::filesystem::exists(status)) {
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    if (!std::filesystem::is_directory(folder, error_code))
+      throw Error(ErrorCode::unreadable, concat(name, ": no such file; there is no folder ", folder.string()));
+    throw Error(ErrorCode::unreadable, concat(name, ": no such file"),
+                did_you_mean(path.filename().string(), names_in(folder)));
+  }
+  if (!std::filesystem::is_directory(status)) require_regular_file(path);
+  if (::access(path.c_str(), R_OK) != 0)
+    throw Error(ErrorCode::unreadable, concat(name, ": cannot be read (", std::strerror(errno), ")"));
 }
 
 int open_regular_file(const std::filesystem::path& path) {

@@ -6,13 +6,11 @@
 #include <string>
 
 #include "formats/base/checks.h"
+#include "render/document.h"
 #include "render/render.h"
+#include "render/sweep.h"
 #include "tests/fuzz/harness.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/explain.h"
-#include "tools/rhoray/scene/resolve.h"
-#include "tools/rhoray/scene/sweep.h"
-#include "tools/rhoray/scene/to_spec.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace {
 
@@ -20,12 +18,12 @@ using namespace rhoray;
 using namespace rhoray::tools;
 
 /// Checks that a written document can be read again and is the same.
-void check_written(const SceneSpec& scene_spec) {
+void check_written(const render::SceneSpec& scene_spec) {
   const Json written = scene_json(scene_spec);
-  RHORAY_CHECK(scene_json(read_scene(dump(written)).scene_spec) == written);
+  RHORAY_CHECK(scene_json(render::read_scene(dump(written)).scene_spec) == written);
 }
 
-void draw(ResolvedScene& plan) {
+void draw(render::ResolvedScene& plan) {
   constexpr int most_samples = 2;
   plan.frame.width = std::min(plan.frame.width, 6);
   plan.frame.height = std::min(plan.frame.height, 6);
@@ -39,20 +37,20 @@ void draw(ResolvedScene& plan) {
   render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
 }
 
-void show(const SceneSpec& scene_spec) {
-  ResolvedScene plan = resolve_layers(scene_spec);
+void show(const render::SceneSpec& scene_spec) {
+  render::ResolvedScene plan = resolve_layers(scene_spec);
   aim_camera(scene_spec, plan);
   RHORAY_CHECK(!explained_lines(explained(scene_spec, plan)).empty());
   check_written(to_spec(plan));
   draw(plan);
 }
 
-void show_sweep(const SceneSpec& scene_spec) {
-  Sweep sweep(scene_spec);
+void show_sweep(const render::SceneSpec& scene_spec) {
+  render::Sweep sweep(scene_spec);
   const int last = sweep.frame_count() - 1;
   for (const int frame : {0, last / 2, last}) {
-    const SceneSpec at = sweep.spec_at(sweep.time_of(frame));
-    ResolvedScene plan = resolve_layers(at);
+    const render::SceneSpec at = sweep.spec_at(sweep.time_of(frame));
+    render::ResolvedScene plan = resolve_layers(at);
     sweep.plan_frame(frame, plan);
     draw(plan);
   }
@@ -70,7 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos || text[begin] != '{') return 0;  // a file name, not a document
   try {
-    const SceneDocument document = read_scene(text);
+    const render::SceneDocument document = render::read_scene(text);
     check_written(document.scene_spec);
     if (document.scene_spec.camera.keyframes || document.scene_spec.image.frames)
       show_sweep(document.scene_spec);

@@ -64,6 +64,7 @@ const Layer layers[] = {
       "render/color_map.h", "render/texture.h"}},
     {"render/frame",
      {"formats", "render", "render/traverse", "render/dataset", "render/query", "render/shadow", "render/shade"}},
+    {"render/document", {"formats", "render"}},
 
     {"preprocess/process", {"formats", "preprocess"}},
     {"preprocess/values", {"formats", "preprocess"}},

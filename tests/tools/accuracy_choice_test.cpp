@@ -9,12 +9,13 @@
 
 #include "formats/base/text.h"
 #include "preprocess/pack_volume.h"
+#include "render/document.h"
 #include "render/render.h"
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
 #include "tools/analysis/self_check.h"
-#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
 namespace {
@@ -140,13 +141,13 @@ TEST(SelfCheck, finds_the_levels_as_good_as_they_promise) {
 TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   const Workbench bench;
   bench.make_ball();
-  tools::SceneSpec scene_spec{.data = std::vector<tools::DataSpec>(1), .layers = std::vector<tools::LayerSpec>(1)};
+  render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
   scene_spec.data[0].file = bench / "ball.rho";
   scene_spec.layers[0].isovalues = {"60"};
   scene_spec.layers[0].accuracy = "certified";
-  scene_spec.image.size = tools::PictureSize{80, 60};
-  tools::ResolvedScene plan = tools::resolve_layers(scene_spec);
-  tools::aim_camera(scene_spec, plan);
+  scene_spec.image.size = render::PictureSize{80, 60};
+  render::ResolvedScene plan = tools::resolve_layers(scene_spec);
+  render::aim_camera(scene_spec, plan);
   plan.frame.channels = tools::channels_to_check(plan);
   render::Framebuffer right;
   render::render(plan.volumes, plan.scene, plan.frame, right);
@@ -182,13 +183,13 @@ TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
                              [](const Vec3& p) { return 1e-309 * (std::sin(5 * p.x) + std::sin(4 * p.y) * p.z); }),
       bench / "small.rho");
   const auto found = [&] {
-    tools::SceneSpec scene_spec{.data = std::vector<tools::DataSpec>(1), .layers = std::vector<tools::LayerSpec>(1)};
+    render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
     scene_spec.data[0].file = bench / "small.rho";
     scene_spec.layers[0].isovalues = {"7e-310"};
     scene_spec.layers[0].accuracy = "certified";
-    scene_spec.image.size = tools::PictureSize{60, 45};
-    tools::ResolvedScene plan = tools::resolve_layers(scene_spec);
-    tools::aim_camera(scene_spec, plan);
+    scene_spec.image.size = render::PictureSize{60, 45};
+    render::ResolvedScene plan = tools::resolve_layers(scene_spec);
+    render::aim_camera(scene_spec, plan);
     plan.frame.channels = tools::channels_to_check(plan);
     render::Framebuffer picture;
     render::render(plan.volumes, plan.scene, plan.frame, picture);

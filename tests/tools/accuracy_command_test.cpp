@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/base/error.h"
+#include "render/method_words.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tests {
 namespace {
@@ -26,8 +26,8 @@ TEST(MethodWords, name_every_method_and_are_read_back) {
   const std::vector<std::string> mip{"exact:double", "face:float", "sampled:0.1+linear"};
   const auto expect_same = [](const std::vector<std::string>& words, Mode mode, bool is_mesh) {
     for (const std::string& word : words) {
-      const tools::MethodOption option = tools::option_of(tools::method_named(word, mode, is_mesh), mode, is_mesh);
-      const render::Method method = tools::method_named(word, mode, is_mesh);
+      const render::MethodOption option = render::option_of(render::method_named(word, mode, is_mesh), mode, is_mesh);
+      const render::Method method = render::method_named(word, mode, is_mesh);
       const bool is_level = method.algorithm == render::Method::Algorithm::direct;
       EXPECT_EQ(option.option, is_level ? "--accuracy" : "--method");
       EXPECT_EQ(option.word, is_level ? word.substr(word.find(':') + 1) : word);
@@ -36,9 +36,9 @@ TEST(MethodWords, name_every_method_and_are_read_back) {
   expect_same(grid, Mode::isosurface, false);
   expect_same(mesh, Mode::isosurface, true);
   expect_same(mip, Mode::mip, false);
-  for (const std::string& word : tools::accuracy_words()) {
-    const tools::MethodOption option =
-        tools::option_of(render::method_of(tools::accuracy_named(word)), Mode::isosurface, false);
+  for (const std::string& word : render::accuracy_words()) {
+    const render::MethodOption option =
+        render::option_of(render::method_of(render::accuracy_named(word)), Mode::isosurface, false);
     EXPECT_EQ(option.option, "--accuracy");
     EXPECT_EQ(option.word, word);
   }
@@ -47,7 +47,7 @@ TEST(MethodWords, name_every_method_and_are_read_back) {
 TEST(MethodWords, refuse_what_does_not_answer_the_question) {
   const auto refusal = [](const std::string& word, Mode mode, bool is_mesh) {
     try {
-      tools::method_named(word, mode, is_mesh);
+      render::method_named(word, mode, is_mesh);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::usage);
       return std::string(error.what());
@@ -116,7 +116,7 @@ TEST(AccuracyCommand, levels_draw_the_same_picture_and_every_method_says_how_it_
     const std::uint64_t ruled_out = json["statistics"]["rays_ruled_out"];
     EXPECT_TRUE(choice.method != "exact" || json["statistics"]["rays_judged_exactly"] == 40 * 30 - ruled_out);
     EXPECT_TRUE(!choice.method.starts_with("sampled") || json["statistics"]["samples_taken"] > 0);
-    if (const std::vector<std::string> levels = tools::accuracy_words();
+    if (const std::vector<std::string> levels = render::accuracy_words();
         std::find(levels.begin(), levels.end(), choice.method) != levels.end())
       hits[choice.words[0] + std::string(json["mode"])].push_back(json["statistics"]["hits"]);
     EXPECT_THAT(std::string(json["reproduce"]), HasSubstr(choice.method));

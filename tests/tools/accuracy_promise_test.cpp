@@ -3,14 +3,16 @@
 #include <cstdlib>
 #include <limits>
 
+#include "formats/base/number_text.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
+#include "render/document.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/workbench.h"
 #include "tools/analysis/choice.h"
 #include "tools/analysis/truth.h"
-#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/data_choice.h"
 
 // --max-error promises that 99 % of a picture's pixels keep the error, although the choice is based
 // on a small picture. Here exact arithmetic checks all pixels.
@@ -45,21 +47,21 @@ struct Shown {
 };
 
 /// Plans a picture of 280 x 210 pixels: three times as many as the choice tries methods on.
-ResolvedScene planned(const Workbench& bench, const Shown& shown) {
-  SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+render::ResolvedScene planned(const Workbench& bench, const Shown& shown) {
+  render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
   scene_spec.data[0].file = bench / shown.file;
   scene_spec.data[0].field = shown.field;
-  scene_spec.layers[0].type = shown.is_projection ? LayerType::mip : LayerType::isosurface;
+  scene_spec.layers[0].type = shown.is_projection ? render::LayerType::mip : render::LayerType::isosurface;
   if (!shown.is_projection) scene_spec.layers[0].isovalues = {shown.isovalue};
   scene_spec.camera.view = shown.view;
-  scene_spec.image.size = PictureSize{280, 210};
-  ResolvedScene plan = resolve_layers(scene_spec);
+  scene_spec.image.size = render::PictureSize{280, 210};
+  render::ResolvedScene plan = resolve_layers(scene_spec);
   aim_camera(scene_spec, plan);
   return plan;
 }
 
 void expect_kept(const Workbench& bench, const Shown& shown) {
-  const ResolvedScene plan = planned(bench, shown);
+  const render::ResolvedScene plan = planned(bench, shown);
   const render::Volume& volume = plan.volumes[0];
   const FieldTruth field(volume);
   const Truth truth = find_truth({.volume = volume,
@@ -72,7 +74,7 @@ void expect_kept(const Workbench& bench, const Shown& shown) {
   const Interval<double> range = volume.field().range;
   const double unit = shown.is_projection ? range.hi - range.lo : 1;
   for (const double error : {0.3, 0.01, 1e-6}) {
-    ResolvedScene chosen = plan;
+    render::ResolvedScene chosen = plan;
     const std::vector<Choice> choices = choose_methods(chosen, {.max_error = error, .budget_ms = {}}, 0);
     ASSERT_EQ(choices.size(), 1U);
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
@@ -108,7 +110,7 @@ TEST(AccuracyPromise, holds_in_the_whole_picture_of_five_made_data_sets) {
 TEST(AccuracyPromise, of_a_billionth_of_a_cell_is_not_left_to_single_precision) {
   const Workbench bench;
   pack_grid(bench, "smooth.rho", distance_field({0.1, 0, -0.1}));
-  ResolvedScene plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
+  render::ResolvedScene plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
   const std::vector<Choice> choices = choose_methods(plan, {.max_error = 1e-9, .budget_ms = {}}, 0);
   ASSERT_EQ(choices.size(), 1U);
   EXPECT_TRUE(choices[0].meets_goal);
@@ -120,7 +122,7 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   const Workbench bench;
   preprocess::pack_mesh(box_mesh({.cells = {6, 6, 6}, .jitter = 0.1}, distance_field({0.2, 0.1, 0})),
                         bench / "mesh.rho");
-  const ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
+  const render::ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
   const render::Volume& volume = plan.volumes[0];
   const FieldTruth field(volume);
   const Truth truth =

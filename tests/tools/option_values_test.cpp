@@ -1,5 +1,6 @@
 #include "tools/rhoray/option_values.h"
 
+#include "render/scene_spec.h"
 #include "tests/support/expect_error.h"
 #include "tools/rhoray/common_options.h"
 
@@ -22,12 +23,12 @@ void expect_refused(std::initializer_list<const char*> texts) {
 }
 
 TEST(OptionValues, reads_sizes_of_pictures) {
-  EXPECT_EQ(read<PictureSize>("640x480").width, 640);
-  EXPECT_EQ(read<PictureSize>("640x480").height, 480);
-  EXPECT_EQ(read<PictureSize>("4k").width, 3840);
-  EXPECT_EQ(read<PictureSize>("65536x1").width, 65536);
-  expect_refused<PictureSize>({"", "x", "640", "640x", "0x0", "-1x4", "640x480x3", "1000000x1000000", "65537x1",
-                               "6e2x480", " 640x480", "99999999999999999999x1"});
+  EXPECT_EQ(read<render::PictureSize>("640x480").width, 640);
+  EXPECT_EQ(read<render::PictureSize>("640x480").height, 480);
+  EXPECT_EQ(read<render::PictureSize>("4k").width, 3840);
+  EXPECT_EQ(read<render::PictureSize>("65536x1").width, 65536);
+  expect_refused<render::PictureSize>({"", "x", "640", "640x", "0x0", "-1x4", "640x480x3", "1000000x1000000", "65537x1",
+                                       "6e2x480", " 640x480", "99999999999999999999x1"});
 }
 
 TEST(OptionValues, reads_numbers_whole_and_finite) {
@@ -50,11 +51,11 @@ TEST(OptionValues, reads_numbers_of_bytes) {
 }
 
 TEST(OptionValues, reads_colours_as_srgb_bytes_or_linear_numbers) {
-  EXPECT_EQ(read<Color>("#ffffff").linear, Vec3(1, 1, 1));
-  EXPECT_EQ(read<Color>("#000000").linear, Vec3(0, 0, 0));
-  EXPECT_NEAR(read<Color>("#bc0000").linear.x, 0.5, 0.003);  // 188 is half the light
-  EXPECT_EQ(read<Color>("0.25,0.5,1").linear, Vec3(0.25, 0.5, 1));
-  expect_refused<Color>({"", "red", "#fff", "#gggggg", "#12345", "0,0,1.1", "0,0,-0.1", "1,1"});
+  EXPECT_EQ(read<render::Color>("#ffffff").linear, Vec3(1, 1, 1));
+  EXPECT_EQ(read<render::Color>("#000000").linear, Vec3(0, 0, 0));
+  EXPECT_NEAR(read<render::Color>("#bc0000").linear.x, 0.5, 0.003);  // 188 is half the light
+  EXPECT_EQ(read<render::Color>("0.25,0.5,1").linear, Vec3(0.25, 0.5, 1));
+  expect_refused<render::Color>({"", "red", "#fff", "#gggggg", "#12345", "0,0,1.1", "0,0,-0.1", "1,1"});
 }
 
 TEST(OptionValues, reads_types_and_lists) {

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/document.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/scene/document.h"
 
 namespace rhoray::tests {
 namespace {
@@ -194,7 +194,7 @@ TEST(SceneCommand, reads_the_documents_that_are_published) {
       std::filesystem::copy_file(bench / "ball.rho", file.lexically_normal(),
                                  std::filesystem::copy_options::skip_existing);
     }
-    const tools::SceneDocument document = tools::read_scene(bench / ("scenes/" + name.string()));
+    const render::SceneDocument document = render::read_scene(bench / ("scenes/" + name.string()));
     EXPECT_TRUE(document.warnings.empty()) << document.warnings.front();
     ++count;
   }

@@ -1,13 +1,11 @@
-#include "tools/rhoray/scene/document.h"
+#include "render/document.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/document/tables.h"
 #include "tests/tools/scene_documents.h"
-#include "tools/rhoray/scene/resolve.h"
-#include "tools/rhoray/scene/schema.h"
-#include "tools/rhoray/scene/tables.h"
-#include "tools/rhoray/scene/to_spec.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
 namespace {
@@ -16,10 +14,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using tools::Json;
 
-tools::ResolvedScene planned(const std::filesystem::path& file) {
-  const tools::SceneDocument document = tools::read_scene(file);
-  tools::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
-  tools::aim_camera(document.scene_spec, plan);
+render::ResolvedScene planned(const std::filesystem::path& file) {
+  const render::SceneDocument document = render::read_scene(file);
+  render::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
+  render::aim_camera(document.scene_spec, plan);
   return plan;
 }
 
@@ -28,7 +26,7 @@ TEST_F(SceneDocument, shows_several_isovalues_of_several_files) {
     "layers": [{"type": "isosurface", "data": "b", "isovalue": [50, "p99", 900], "specular": 0},
                {"type": "mip", "data": "b", "visible": false},
                {"type": "isosurface", "data": "x", "isovalue": 0.5, "color": [0.5, 0.25, 0]}]})");
-  const tools::ResolvedScene plan = planned(bench() / "s.json");
+  const render::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
   EXPECT_EQ(plan.volumes.size(), 2U);
   EXPECT_EQ(plan.scene.layers[0].isovalue, 50);
@@ -52,10 +50,10 @@ TEST_F(SceneDocument, opens_a_texture_once_and_only_where_a_visible_layer_names_
                                           R"("t": {"file": "ball.txt"}}, "layers": [)", layers, "]}"));
     return planned(bench() / "s.json");
   };
-  const tools::ResolvedScene none = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": 100},
+  const render::ResolvedScene none = plan_with(R"({"type": "isosurface", "data": "b", "isovalue": 100},
     {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "t", "visible": false})");
   EXPECT_EQ(none.textures.size(), 0U);
-  const tools::ResolvedScene two =
+  const render::ResolvedScene two =
       plan_with(R"({"type": "isosurface", "data": "b", "isovalue": [100, 110], "texture": "p"},
     {"type": "isosurface", "data": "b", "isovalue": 90, "texture": "p"})");
   ASSERT_EQ(two.textures.size(), 1U);
@@ -116,12 +114,12 @@ TEST_F(SceneDocument, a_resolved_scene_as_a_spec_is_resolved_to_the_same_scene) 
              "keep": "outside"},
     "camera": {"azimuth": 33.3, "elevation": -71.7, "zoom": 1.7, "ortho": true},
     "image": {"size": [40, 30], "channels": ["depth", "cost"], "show": "roots", "hierarchy": false}})");
-  const Json first = tools::scene_json(tools::to_spec(planned(bench() / "s.json")));
+  const Json first = tools::scene_json(render::to_spec(planned(bench() / "s.json")));
   std::filesystem::create_directory(bench() / "elsewhere");
   write_file(bench() / "elsewhere/t.json",
-             tools::scene_json(tools::to_spec(planned(bench() / "s.json")), bench() / "elsewhere").dump());
+             tools::scene_json(render::to_spec(planned(bench() / "s.json")), bench() / "elsewhere").dump());
   EXPECT_THAT(read_file(bench() / "elsewhere/t.json"), HasSubstr("\"../ball.rho\""));
-  const tools::ResolvedScene again = planned(bench() / "elsewhere/t.json");
+  const render::ResolvedScene again = planned(bench() / "elsewhere/t.json");
   EXPECT_EQ(again.frame.width, 40);
   EXPECT_TRUE(again.frame.channels.cost);
   EXPECT_FALSE(again.frame.use_hierarchy);
@@ -142,7 +140,7 @@ TEST_F(SceneDocument, a_resolved_scene_as_a_spec_is_resolved_to_the_same_scene) 
   EXPECT_EQ(again.scene.clip->planes.at(0).normal, Vec3(1, 2, 3));
   EXPECT_TRUE(again.scene.clip->cuts_away);
   EXPECT_FALSE(again.scene.layers.at(2).clipped);
-  Json second = tools::scene_json(tools::to_spec(again));
+  Json second = tools::scene_json(render::to_spec(again));
   second["data"] = first["data"];  // by other paths
   EXPECT_EQ(second.dump(), first.dump());
 }
@@ -186,7 +184,7 @@ TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
     "layers": [{"type": "isosurface", "data": "b", "isovalue": 100},
                {"type": "mesh", "data": "c", "normals": "smooth", "opacity": 0.5, "specular": 0},
                {"type": "mesh", "data": "c", "color": [1, 0, 0], "accuracy": "double"}]})");
-  const tools::ResolvedScene plan = planned(bench() / "s.json");
+  const render::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
   const render::Layer& first = plan.scene.layers[1];
   EXPECT_EQ(first.mode, render::Mode::triangles);
@@ -196,16 +194,16 @@ TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
   EXPECT_EQ(plan.scene.layers[2].method, render::method_of(render::Accuracy::float64));
   EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(1, 0, 0));
   EXPECT_NE(first.surface.color, plan.scene.layers[0].surface.color);
-  const Json spelled = tools::scene_json(tools::to_spec(plan));
+  const Json spelled = tools::scene_json(render::to_spec(plan));
   EXPECT_EQ(spelled["layers"][1]["type"], "mesh");
   EXPECT_FALSE(spelled["layers"][1].contains("isovalue"));
 }
 
 TEST_F(SceneDocument, knows_triangles_by_the_older_type_too) {
   write_file(bench() / "s.json", R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "isosurface"}]})");
-  const tools::ResolvedScene plan = planned(bench() / "s.json");
+  const render::ResolvedScene plan = planned(bench() / "s.json");
   EXPECT_EQ(plan.scene.layers.at(0).mode, render::Mode::triangles);
-  EXPECT_EQ(tools::scene_json(tools::to_spec(plan))["layers"][0]["type"], "mesh");
+  EXPECT_EQ(tools::scene_json(render::to_spec(plan))["layers"][0]["type"], "mesh");
 }
 
 TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_not_traced) {
@@ -268,7 +266,7 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}],
     "effects": {"ambient_occlusion": {}, "fog": {}}, "camera": {"view": "-y", "ortho": true},
     "image": {"background": [0.25, 0.5, 1]}})");
-  const tools::ResolvedScene plan = planned(bench() / "s.json");
+  const render::ResolvedScene plan = planned(bench() / "s.json");
   const Box3 box = plan.volumes[0].bounds();
   EXPECT_DOUBLE_EQ(plan.scene.occlusion.radius, box.size().length() / 10);
   EXPECT_EQ(plan.scene.occlusion.samples, 16);
@@ -281,38 +279,38 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
 
 TEST_F(SceneDocument, without_lights_has_one_white_light_at_the_eye_and_no_effects) {
   write_file(bench() / "s.json", with("accuracy", "\"double\""));
-  const tools::ResolvedScene plan = planned(bench() / "s.json");
+  const render::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.lights.size(), 1U);
   EXPECT_EQ(plan.scene.lights[0].kind, render::Light::Kind::head);
   EXPECT_EQ(plan.scene.lights[0].color, Vec3(1, 1, 1));
   EXPECT_EQ(plan.scene.occlusion.radius, 0);
   EXPECT_FALSE(plan.scene.fog);
-  EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("lights"));
-  EXPECT_FALSE(tools::scene_json(tools::to_spec(plan)).contains("effects"));
+  EXPECT_FALSE(tools::scene_json(render::to_spec(plan)).contains("lights"));
+  EXPECT_FALSE(tools::scene_json(render::to_spec(plan)).contains("effects"));
   write_file(bench() / "s.json", with("lights", R"([{"type": "head"}, {"type": "head", "intensity": 0}])"));
   EXPECT_THAT(planned(bench() / "s.json").notes, ElementsAre("light 1 has no intensity; it is not traced"));
 }
 
 TEST(SceneSchema, is_the_published_one) {
-  EXPECT_EQ(read_file(RHORAY_SOURCE_DIR "/data/scenes/scene.schema.json"), tools::scene_schema_text())
+  EXPECT_EQ(read_file(RHORAY_SOURCE_DIR "/data/scenes/scene.schema.json"), render::scene_schema_text())
       << "rhoray render --scene-schema > data/scenes/scene.schema.json";
-  EXPECT_THAT(read_file(RHORAY_SOURCE_DIR "/data/scenes/README.md"), HasSubstr(tools::scene_reference()))
+  EXPECT_THAT(read_file(RHORAY_SOURCE_DIR "/data/scenes/README.md"), HasSubstr(render::scene_reference()))
       << "rhoray render --scene-help prints the tables";
 }
 
 TEST(SceneSchema, knows_every_key_and_nothing_else) {
-  const Json schema = tools::scene_schema();
+  const Json schema = render::scene_schema();
   for (const auto& row : tools::scene_rows()) EXPECT_TRUE(schema["properties"].contains(row.key)) << row.key;
   EXPECT_EQ(schema["required"], Json({"data", "layers"}));
   const Json& kinds = schema["properties"]["layers"]["items"]["oneOf"];
-  ASSERT_EQ(kinds.size(), tools::layer_kinds().size());
+  ASSERT_EQ(kinds.size(), render::layer_kinds().size());
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    EXPECT_EQ(kinds[i]["properties"]["type"]["const"], tools::layer_kinds()[i].word);
-    EXPECT_EQ(kinds[i]["properties"].size(), tools::layer_kinds()[i].rows.size() + 1);
+    EXPECT_EQ(kinds[i]["properties"]["type"]["const"], render::layer_kinds()[i].word);
+    EXPECT_EQ(kinds[i]["properties"].size(), render::layer_kinds()[i].rows.size() + 1);
   }
   EXPECT_FALSE(kinds[1]["properties"].contains("isovalue"));
   const Json& lights = schema["properties"]["lights"]["items"]["oneOf"];
-  ASSERT_EQ(lights.size(), tools::light_kinds().size());
+  ASSERT_EQ(lights.size(), render::light_kinds().size());
   EXPECT_EQ(lights[2]["required"], Json({"type", "position"}));
   EXPECT_EQ(schema["properties"]["camera"]["properties"]["elevation"]["maximum"], 90);
 }

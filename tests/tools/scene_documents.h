@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "formats/base/error.h"
+#include "render/document.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/resolve.h"
+#include "tools/rhoray/data_choice.h"
 
 /// Scene documents that are read and planned, and the messages about them.
 namespace rhoray::tests {
@@ -48,10 +48,10 @@ class SceneDocument : public testing::Test {
     write_file(bench() / "s.json", text);
     Answer answer;
     try {
-      const tools::SceneDocument document = tools::read_scene(bench() / "s.json");
+      const render::SceneDocument document = render::read_scene(bench() / "s.json");
       for (const std::string& warning : document.warnings) answer.warnings.push_back(without_folder(warning));
-      tools::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
-      tools::aim_camera(document.scene_spec, plan);
+      render::ResolvedScene plan = tools::resolve_layers(document.scene_spec);
+      render::aim_camera(document.scene_spec, plan);
     } catch (const Error& error) {
       answer.fact = without_folder(error.what());
       answer.hint = without_folder(error.hint());

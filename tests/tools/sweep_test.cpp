@@ -1,4 +1,4 @@
-#include "tools/rhoray/scene/sweep.h"
+#include "render/sweep.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "render/document.h"
 #include "tests/tools/workbench.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/scene/document.h"
+#include "tools/rhoray/data_choice.h"
 
 /// Cameras and isovalues that move from key frame to key frame.
 namespace rhoray::tests {
@@ -21,7 +22,7 @@ using Json = nlohmann::json;
 
 TEST(NumberTrack, is_exact_at_the_keys_and_between_two_numbers_never_beyond_them) {
   const std::vector<std::pair<double, double>> keys{{0, 1}, {1, 1}, {1.5, 7}, {4, 6.5}, {5, -20}};
-  NumberTrack track;
+  render::NumberTrack track;
   for (const auto& [time, value] : keys) track.add(time, value);
   for (const auto& [time, value] : keys) EXPECT_EQ(track.at(time), value);
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
@@ -35,7 +36,7 @@ TEST(NumberTrack, is_exact_at_the_keys_and_between_two_numbers_never_beyond_them
 }
 
 TEST(NumberTrack, goes_evenly_through_keys_on_a_line_and_its_rate_does_not_jump) {
-  NumberTrack line, curve;
+  render::NumberTrack line, curve;
   for (const double time : {0.0, 1.0, 2.5, 4.0}) {
     line.add(time, 3 * time - 1);
     curve.add(time, time * time);
@@ -49,18 +50,18 @@ TEST(NumberTrack, goes_evenly_through_keys_on_a_line_and_its_rate_does_not_jump)
 TEST(PlaceTrack, is_exact_at_the_keys_and_turned_as_they_are) {
   const std::vector<std::pair<double, Vec3>> keys{{0, {1, 0, 0}}, {1, {0, 2, 0}}, {3, {-1, 0, 5}}, {4, {0, -1, 1}}};
   const auto turned = [](const Vec3& v) { return Vec3(0.6 * v.x - 0.8 * v.y, 0.8 * v.x + 0.6 * v.y, v.z); };
-  PlaceTrack track, other;
+  render::PlaceTrack track, other;
   for (const auto& [time, place] : keys) track.add(time, place), other.add(time, turned(place));
   for (const auto& [time, place] : keys) EXPECT_EQ(track.at(time), place);
   for (double time = 0; time < 4; time += 0.1) EXPECT_LT((turned(track.at(time)) - other.at(time)).length(), 1e-12);
 }
 
 TEST(FrameNames, have_one_place_for_a_number) {
-  EXPECT_EQ(numbered("a/out_%04d.png", 7), "a/out_0007.png");
-  EXPECT_EQ(numbered("out_%d.png", 12345), "out_12345.png");
-  EXPECT_EQ(numbered("%02d.exr", 123), "123.exr");
+  EXPECT_EQ(render::numbered("a/out_%04d.png", 7), "a/out_0007.png");
+  EXPECT_EQ(render::numbered("out_%d.png", 12345), "out_12345.png");
+  EXPECT_EQ(render::numbered("%02d.exr", 123), "123.exr");
   for (const char* name : {"out.png", "out_%s.png", "out_%d_%d.png", "out_%4d.png", "out_%", "50%.png"})
-    EXPECT_FALSE(numbered(name, 1)) << name;
+    EXPECT_FALSE(render::numbered(name, 1)) << name;
 }
 
 class SweepCommand : public testing::Test {
@@ -114,10 +115,10 @@ TEST_F(SweepCommand, draws_numbered_pictures_of_which_each_draws_itself_again) {
 
 TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
   write_file(bench() / "round.json", scene(R"([{"time": 0, "azimuth": 0}, {"time": 1, "azimuth": 360}])"));
-  SceneSpec scene_spec = read_scene(bench() / "round.json").scene_spec;
+  render::SceneSpec scene_spec = render::read_scene(bench() / "round.json").scene_spec;
   scene_spec.image.frames = 9;
-  Sweep sweep(scene_spec);
-  ResolvedScene plan = resolve_layers(sweep.spec_at(0));
+  render::Sweep sweep(scene_spec);
+  render::ResolvedScene plan = resolve_layers(sweep.spec_at(0));
   for (int frame = 0; frame < 9; ++frame) {
     sweep.plan_frame(frame, plan);
     const render::Camera camera = plan.scene.camera;
@@ -127,7 +128,7 @@ TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
     const double azimuth = frame * std::numbers::pi / 4, level = std::cos(20 * std::numbers::pi / 180);
     EXPECT_NEAR(back.x, level * std::sin(azimuth), 1e-9);
     EXPECT_NEAR(back.y, -level * std::cos(azimuth), 1e-9);
-    ResolvedScene alone = resolve_layers(sweep.spec_at(sweep.time_of(frame)));
+    render::ResolvedScene alone = resolve_layers(sweep.spec_at(sweep.time_of(frame)));
     aim_camera(sweep.spec_at(sweep.time_of(frame)), alone);
     EXPECT_LE((alone.scene.camera.position - alone.scene.camera.target).length(), distance * (1 + 1e-12));
   }
@@ -136,10 +137,10 @@ TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
 TEST_F(SweepCommand, goes_through_places_exactly) {
   write_file(bench() / "fly.json", scene(R"([{"time": 0, "position": [60, 0, 12], "target": [12, 12, 12]},
     {"time": 1, "position": [12, -40, 30]}, {"time": 2, "position": [-50, 12, 12], "target": [12, 12, 10]}])"));
-  SceneSpec scene_spec = read_scene(bench() / "fly.json").scene_spec;
+  render::SceneSpec scene_spec = render::read_scene(bench() / "fly.json").scene_spec;
   scene_spec.image.frames = 5;
-  Sweep sweep(scene_spec);
-  ResolvedScene plan = resolve_layers(sweep.spec_at(0));
+  render::Sweep sweep(scene_spec);
+  render::ResolvedScene plan = resolve_layers(sweep.spec_at(0));
   const Vec3 positions[] = {{60, 0, 12}, {12, -40, 30}, {-50, 12, 12}};
   for (int key = 0; key < 3; ++key) {
     sweep.plan_frame(2 * key, plan);

@@ -4,6 +4,7 @@
 
 #include <ctime>
 
+#include "formats/base/number_text.h"
 #include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {

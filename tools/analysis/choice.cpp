@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "render/method_words.h"
 #include "render/render.h"
+#include "render/scene_spec.h"
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -31,7 +33,7 @@ constexpr CandidateRow candidate_rows[] = {{"preview", true, true, false},
                                            {"sampled:0.5+linear", false, true, true},
                                            {"sampled:0.25+linear", false, true, true}};
 
-PictureSize small_size(const ResolvedScene& plan) {
+render::PictureSize small_size(const render::ResolvedScene& plan) {
   const double pixels = static_cast<double>(plan.frame.width) * plan.frame.height;
   const double shrink = std::max(1.0, std::sqrt(pixels / small_pixels));
   const auto side = [&](int whole) { return std::max(1, static_cast<int>(std::lround(whole / shrink))); };
@@ -42,7 +44,7 @@ PictureSize small_size(const ResolvedScene& plan) {
 struct Alone {
   const render::Volume& volume;
   render::Scene scene;
-  PictureSize size;
+  render::PictureSize size;
   unsigned threads;
 
   render::Layer& layer() { return scene.layers[0]; }
@@ -166,7 +168,7 @@ void check(const Goal& goal) {
       throw Error(ErrorCode::usage, concat(name, ": found ", *number, "; expected a number above 0"));
 }
 
-Choice choose_method(const ResolvedScene& plan, std::size_t index, const Goal& goal, unsigned threads,
+Choice choose_method(const render::ResolvedScene& plan, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
   const render::Layer& layer = plan.scene.layers[index];
   Alone alone{.volume = plan.volumes[layer.volume], .scene = plan.scene, .size = small_size(plan), .threads = threads};
@@ -185,15 +187,15 @@ Choice choose_method(const ResolvedScene& plan, std::size_t index, const Goal& g
   std::vector<Candidate> candidates;
   for (const CandidateRow& row : candidate_rows) {
     if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
-    const render::Method method = row.is_level ? render::method_of(accuracy_named(row.word))
-                                               : method_named(row.word, layer.mode, alone.volume.is_mesh());
+    const render::Method method = row.is_level ? render::method_of(render::accuracy_named(row.word))
+                                               : render::method_named(row.word, layer.mode, alone.volume.is_mesh());
     candidates.push_back(tried(alone, method, truth, field, goal, stop));
     candidates.back().foreseen_ms *= growth;
   }
   return chosen_of(candidates, goal, alone);
 }
 
-std::vector<Choice> choose_methods(ResolvedScene& plan, const Goal& goal, unsigned threads) {
+std::vector<Choice> choose_methods(render::ResolvedScene& plan, const Goal& goal, unsigned threads) {
   std::vector<std::size_t> layers;
   for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer)
     if (const render::Mode mode = plan.scene.layers[layer].mode;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "render/document.h"
 #include "tools/rhoray/option_values.h"
-#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -46,11 +46,11 @@ struct Choice {
 /// meets the time. If no method meets both, the error has priority. If none meets the time, the
 /// fastest is chosen. The sentence says so.
 /// @param goal  for this layer, if there are several
-Choice choose_method(const ResolvedScene& plan, std::size_t layer, const Goal& goal, unsigned threads,
+Choice choose_method(const render::ResolvedScene& plan, std::size_t layer, const Goal& goal, unsigned threads,
                      std::stop_token stop = {});
 
 /// Chooses for every isosurface and projection, which share the time. Stores the methods in the
 /// plan.
-std::vector<Choice> choose_methods(ResolvedScene& plan, const Goal& goal, unsigned threads);
+std::vector<Choice> choose_methods(render::ResolvedScene& plan, const Goal& goal, unsigned threads);
 
 }  // namespace rhoray::tools

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "tools/analysis/results.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

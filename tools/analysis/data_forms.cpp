@@ -6,6 +6,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/pack_mesh.h"

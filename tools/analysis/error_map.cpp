@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "formats/base/vector.h"
-#include "tools/rhoray/measure.h"
 #include "tools/validate/report.h"
 #include "tools/validate/request.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "render/color_map.h"
 #include "tools/analysis/html.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "tools/analysis/gnuplot.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"

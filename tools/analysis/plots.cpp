@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "tools/analysis/plot_script.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

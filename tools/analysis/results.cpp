@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "tools/rhoray/measure.h"
 

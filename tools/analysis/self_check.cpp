@@ -6,9 +6,9 @@
 
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/number_text.h"
+#include "render/method_words.h"
 #include "tools/analysis/truth.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -16,11 +16,11 @@ namespace {
 
 using render::Hit;
 
-bool is_projection(const ResolvedScene& plan) {
+bool is_projection(const render::ResolvedScene& plan) {
   return plan.scene.layers[0].mode == render::Mode::mip;
 }
 
-bool is_proven(const ResolvedScene& plan) {
+bool is_proven(const render::ResolvedScene& plan) {
   return std::all_of(plan.scene.layers.begin(), plan.scene.layers.end(),
                      [](const render::Layer& layer) { return render::proves(layer.method); });
 }
@@ -48,7 +48,7 @@ Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
 }
 
 /// The loosest promise of all layers.
-Promise promise_of(const ResolvedScene& plan) {
+Promise promise_of(const render::ResolvedScene& plan) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
   for (const render::Layer& layer : plan.scene.layers) {
     const Promise promise = promise_of(layer, plan.volumes[layer.volume]);
@@ -99,7 +99,7 @@ struct TrueHit {
   double value_per_t = 0;  ///< slope of the field along the ray
 };
 
-std::vector<TrueHit> true_hits(const ResolvedScene& plan, const render::Framebuffer& picture,
+std::vector<TrueHit> true_hits(const render::ResolvedScene& plan, const render::Framebuffer& picture,
                                const std::vector<std::uint32_t>& pixels, unsigned threads) {
   std::vector<TrueHit> nearest(pixels.size());
   for (const render::Layer& layer : plan.scene.layers) {
@@ -121,7 +121,7 @@ std::vector<TrueHit> true_hits(const ResolvedScene& plan, const render::Framebuf
   return nearest;
 }
 
-CheckedPixels checked_pixels(const ResolvedScene& plan, const render::Framebuffer& picture,
+CheckedPixels checked_pixels(const render::ResolvedScene& plan, const render::Framebuffer& picture,
                              const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
   const bool is_value = is_projection(plan);
   const std::vector<TrueHit> truth = true_hits(plan, picture, pixels, threads);
@@ -176,7 +176,7 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
 }
 
 /// The requested limit, in the unit of errors.
-double limit_in_unit(const ResolvedScene& plan, double limit) {
+double limit_in_unit(const render::ResolvedScene& plan, double limit) {
   const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
   return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
 }
@@ -190,11 +190,11 @@ void check(const SelfCheckOptions& options) {
     throw Error(ErrorCode::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
 }
 
-render::ChannelSet channels_to_check(const ResolvedScene& plan) {
+render::ChannelSet channels_to_check(const render::ResolvedScene& plan) {
   return {.depth = true, .value = true, .error = is_proven(plan)};
 }
 
-void require_checkable(const ResolvedScene& plan) {
+void require_checkable(const render::ResolvedScene& plan) {
   const std::vector<render::Layer>& layers = plan.scene.layers;
   for (const render::Layer& layer : layers) {
     if (layer.mode == render::Mode::triangles)
@@ -209,8 +209,8 @@ void require_checkable(const ResolvedScene& plan) {
   }
 }
 
-SelfCheck checked(const ResolvedScene& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
-                  unsigned threads) {
+SelfCheck checked(const render::ResolvedScene& plan, const render::Framebuffer& picture,
+                  const SelfCheckOptions& options, unsigned threads) {
   const DefaultFloatingPoint default_floating_point;
   std::mt19937_64 random(options.seed);
   SelfCheck check{.seed = options.seed, .unit = is_projection(plan) ? "" : "cells"};

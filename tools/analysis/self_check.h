@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "render/document.h"
 #include "render/framebuffer.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -45,16 +45,16 @@ struct SelfCheck {
 void check(const SelfCheckOptions& options);
 
 /// The channels that a check reads.
-render::ChannelSet channels_to_check(const ResolvedScene& plan);
+render::ChannelSet channels_to_check(const render::ResolvedScene& plan);
 
 /// Refuses scenes in which a pixel does not define one position or value: triangles, transparent
 /// surfaces, projections beside other layers (ErrorCode::usage).
-void require_checkable(const ResolvedScene& plan);
+void require_checkable(const render::ResolvedScene& plan);
 
 /// Traces pixels of a picture again in exact arithmetic and compares. Depths are compared as stored
 /// in the picture, in single precision; that rounding does not count as an error.
-SelfCheck checked(const ResolvedScene& plan, const render::Framebuffer& picture, const SelfCheckOptions& options,
-                  unsigned threads);
+SelfCheck checked(const render::ResolvedScene& plan, const render::Framebuffer& picture,
+                  const SelfCheckOptions& options, unsigned threads);
 
 std::string text_of(const SelfCheck& check);
 Json json_of(const SelfCheck& check);

@@ -9,9 +9,11 @@
 #include <span>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_names.h"
 
 namespace rhoray::tools {
 
@@ -21,26 +23,26 @@ bool is_exact(const Variant& variant) {
   return variant.method && variant.method->algorithm == render::Method::Algorithm::exact;
 }
 
-render::Layer layer_alone(const ResolvedScene& plan, std::size_t layer) {
+render::Layer layer_alone(const render::ResolvedScene& plan, std::size_t layer) {
   render::Layer alone = plan.scene.layers[layer];
   alone.volume = 0;
   return alone;
 }
 
-std::string name_of_layer(const ResolvedScene& plan, std::size_t index) {
+std::string name_of_layer(const render::ResolvedScene& plan, std::size_t index) {
   const render::Layer& layer = plan.scene.layers[index];
   const std::string field = plan.volumes[layer.volume].field().name;
   if (layer.mode == render::Mode::mip) return concat("largest values of '", field, "'");
   return concat("isosurface ", rounded(layer.isovalue, 6), " of '", field, "'");
 }
 
-double pixels_of(const PictureSize& size) {
+double pixels_of(const render::PictureSize& size) {
   return static_cast<double>(size.width) * static_cast<double>(size.height);
 }
 
 }  // namespace
 
-LayerStudy::LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyOptions options)
+LayerStudy::LayerStudy(const render::ResolvedScene& plan, std::size_t layer, LayerStudyOptions options)
     : options_(std::move(options)),
       name_(name_of_layer(plan, layer)),
       scene_(plan.scene),
@@ -53,7 +55,7 @@ LayerStudy::LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyO
   variants_ = variants_of(scene_, volume_, antialiasing_);
 }
 
-LayerStudy::Setup LayerStudy::setup(const Variant& variant, const PictureSize& size,
+LayerStudy::Setup LayerStudy::setup(const Variant& variant, const render::PictureSize& size,
                                     const render::ChannelSet& channels) {
   Setup made{.data = forms_.get(variant.data, options_.forms),
              .scene = scene_,
@@ -78,7 +80,7 @@ LayerStudy::Setup LayerStudy::setup(const Variant& variant, const PictureSize& s
   return made;
 }
 
-render::FrameStatistics LayerStudy::draw(const Variant& variant, const PictureSize& size,
+render::FrameStatistics LayerStudy::draw(const Variant& variant, const render::PictureSize& size,
                                          const render::ChannelSet& channels, render::Framebuffer& picture) {
   const Setup drawn = setup(variant, size, channels);
   const render::FrameStatistics statistics = render::refine(
@@ -209,7 +211,7 @@ void LayerStudy::measure_exact(Measured& row, const PassResult& result) {
   row.note = "time extrapolated from the judged pixels";
 }
 
-void LayerStudy::time(Measured& row, const PictureSize& size) {
+void LayerStudy::time(Measured& row, const render::PictureSize& size) {
   CpuMeter meter;
   double wall_s = 0;
   const Cost cost = meter.measure([&] { wall_s = draw(row.variant, size, {}, picture_).wall_s; });

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "render/document.h"
 #include "render/render.h"
 #include "tools/analysis/data_forms.h"
 #include "tools/analysis/errors.h"
 #include "tools/analysis/picture_errors.h"
 #include "tools/analysis/truth.h"
 #include "tools/analysis/variant.h"
-#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -49,7 +49,7 @@ struct InstrumentCost {
 
 /// Result of one pass over all variants, at one size of the picture.
 struct PassResult {
-  PictureSize size;
+  render::PictureSize size;
   Truth truth;
   std::string picture_method{};  ///< method of the picture that is taken as true
   std::shared_ptr<const TruePicture> true_picture{};
@@ -67,7 +67,7 @@ struct LayerStudyOptions {
 class LayerStudy {
  public:
   /// @param plan   its other layers are ignored
-  LayerStudy(const ResolvedScene& plan, std::size_t layer, LayerStudyOptions options);
+  LayerStudy(const render::ResolvedScene& plan, std::size_t layer, LayerStudyOptions options);
 
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
@@ -77,7 +77,7 @@ class LayerStudy {
   const PassResult* result() const { return result_ ? &*result_ : nullptr; }
 
   struct Pass {
-    PictureSize size;
+    render::PictureSize size;
     double judge_seconds = 0;
     /// Variants that, by the times of the last pass, would not fit into this time are left out, the
     /// most expensive first.
@@ -111,9 +111,9 @@ class LayerStudy {
     render::Scene scene;
     render::FrameOptions frame;
   };
-  Setup setup(const Variant& variant, const PictureSize& size, const render::ChannelSet& channels);
-  render::FrameStatistics draw(const Variant& variant, const PictureSize& size, const render::ChannelSet& channels,
-                               render::Framebuffer& picture);
+  Setup setup(const Variant& variant, const render::PictureSize& size, const render::ChannelSet& channels);
+  render::FrameStatistics draw(const Variant& variant, const render::PictureSize& size,
+                               const render::ChannelSet& channels, render::Framebuffer& picture);
   void draw_truth(PassResult& result);
   const TruePicture& compared_with(const Variant& variant, const PassResult& result);
   Measured measured(const Variant& variant, const PassResult& result);
@@ -121,7 +121,7 @@ class LayerStudy {
   void measure(Measured& row, const PassResult& result);
   void measure_exact(Measured& row, const PassResult& result);
   void ask_rays(Measured& row, const FormedData& data, const PassResult& result);
-  void time(Measured& row, const PictureSize& size);
+  void time(Measured& row, const render::PictureSize& size);
   void weigh(Measured& row);
   std::vector<bool> too_dear(const Pass& spec) const;
   std::vector<double> shares_of_pass(const std::vector<bool>& left_out) const;

@@ -8,6 +8,7 @@
 #include "formats/base/checks.h"
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
+#include "render/scene_spec.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/measure.h"
 
@@ -131,7 +132,7 @@ std::vector<Hit> answers(const Asking& asking, std::span<const Ray> rays) {
   return answers_of_whole(asking, rays);
 }
 
-std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
+std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const render::PictureSize& size,
                          std::span<const std::uint32_t> pixels) {
   std::vector<Ray> all = render::camera_rays(volume, camera, size.width, size.height);
   if (pixels.size() == all.size()) return all;

@@ -7,6 +7,7 @@
 
 #include "render/ray_caster.h"
 #include "render/scene.h"
+#include "render/scene_spec.h"
 #include "tools/analysis/border.h"
 #include "tools/analysis/errors.h"
 #include "tools/analysis/field_truth.h"
@@ -32,12 +33,12 @@ const render::Clip* clip_of(const render::Scene& scene, const render::Layer& lay
 std::vector<render::Hit> answers(const Asking& asking, std::span<const render::Ray> rays);
 
 /// The rays of some pixels of a picture, in the volume's frame; t is a distance in the world.
-std::vector<render::Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const PictureSize& size,
-                                 std::span<const std::uint32_t> pixels);
+std::vector<render::Ray> rays_of(const render::Volume& volume, const render::Camera& camera,
+                                 const render::PictureSize& size, std::span<const std::uint32_t> pixels);
 
 /// The true hits of a picture's pixels, computed in exact arithmetic.
 struct Truth {
-  PictureSize size;
+  render::PictureSize size;
   /// Examined pixels in ascending order: all, or a random sample.
   std::vector<std::uint32_t> pixels{};
   std::vector<render::Ray> rays{};  ///< of these pixels
@@ -56,7 +57,7 @@ struct TruthSpec {
   const render::Volume& volume;
   const render::Scene& scene;  ///< of one layer
   const FieldTruth& field;
-  PictureSize size;
+  render::PictureSize size;
   std::uint64_t seed = 1;
   double seconds = 0;  ///< pixels are taken in random order until this time is over
   std::uint64_t most_pixels = 1'000'000;

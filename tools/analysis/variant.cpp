@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "formats/base/text.h"
-#include "tools/rhoray/method_names.h"
-#include "tools/rhoray/scene/scene_spec.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -90,7 +90,7 @@ const std::vector<EffectRow>& effect_rows() {
       {group_edges,
        SampledEffect::edges,
        {1, 2, 4, 8, 16},
-       limits::pixel_samples.hi,
+       render::limits::pixel_samples.hi,
        "sample a pixel",
        "samples a pixel"}};
   return rows;
@@ -118,8 +118,8 @@ bool calls_for(SampledEffect effect, const render::Scene& scene, int antialiasin
 }
 
 render::Method method_of_row(const MethodRow& row, render::Mode mode, bool is_mesh) {
-  if (row.group == group_levels) return render::method_of(accuracy_named(row.word));
-  return method_named(row.word, mode, is_mesh);
+  if (row.group == group_levels) return render::method_of(render::accuracy_named(row.word));
+  return render::method_named(row.word, mode, is_mesh);
 }
 
 }  // namespace

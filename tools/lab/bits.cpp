@@ -7,6 +7,9 @@
 
 #include "formats/base/error.h"
 #include "preprocess/pack_volume.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
 #include "tools/lab/plain_grid.h"
@@ -15,7 +18,6 @@
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -34,7 +36,7 @@ struct Settings {
   std::filesystem::path input;
   std::string field, view = "front";
   std::vector<std::string> isovalues{"auto"}, levels{"float", "double"};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   double judge_seconds = 60;
   std::uint64_t seed = 1;
   RoundsOptions rounds;
@@ -101,7 +103,7 @@ std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double i
       tell(concat("isovalue ", isovalue, ", errors of ", form.name, ", ", level));
       const Shown shown{.volume = form.volume,
                         .isovalue = form.own(isovalue),
-                        .method = render::method_of(tools::accuracy_named(level))};
+                        .method = render::method_of(render::accuracy_named(level))};
       Json row{{"isovalue", isovalue},           {"stored", form.name}, {"bits", form.bits},
                {"whole_numbers", form.is_whole}, {"level", level},      {"bytes", form.bytes}};
       row.update(view.ray_errors(shown));
@@ -174,7 +176,7 @@ int run(const Settings& settings) {
                                   {"repeat", settings.rounds.rounds},
                                   {"seed", settings.seed}});
     for (const std::string& text : settings.isovalues)
-      for (Json& row : rows_of(settings, forms, tools::choose_isovalue(text, field).value,
+      for (Json& row : rows_of(settings, forms, render::choose_isovalue(text, field).value,
                                [&](const std::string& what) { display.show(what); }))
         table.rows.push_back(std::move(row));
   }

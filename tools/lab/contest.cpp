@@ -9,6 +9,8 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
 #include "preprocess/input_file.h"
+#include "render/isovalue.h"
+#include "render/scene_spec.h"
 #include "tools/lab/peers/ours.h"
 #include "tools/lab/picture_errors.h"
 #include "tools/lab/study_run.h"
@@ -142,7 +144,7 @@ void say_left_out(const Contest& contest, const ContestSettings& settings) {
 }
 
 PeerView view_of(const Subject& subject, tools::StudyView view, std::optional<double> isovalue,
-                 const tools::PictureSize& size) {
+                 const render::PictureSize& size) {
   return {.camera = tools::study_camera(view, subject.volume, isovalue, double{1} * size.width / size.height),
           .width = size.width,
           .height = size.height};
@@ -279,7 +281,7 @@ Subject::Subject(const ContestSettings& settings, const PeerData& given, double 
   data.bounds = volume.bounds();
   data.range = volume.field().range;
   for (const std::string& isovalue : settings.isovalues)
-    isovalues.push_back(tools::choose_isovalue(isovalue, volume.field()).value);
+    isovalues.push_back(render::choose_isovalue(isovalue, volume.field()).value);
   for (const std::string& view : settings.views) views.push_back(tools::study_view_named(view));
 }
 

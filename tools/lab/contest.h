@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/load.h"
+#include "render/scene_spec.h"
 #include "tools/lab/peers/peer.h"
 #include "tools/lab/rounds.h"
 #include "tools/rhoray/common_options.h"
@@ -27,7 +28,7 @@ struct ContestSettings {
   std::vector<std::string> systems;  ///< empty: all
   bool mip = false, no_isosurfaces = false;
   std::string truth = "exact";
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   RoundsOptions rounds;
 
   bool wants(const std::string& system) const;

@@ -9,12 +9,14 @@
 
 #include "formats/base/error.h"
 #include "preprocess/input_file.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
 #include "tools/lab/shadow_starts.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -33,7 +35,7 @@ struct Settings {
   std::string field, view = "front";
   std::vector<std::string> isovalues{"auto"};
   Vec3 light{0.4, -0.6, 0.7};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   double judge_seconds = 60;
   std::uint64_t seed = 1;
 };
@@ -95,8 +97,8 @@ std::vector<Json> step_rows(const JudgedView& view, const render::Volume& volume
   std::vector<Json> rows;
   for (const std::string& word : method_words()) {
     const bool is_sampled = word.starts_with("sampled");
-    const render::Method method = is_sampled ? tools::method_named(word, render::Mode::isosurface, volume.is_mesh())
-                                             : render::method_of(tools::accuracy_named(word));
+    const render::Method method = is_sampled ? render::method_named(word, render::Mode::isosurface, volume.is_mesh())
+                                             : render::method_of(render::accuracy_named(word));
     Json row{{"isovalue", isovalue},
              {"method", word},
              {"step_cells", is_sampled ? Json(method.step) : Json(nullptr)},
@@ -172,7 +174,7 @@ int run(const Settings& settings) {
   {
     tools::ProgressDisplay display(settings.common);
     for (const std::string& text : settings.isovalues) {
-      const double isovalue = tools::choose_isovalue(text, volume.field()).value;
+      const double isovalue = render::choose_isovalue(text, volume.field()).value;
       display.show(concat("isovalue ", isovalue, ", the exact answer"));
       const JudgedView view(volume,
                             {.isovalue = isovalue,

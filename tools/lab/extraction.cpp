@@ -16,6 +16,8 @@
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 #ifdef RHORAY_WITH_EMBREE
+#include "render/isovalue.h"
+#include "render/scene_spec.h"
 #include "tools/lab/peers/embree_triangles.h"
 #endif
 
@@ -30,7 +32,7 @@ struct Settings {
   std::filesystem::path input;
   std::string field;
   std::vector<std::string> isovalues{"auto"};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   int repeat = 3;
   std::optional<double> cgal_triangles;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
@@ -73,7 +75,7 @@ class Study {
   }
 
   std::vector<Json> rows_of(const std::string& isovalue_text, tools::ProgressDisplay& display) const {
-    const double isovalue = tools::choose_isovalue(isovalue_text, volume_.field()).value;
+    const double isovalue = render::choose_isovalue(isovalue_text, volume_.field()).value;
     const PeerView view{.camera = tools::study_camera(tools::StudyView::front, volume_, isovalue,
                                                       double{1} * settings_.size.width / settings_.size.height),
                         .width = settings_.size.width,

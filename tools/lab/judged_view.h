@@ -7,6 +7,7 @@
 
 #include "render/load.h"
 #include "render/render.h"
+#include "render/scene_spec.h"
 #include "tools/analysis/errors.h"
 #include "tools/analysis/field_truth.h"
 #include "tools/analysis/picture_errors.h"
@@ -19,7 +20,7 @@ namespace rhoray::study {
 struct ViewSpec {
   double isovalue = 0;
   render::Camera camera{};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   double judge_seconds = 60;  ///< pixels are decided in random order until this time is over
   std::uint64_t seed = 1;
 };

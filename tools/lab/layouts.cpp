@@ -13,14 +13,16 @@
 #include "formats/brick_grid.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
 #include "render/render.h"
+#include "render/scene_spec.h"
 #include "tools/lab/huge_pages.h"
 #include "tools/lab/plain_grid.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/picture_hash.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
@@ -37,7 +39,7 @@ using tools::Json;
 struct Shown {
   std::string isovalue = "auto";
   std::string accuracy = "double";
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
 };
 
 struct Settings {
@@ -49,7 +51,7 @@ struct Settings {
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
   RoundsOptions rounds;
   bool count_instructions = false;
-  tools::PictureSize count_size{96, 96};
+  render::PictureSize count_size{96, 96};
 };
 
 /// One memory layout of the samples and a way to traverse them.
@@ -92,12 +94,12 @@ struct Entrant {
 render::Scene scene_of(const Shown& shown, const render::Volume& volume, double isovalue, tools::StudyView view) {
   render::Scene scene;
   scene.layers[0].isovalue = isovalue;
-  scene.layers[0].method = render::method_of(tools::accuracy_named(shown.accuracy));
+  scene.layers[0].method = render::method_of(render::accuracy_named(shown.accuracy));
   scene.camera = tools::study_camera(view, volume, isovalue, double{1} * shown.size.width / shown.size.height);
   return scene;
 }
 
-render::FrameOptions frame_of(const tools::PictureSize& size, bool use_hierarchy) {
+render::FrameOptions frame_of(const render::PictureSize& size, bool use_hierarchy) {
   return {.width = size.width, .height = size.height, .threads = 1, .use_hierarchy = use_hierarchy};
 }
 
@@ -117,7 +119,7 @@ std::vector<Entrant> pack_all(const Settings& settings, const std::filesystem::p
     const auto report = preprocess::pack_volume(other ? *other : grid, file, layout.pack);
     render::Volume volume = render::Volume::load(file);
     if (entrants.empty()) {
-      isovalue = tools::choose_isovalue(settings.shown.isovalue, volume.field()).value;
+      isovalue = render::choose_isovalue(settings.shown.isovalue, volume.field()).value;
       range = volume.field().range;
     }
     const double own_isovalue = layout.type ? converted_isovalue(isovalue, *layout.type, range) : isovalue;
@@ -295,7 +297,7 @@ int run(const Settings& settings) {
 
 std::vector<tools::Option> shown_options(Shown& shown) {
   return {tools::value_option("--iso", "V", "Isovalue, as in render; default auto", shown.isovalue),
-          tools::choice_option("--accuracy", tools::accuracy_words(),
+          tools::choice_option("--accuracy", render::accuracy_words(),
                                "Level; default double, at which all layouts of the same samples give one picture",
                                shown.accuracy),
           tools::value_option("--size", "WxH", "Pixels; default 512x512", shown.size)};
@@ -310,7 +312,7 @@ struct FrameSpec {
 
 int show_one_frame(const FrameSpec& settings) {
   const render::Volume volume = tools::load_volume(settings.input, {});
-  const double isovalue = tools::choose_isovalue(settings.shown.isovalue, volume.field()).value;
+  const double isovalue = render::choose_isovalue(settings.shown.isovalue, volume.field()).value;
   const render::Scene scene = scene_of(settings.shown, volume, isovalue, tools::study_view_named(settings.view));
   render::Framebuffer picture;
   render::RenderContext memory;

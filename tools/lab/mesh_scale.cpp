@@ -9,7 +9,9 @@
 #include "formats/base/parallel.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack_mesh.h"
+#include "render/isovalue.h"
 #include "render/load.h"
+#include "render/scene_spec.h"
 #include "tools/lab/peers/ours.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
@@ -31,7 +33,7 @@ struct Settings {
   std::vector<std::string> levels{"float", "certified"};
   std::string view = "front";
   bool mip = false;
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   RoundsOptions rounds;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
@@ -82,7 +84,7 @@ void add_rows(const Settings& settings, std::uint64_t cell_count, const std::fil
   data.packed_file = file;
   data.bounds = volume->bounds();
   data.range = volume->field().range;
-  const double isovalue = tools::choose_isovalue("auto", volume->field()).value;
+  const double isovalue = render::choose_isovalue("auto", volume->field()).value;
   const PeerView view{.camera = tools::study_camera(tools::study_view_named(settings.view), *volume, isovalue,
                                                     double{1} * settings.size.width / settings.size.height),
                       .width = settings.size.width,

@@ -9,6 +9,9 @@
 #include "formats/base/error.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 #include "tools/analysis/data_forms.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
@@ -17,7 +20,6 @@
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 #include "tools/validate/grid_field.h"
@@ -46,7 +48,7 @@ struct Settings {
   std::vector<std::string> isovalues{"auto"};
   std::vector<std::string> sizes{"64", "128", "256", "512"}, whole_sizes{"64", "128", "256"},
       vdb_sizes{"64", "128", "256"};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   double judge_seconds = 60;
   std::uint64_t seed = 1;
   RoundsOptions rounds;
@@ -106,7 +108,7 @@ class Forms {
     for (const char* level : {"float", "double", "certified"})
       all_.push_back({.kind = tetrahedra,
                       .volume = mesh,
-                      .method = render::method_of(tools::accuracy_named(level)),
+                      .method = render::method_of(render::accuracy_named(level)),
                       .bytes = mesh.file().file_bytes()});
     // Brings the mesh into memory, untimed.
     copies_.get({.kind = DataForm::Kind::resampled, .size = 2}, options_);
@@ -159,7 +161,7 @@ class Forms {
 };
 
 std::string method_word(const Form& form) {
-  return tools::option_of(form.method, render::Mode::isosurface, form.volume.is_mesh()).word;
+  return render::option_of(form.method, render::Mode::isosurface, form.volume.is_mesh()).word;
 }
 
 std::string name_of(const Form& form) {
@@ -290,7 +292,7 @@ int run(const Settings& settings) {
                                   {"seed", settings.seed},
                                   {"length_unit", mesh.length_unit()}});
     for (const std::string& text : settings.isovalues)
-      for (Json& row : rows_of(settings, forms, tools::choose_isovalue(text, mesh.field()).value,
+      for (Json& row : rows_of(settings, forms, render::choose_isovalue(text, mesh.field()).value,
                                [&](const std::string& what) { display.show(what); }))
         table.rows.push_back(std::move(row));
   }

@@ -9,12 +9,14 @@
 #include <random>
 
 #include "preprocess/input_file.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
 #include "render/ray_caster.h"
+#include "render/scene_spec.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/views.h"
 
@@ -30,7 +32,7 @@ struct Settings {
   std::filesystem::path input;
   std::string isovalue = "auto", view = "front";
   std::vector<std::string> levels{"float", "certified", "double"};
-  tools::PictureSize size{512, 512};
+  render::PictureSize size{512, 512};
   RoundsOptions rounds;
 };
 
@@ -98,7 +100,7 @@ std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const 
   const std::vector<Ray> seen = in_tiles(render::camera_rays(volume, camera, settings.size.width, settings.size.height),
                                          settings.size.width, settings.size.height);
   std::vector<Hit> hits(seen.size());
-  render::RayCaster(volume, isovalue, render::method_of(tools::accuracy_named("certified")), 0)
+  render::RayCaster(volume, isovalue, render::method_of(render::accuracy_named("certified")), 0)
       .first_crossings(seen, hits);
   const std::vector<Place> places = places_of(seen, hits);
   if (places.empty()) throw Error(ErrorCode::usage, "the view shows no surface; expected some to start rays from");
@@ -117,7 +119,7 @@ std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const 
 
 tools::Table measure(const Settings& settings, const std::function<void(const std::string&)>& tell) {
   const render::Volume volume = render::Volume::load(settings.input);
-  const double isovalue = tools::choose_isovalue(settings.isovalue, volume.field()).value;
+  const double isovalue = render::choose_isovalue(settings.isovalue, volume.field()).value;
   tell("rays");
   const std::vector<Kind> kinds = kinds_of(volume, isovalue, settings);
   tools::Table table{"secondary_rays", "Rays from a surface: CPU time of one thread", {}, {}};
@@ -132,7 +134,7 @@ tools::Table measure(const Settings& settings, const std::function<void(const st
     std::vector<TimedRow> rows;
     for (const std::string& level : settings.levels)
       rows.push_back({.name = level, .act = [&, level] {
-                        const render::Method method = render::method_of(tools::accuracy_named(level));
+                        const render::Method method = render::method_of(render::accuracy_named(level));
                         render::RayCaster(volume, isovalue, method).first_crossings(kind.rays, hits);
                       }});
     if (rows.empty() || kind.rays.empty()) continue;

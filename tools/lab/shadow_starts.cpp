@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 
 namespace rhoray::study {
 

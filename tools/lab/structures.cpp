@@ -12,9 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/number_text.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
+#include "render/isovalue.h"
 #include "render/ray_caster.h"
+#include "render/scene_spec.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/structures/made_meshes.h"
 #include "tools/lab/structures/ways.h"
@@ -38,7 +41,7 @@ struct Settings {
   std::vector<std::string> inputs;
   std::uint64_t cells = 200'000;
   std::string isovalue = "auto";
-  tools::PictureSize size{256, 256};
+  render::PictureSize size{256, 256};
   int repeat = 3;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();
 };
@@ -84,7 +87,7 @@ struct Asked {
 };
 
 Asked ask_library(const Settings& settings, const std::string& mesh, const render::Volume& volume) {
-  const double isovalue = tools::choose_isovalue(settings.isovalue, volume.field()).value;
+  const double isovalue = render::choose_isovalue(settings.isovalue, volume.field()).value;
   const render::Camera camera = tools::study_camera(tools::study_view_named("front"), volume, isovalue,
                                                     double{1} * settings.size.width / settings.size.height);
   Asked asked{mesh, isovalue, render::camera_rays(volume, camera, settings.size.width, settings.size.height), {}};

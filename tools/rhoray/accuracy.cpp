@@ -4,20 +4,20 @@
 
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
+#include "render/document.h"
 #include "tools/analysis/choice.h"
 #include "tools/analysis/pages.h"
 #include "tools/analysis/results.h"
 #include "tools/analysis/study.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
+#include "tools/rhoray/picture_options.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_options.h"
-#include "tools/rhoray/scene/resolve.h"
-#include "tools/rhoray/scene/to_spec.h"
+#include "tools/rhoray/reproducing_command.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/version.h"
 
@@ -35,7 +35,7 @@ struct AccuracyCommand {
   Goal goal;
 };
 
-constexpr PictureSize default_size{.width = 640, .height = 480};
+constexpr render::PictureSize default_size{.width = 640, .height = 480};
 constexpr int coarse_shrink = 4;
 constexpr double coarse_pixels = 40'000;  ///< a picture with no more needs no coarse pass
 
@@ -49,10 +49,10 @@ std::vector<Option> of_all_methods(std::vector<Option> rows) {
   return rows;
 }
 
-SceneSpec spec_of(const AccuracyCommand& command) {
-  SceneSpec scene_spec;
-  if (is_scene_document(command.input)) {
-    const SceneDocument document = read_scene(command.input);
+render::SceneSpec spec_of(const AccuracyCommand& command) {
+  render::SceneSpec scene_spec;
+  if (render::is_scene_document(command.input)) {
+    const render::SceneDocument document = render::read_scene(command.input);
     for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
     scene_spec = with_options(document.scene_spec, command.picture);
   } else {
@@ -73,7 +73,7 @@ void check(const AccuracyCommand& command) {
   check(command.goal);
 }
 
-void refuse_damage(const ResolvedScene& plan, unsigned threads) {
+void refuse_damage(const render::ResolvedScene& plan, unsigned threads) {
   for (const render::Volume& volume : plan.volumes) {
     const std::vector<formats::DamagedBlock> blocks = volume.file().damaged_blocks(threads);
     if (!blocks.empty())
@@ -83,7 +83,7 @@ void refuse_damage(const ResolvedScene& plan, unsigned threads) {
 }
 
 /// The command that repeats this study, with every choice of the picture.
-std::string study_command(const AccuracyCommand& command, const ResolvedScene& plan) {
+std::string study_command(const AccuracyCommand& command, const render::ResolvedScene& plan) {
   std::vector<std::string> words;
   const std::vector<std::string> picture = reproducing_command(plan, command.common.output);
   for (std::size_t i = 0; i < picture.size(); ++i)
@@ -106,10 +106,11 @@ std::string date_now() {
   return text;
 }
 
-Json facts_of(const AccuracyCommand& command, const ResolvedScene& plan) {
+Json facts_of(const AccuracyCommand& command, const render::ResolvedScene& plan) {
   const Machine machine = this_machine();
   std::string inputs;
-  for (const DataSpec& data : plan.data) inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
+  for (const render::DataSpec& data : plan.data)
+    inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
   return {{"input", inputs},
           {"date", date_now()},
           {"processor", machine.processor},
@@ -127,7 +128,7 @@ Json facts_of(const AccuracyCommand& command, const ResolvedScene& plan) {
           {"command", study_command(command, plan)}};
 }
 
-std::string size_text(const PictureSize& size) {
+std::string size_text(const render::PictureSize& size) {
   return concat(size.width, " x ", size.height);
 }
 
@@ -145,7 +146,8 @@ std::string minutes_text(double seconds) {
 /// The complete study: a coarse pass over all layers, one pass at full size, then repeated timings.
 class Work {
  public:
-  Work(const AccuracyCommand& command, const ResolvedScene& plan, ProgressDisplay& display, StudyContext& context)
+  Work(const AccuracyCommand& command, const render::ResolvedScene& plan, ProgressDisplay& display,
+       StudyContext& context)
       : command_(command),
         display_(display),
         context_(context),
@@ -216,7 +218,7 @@ class Work {
 
   void coarse_pass() {
     if (static_cast<double>(size_.width) * size_.height <= coarse_pixels) return;
-    const PictureSize size{std::max(1, size_.width / coarse_shrink), std::max(1, size_.height / coarse_shrink)};
+    const render::PictureSize size{std::max(1, size_.width / coarse_shrink), std::max(1, size_.height / coarse_shrink)};
     stage_ = concat("These results come from a coarse pass with ", size_text(size), " pixels instead of ",
                     size_text(size_), ".");
     pass("coarse pass", size, 0.03 * command_.time_limit_s, 0.0015 * command_.time_limit_s);
@@ -231,7 +233,7 @@ class Work {
     write();
   }
 
-  void pass(const char* name, const PictureSize& size, double judge_seconds, double part_seconds) {
+  void pass(const char* name, const render::PictureSize& size, double judge_seconds, double part_seconds) {
     std::size_t layers_left = studies_.size();
     for (const auto& study : studies_) {
       const double seconds = std::max(1.0, 0.7 * seconds_left()) / static_cast<double>(layers_left--);
@@ -283,7 +285,7 @@ class Work {
   InterruptRequest interrupt_;
   ResultsFolder folder_;  ///< before the scratch folder, which lies in it
   ScratchFolder scratch_;
-  PictureSize size_;
+  render::PictureSize size_;
   std::vector<std::unique_ptr<LayerStudy>> studies_;
   std::vector<const LayerStudy*> layers_;
   std::string stage_;  ///< how far the work is; empty: done
@@ -293,11 +295,11 @@ class Work {
 
 int run(AccuracyCommand& command) {
   check(command);
-  const SceneSpec scene_spec = spec_of(command);
+  const render::SceneSpec scene_spec = spec_of(command);
   const ThreadLimit limit(command.common.threads);
   ProgressDisplay display(command.common);
   display.show(concat("opening ", scene_spec.data[0].file.string()));
-  ResolvedScene plan = resolve_layers(scene_spec);
+  render::ResolvedScene plan = resolve_layers(scene_spec);
   aim_camera(scene_spec, plan);
   refuse_damage(plan, command.common.threads);
   require_results_folder(command.common.output, command.common.force);

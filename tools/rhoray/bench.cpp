@@ -6,13 +6,13 @@
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
 #include "preprocess/input_file.h"
+#include "render/document.h"
+#include "render/method_words.h"
+#include "render/scene_words.h"
 #include "tools/rhoray/bench_effects.h"
 #include "tools/rhoray/bench_tables.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/material.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -82,7 +82,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   }
   preprocess::require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
-  const bool is_scene = !is_packed && is_scene_document(command.bench.input);
+  const bool is_scene = !is_packed && render::is_scene_document(command.bench.input);
   const auto suits = [&](Takes takes) {
     if (is_scene) return takes == Takes::packed_or_scene;
     return is_packed == (takes != Takes::unpacked);
@@ -175,17 +175,18 @@ Subcommand bench_subcommand() {
                                            "default all tables for the file",
                                            command->words),
                               value_option("--field", "NAME", "Field; default the first", bench.field)}),
-           in_group("Picture",
-                    {value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
-                     flag_option("--mip", "Also time maximum intensity projection", bench.mip),
-                     value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso",
-                                  bench.view),
-                     value_option("--size", "WxH", "Image size in pixels; default 512x512", bench.size),
-                     choice_option("--accuracy", accuracy_words(), "Accuracy of hits, as in render", bench.accuracy),
-                     for_experts(
-                         choice_option("--normals", normals_words(), "Surface normals, as in render", bench.normals)),
-                     for_experts(value_option("--color-by", "NAME", "Field that colours surfaces, as in render",
-                                              bench.color_by))}),
+           in_group(
+               "Picture",
+               {value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),
+                flag_option("--mip", "Also time maximum intensity projection", bench.mip),
+                value_option("--view", "WORD", "Side from which the camera looks, as in render; default iso",
+                             bench.view),
+                value_option("--size", "WxH", "Image size in pixels; default 512x512", bench.size),
+                choice_option("--accuracy", render::accuracy_words(), "Accuracy of hits, as in render", bench.accuracy),
+                for_experts(choice_option("--normals", render::normals_words(), "Surface normals, as in render",
+                                          bench.normals)),
+                for_experts(
+                    value_option("--color-by", "NAME", "Field that colours surfaces, as in render", bench.color_by))}),
            in_group("Output",
                     {value_option("-o,--output", "FOLDER", "Also write TABLE.csv and TABLE.json to this folder",
                                   command->common.output),
@@ -197,8 +198,9 @@ Subcommand bench_subcommand() {
                    {{value_option("--repeat", "N", "Timed repetitions; default 5", bench.repeat)},
                     threads_option(command->common),
                     {for_experts(value_option(
-                         "--scratch", "FOLDER",
-                         "Folder to which table pack writes; default the system's temporary folder", bench.scratch)),
+                         "--scratch",
+                         "FOLDER", "Folder to which table pack writes; default the system's temporary folder",
+                         bench.scratch)),
                      worker_memory_option(command->common, "the process that reads the input of table pack")},
                     message_options(command->common, "Print one JSON document per table to stdout, one per line")}))}),
       .run = [command] { return run(*command); }};

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "render/document.h"
 #include "tools/rhoray/bench_parts.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/picture_hash.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/resolve.h"
-#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -16,8 +16,8 @@ namespace {
 
 /// The requested scene with every choice, and its files.
 struct Asked {
-  SceneSpec scene_spec;
-  ResolvedScene plan;
+  render::SceneSpec scene_spec;
+  render::ResolvedScene plan;
 
   const render::Volume& volume(const std::string& data) const {
     for (std::size_t i = 0; i < plan.data.size(); ++i)
@@ -36,12 +36,12 @@ constexpr const char* textured_in_shadows = "texture, hard shadows";
 constexpr const char* one_shell = "one opaque shell";
 
 /// From the upper left of the camera.
-LightSpec key_light() {
+render::LightSpec key_light() {
   return {.type = LightType::directional, .azimuth_deg = -40, .elevation_deg = 40, .from = "camera"};
 }
 
-bool is_surface(const LayerSpec& layer) {
-  return layer.type == LayerType::isosurface || layer.type == LayerType::mesh;
+bool is_surface(const render::LayerSpec& layer) {
+  return layer.type == render::LayerType::isosurface || layer.type == render::LayerType::mesh;
 }
 
 bool has_surface(const Asked& asked) {
@@ -50,132 +50,133 @@ bool has_surface(const Asked& asked) {
 
 /// Changes surfaces; false where no layer could be changed.
 template <class Change>
-bool change_surfaces(SceneSpec& scene, const Change& change) {
+bool change_surfaces(render::SceneSpec& scene, const Change& change) {
   bool any = false;
-  for (LayerSpec& layer : scene.layers)
+  for (render::LayerSpec& layer : scene.layers)
     if (is_surface(layer)) any |= change(layer);
   return any;
 }
 
-bool light_it(SceneSpec& scene, const LightSpec& light) {
+bool light_it(render::SceneSpec& scene, const render::LightSpec& light) {
   scene.lights = {light};
   return true;
 }
 
 /// Everything is present but invisible: a light and a surface switched off, and one layer left out.
-bool add_what_is_off(SceneSpec& scene, const Asked&) {
-  LightSpec none = key_light();
+bool add_what_is_off(render::SceneSpec& scene, const Asked&) {
+  render::LightSpec none = key_light();
   none.intensity = 0, none.shadows = true, none.angular_diameter_deg = 5;
   scene.lights = {{.type = LightType::head}, none};
-  LayerSpec clear = scene.layers[0], hidden = scene.layers[0];
+  render::LayerSpec clear = scene.layers[0], hidden = scene.layers[0];
   clear.opacity = 0, hidden.visible = false;
   scene.layers.insert(scene.layers.end(), {clear, hidden});
   return true;
 }
 
-bool shed_key_light(SceneSpec& scene, const Asked&) {
+bool shed_key_light(render::SceneSpec& scene, const Asked&) {
   return light_it(scene, key_light());
 }
-bool cast_hard_shadows(SceneSpec& scene, const Asked&) {
-  LightSpec light = key_light();
+bool cast_hard_shadows(render::SceneSpec& scene, const Asked&) {
+  render::LightSpec light = key_light();
   light.shadows = true;
   return light_it(scene, light);
 }
-bool cast_soft_shadows(SceneSpec& scene, const Asked&) {
-  LightSpec light = key_light();
+bool cast_soft_shadows(render::SceneSpec& scene, const Asked&) {
+  render::LightSpec light = key_light();
   light.shadows = true, light.angular_diameter_deg = 5;
   return light_it(scene, light);
 }
-bool occlude(SceneSpec& scene, const Asked& asked) {
-  scene.effects.occlusion = asked.scene_spec.effects.occlusion.value_or(OcclusionSpec{});
+bool occlude(render::SceneSpec& scene, const Asked& asked) {
+  scene.effects.occlusion = asked.scene_spec.effects.occlusion.value_or(render::OcclusionSpec{});
   return true;
 }
-bool shine(SceneSpec& scene, const Asked&) {
-  return change_surfaces(scene, [](LayerSpec& layer) {
+bool shine(render::SceneSpec& scene, const Asked&) {
+  return change_surfaces(scene, [](render::LayerSpec& layer) {
     layer.specular = 0.25;
     return true;
   });
 }
-bool smooth(SceneSpec& scene, const Asked& asked) {
-  return change_surfaces(scene, [&](LayerSpec& layer) {
+bool smooth(render::SceneSpec& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](render::LayerSpec& layer) {
     const render::Volume& volume = asked.volume(layer.data);
     if (!volume.is_mesh() && !volume.is_surface()) return false;
     layer.normals = "smooth";
     return true;
   });
 }
-bool color_by_field(SceneSpec& scene, const Asked& asked) {
-  return change_surfaces(scene, [&](LayerSpec& layer) {
-    if (layer.type != LayerType::isosurface) return false;
+bool color_by_field(render::SceneSpec& scene, const Asked& asked) {
+  return change_surfaces(scene, [&](render::LayerSpec& layer) {
+    if (layer.type != render::LayerType::isosurface) return false;
     layer.color_by = asked.volume(layer.data).field().name;
     return true;
   });
 }
 /// Plain scenes have the layers that were asked for, in order, without slices.
-bool cover(SceneSpec& scene, const Asked& asked) {
+bool cover(render::SceneSpec& scene, const Asked& asked) {
   bool any = false;
   std::size_t place = 0;
-  for (const LayerSpec& layer : asked.scene_spec.layers) {
-    if (layer.type == LayerType::slice) continue;
+  for (const render::LayerSpec& layer : asked.scene_spec.layers) {
+    if (layer.type == render::LayerType::slice) continue;
     scene.layers[place++].texture = layer.texture;
     any |= !layer.texture.empty();
   }
   return any;
 }
-bool cover_and_cast_hard_shadows(SceneSpec& scene, const Asked& asked) {
+bool cover_and_cast_hard_shadows(render::SceneSpec& scene, const Asked& asked) {
   return cover(scene, asked) && cast_hard_shadows(scene, asked);
 }
-bool clip_it(SceneSpec& scene, const Asked& asked) {
+bool clip_it(render::SceneSpec& scene, const Asked& asked) {
   scene.clip = asked.scene_spec.clip;
   return scene.clip.has_value();
 }
-bool add_slices(SceneSpec& scene, const Asked& asked) {
+bool add_slices(render::SceneSpec& scene, const Asked& asked) {
   const std::size_t before = scene.layers.size();
-  for (const LayerSpec& layer : asked.scene_spec.layers)
-    if (layer.type == LayerType::slice) scene.layers.push_back(layer);
+  for (const render::LayerSpec& layer : asked.scene_spec.layers)
+    if (layer.type == render::LayerType::slice) scene.layers.push_back(layer);
   return scene.layers.size() > before;
 }
-bool antialias(SceneSpec& scene, const Asked&) {
+bool antialias(render::SceneSpec& scene, const Asked&) {
   scene.image.antialias = 16;
   return true;
 }
-bool raise_fog(SceneSpec& scene, const Asked& asked) {
-  scene.effects.fog = asked.scene_spec.effects.fog.value_or(FogSpec{});
+bool raise_fog(render::SceneSpec& scene, const Asked& asked) {
+  scene.effects.fog = asked.scene_spec.effects.fog.value_or(render::FogSpec{});
   return true;
 }
-bool clear_all(SceneSpec& scene, const Asked&) {
-  return change_surfaces(scene, [](LayerSpec& layer) {
+bool clear_all(render::SceneSpec& scene, const Asked&) {
+  return change_surfaces(scene, [](render::LayerSpec& layer) {
     layer.opacity = 0.5;
     return true;
   });
 }
 
 /// The first isosurface alone.
-bool keep_one_shell(SceneSpec& scene, const Asked&) {
-  const auto first = std::find_if(scene.layers.begin(), scene.layers.end(),
-                                  [](const LayerSpec& layer) { return layer.type == LayerType::isosurface; });
+bool keep_one_shell(render::SceneSpec& scene, const Asked&) {
+  const auto first = std::find_if(scene.layers.begin(), scene.layers.end(), [](const render::LayerSpec& layer) {
+    return layer.type == render::LayerType::isosurface;
+  });
   if (first == scene.layers.end()) return false;
-  scene.layers = {LayerSpec(*first)};
+  scene.layers = {render::LayerSpec(*first)};
   return true;
 }
 
 /// The surface and a second one of the same field, inside it by 2 % of the field's range, or
 /// outside where the range ends.
-bool clear_two_shells(SceneSpec& scene, const Asked& asked) {
+bool clear_two_shells(render::SceneSpec& scene, const Asked& asked) {
   if (!keep_one_shell(scene, asked)) return false;
-  LayerSpec& shell = scene.layers[0];
+  render::LayerSpec& shell = scene.layers[0];
   shell.opacity = 0.5;
   double isovalue = 0;
   read_value(shell.isovalues[0], isovalue);
   const Interval<double> range = asked.volume(shell.data).field().range;
   const double step = 0.02 * (range.hi - range.lo);
-  LayerSpec other = shell;
+  render::LayerSpec other = shell;
   other.isovalues = {concat(isovalue + step < range.hi ? isovalue + step : isovalue - step)};
   scene.layers.push_back(other);
   return true;
 }
 
-bool show_all(SceneSpec& scene, const Asked& asked) {
+bool show_all(render::SceneSpec& scene, const Asked& asked) {
   scene = asked.scene_spec;
   return true;
 }
@@ -183,12 +184,12 @@ bool show_all(SceneSpec& scene, const Asked& asked) {
 /// A picture with one effect more than another one.
 struct EffectRow {
   const char* name;
-  const char* over;                                               ///< the row that it is compared with
-  bool (*switch_on)(SceneSpec& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
+  const char* over;                                                       ///< the row that it is compared with
+  bool (*switch_on)(render::SceneSpec& plain_scene, const Asked& asked);  ///< false: the scene has nothing of it
   double light_turns_by = 0;  ///< about the camera's upward axis, radians from frame to frame
 };
 
-constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneSpec&, const Asked&) { return true; }},
+constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](render::SceneSpec&, const Asked&) { return true; }},
                                               {"all effects off", plain, add_what_is_off},
                                               {lit, plain, shed_key_light},
                                               {hard_shadows, lit, cast_hard_shadows},
@@ -210,14 +211,14 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](SceneSpec&, cons
                                               {"the scene as it is", plain, show_all}};
 
 /// Its layers with a matte material under a light at the camera; slices are left out.
-SceneSpec plain_scene(const SceneSpec& asked) {
-  SceneSpec scene{.data = asked.data};
+render::SceneSpec plain_scene(const render::SceneSpec& asked) {
+  render::SceneSpec scene{.data = asked.data};
   scene.camera = asked.camera;
   scene.image.size = asked.image.size, scene.image.background = asked.image.background;
-  for (const LayerSpec& layer : asked.layers) {
-    if (layer.type == LayerType::slice) continue;
-    LayerSpec matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
-    if (layer.type == LayerType::mip) matte.range = layer.range;
+  for (const render::LayerSpec& layer : asked.layers) {
+    if (layer.type == render::LayerType::slice) continue;
+    render::LayerSpec matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
+    if (layer.type == render::LayerType::mip) matte.range = layer.range;
     matte.color = layer.color;
     matte.accuracy = layer.accuracy, matte.method = layer.method;
     matte.specular = 0;
@@ -230,7 +231,7 @@ SceneSpec plain_scene(const SceneSpec& asked) {
 struct Measured {
   const EffectRow* row;
   std::size_t over = 0;  ///< index of the row that it is compared with
-  ResolvedScene plan;
+  render::ResolvedScene plan;
   render::Framebuffer picture{};
   render::RenderContext memory{};
   render::FrameStatistics statistics{};
@@ -265,15 +266,15 @@ double measure_after(Measured& over, Measured& measured) {
   return measured.wall_s.back();
 }
 
-SceneSpec spec_of(const BenchOptions& options) {
-  SceneSpec scene_spec;
-  if (!is_scene_document(options.input)) {
-    scene_spec = {.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+render::SceneSpec spec_of(const BenchOptions& options) {
+  render::SceneSpec scene_spec;
+  if (!render::is_scene_document(options.input)) {
+    scene_spec = {.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
     scene_spec.data[0].file = options.input, scene_spec.data[0].field = options.field;
-    LayerSpec& layer = scene_spec.layers[0];
+    render::LayerSpec& layer = scene_spec.layers[0];
     layer.isovalues = options.isovalues;
     layer.normals = options.normals, layer.color_by = options.color_by;
-    if (options.mip) scene_spec.layers.push_back({.type = LayerType::mip});
+    if (options.mip) scene_spec.layers.push_back({.type = render::LayerType::mip});
     scene_spec.camera.view = options.view;
   } else {
     for (const auto& [is_given, name] : {std::pair{options.isovalues != BenchOptions{}.isovalues, "--iso"},
@@ -284,11 +285,11 @@ SceneSpec spec_of(const BenchOptions& options) {
       if (is_given)
         throw Error(ErrorCode::usage, concat(name, ": not allowed with the scene ", options.input.string(),
                                              "; its layers define what is shown"));
-    scene_spec = read_scene(options.input).scene_spec;
+    scene_spec = render::read_scene(options.input).scene_spec;
   }
   if (!options.accuracy.empty()) {
     scene_spec.accuracy = options.accuracy;
-    for (LayerSpec& layer : scene_spec.layers) layer.accuracy.clear(), layer.method.clear();
+    for (render::LayerSpec& layer : scene_spec.layers) layer.accuracy.clear(), layer.method.clear();
   }
   scene_spec.image.size = options.size;
   scene_spec.image.channels = std::nullopt, scene_spec.image.show = std::nullopt;
@@ -296,7 +297,7 @@ SceneSpec spec_of(const BenchOptions& options) {
 }
 
 Asked asked_of(const BenchOptions& options) {
-  const SceneSpec scene_spec = spec_of(options);
+  const render::SceneSpec scene_spec = spec_of(options);
   Asked asked;
   asked.plan = resolve_layers(scene_spec);
   aim_camera(scene_spec, asked.plan);
@@ -305,8 +306,9 @@ Asked asked_of(const BenchOptions& options) {
 }
 
 /// Plans a scene with the files that are open already.
-ResolvedScene planned(const SceneSpec& scene_spec, const Asked& asked, unsigned threads) {
-  ResolvedScene plan = resolve_layers(scene_spec, [&](const DataSpec& data) { return asked.volume(data.name); });
+render::ResolvedScene planned(const render::SceneSpec& scene_spec, const Asked& asked, unsigned threads) {
+  render::ResolvedScene plan =
+      resolve_layers(scene_spec, [&](const render::DataSpec& data) { return asked.volume(data.name); });
   aim_camera(scene_spec, plan);
   plan.frame.threads = threads;
   return plan;
@@ -315,7 +317,7 @@ ResolvedScene planned(const SceneSpec& scene_spec, const Asked& asked, unsigned 
 std::vector<Measured> rows_of(const Asked& asked, unsigned threads) {
   std::vector<Measured> rows;
   for (const EffectRow& row : effect_rows_measured) {
-    SceneSpec scene = plain_scene(asked.scene_spec);
+    render::SceneSpec scene = plain_scene(asked.scene_spec);
     if (!row.switch_on(scene, asked)) continue;
     rows.push_back({.row = &row, .plan = planned(scene, asked, threads)});
     rows.back().over = static_cast<std::size_t>(

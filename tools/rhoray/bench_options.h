@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/scene_spec.h"
 #include "tools/rhoray/option_values.h"
 
 namespace rhoray::tools {
@@ -15,8 +16,8 @@ struct BenchOptions {
   std::string field;
   std::string accuracy;  ///< as in render
   std::string view = "iso";
-  std::string normals, color_by;  ///< as in render
-  PictureSize size{512, 512};     ///< the paper's
+  std::string normals, color_by;       ///< as in render
+  render::PictureSize size{512, 512};  ///< the paper's
   int repeat = 5;
   unsigned threads = 0;
   bool mip = false;               ///< also rows of maximum intensity projection

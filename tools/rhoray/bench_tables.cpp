@@ -7,13 +7,13 @@
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
 #include "preprocess/pack.h"
+#include "render/document.h"
 #include "tools/rhoray/bench_parts.h"
 #include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/interrupt.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/picture_hash.h"
-#include "tools/rhoray/scene/resolve.h"
 #include "tools/rhoray/version.h"
 #include "tools/rhoray/views.h"
 
@@ -36,7 +36,7 @@ Json picture_context(const BenchOptions& options, const render::Volume& volume) 
 /// A picture that is traced again and again in memory that is kept, and what came out last.
 struct Shot {
   std::string scene;
-  ResolvedScene plan;
+  render::ResolvedScene plan;
   render::Framebuffer picture{};
   render::RenderContext memory{};
   render::FrameStatistics statistics{};
@@ -48,15 +48,15 @@ struct Shot {
   Shot another() const { return {.scene = scene, .plan = plan}; }
 };
 
-ResolvedScene plan_of(const SceneSpec& scene_spec, const render::Volume& volume) {
-  ResolvedScene plan = resolve_layers(scene_spec, [&](const DataSpec&) { return volume; });
+render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render::Volume& volume) {
+  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&) { return volume; });
   aim_camera(scene_spec, plan);
   return plan;
 }
 
 std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
   std::vector<Shot> list;
-  SceneSpec scene_spec{.data = std::vector<DataSpec>(1), .layers = std::vector<LayerSpec>(1)};
+  render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
   scene_spec.image.size = options.size;
   scene_spec.accuracy = options.accuracy;
   scene_spec.camera.view = options.view;
@@ -73,7 +73,7 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
     add({});
   }
   if (options.mip) {
-    scene_spec.layers[0].type = LayerType::mip;
+    scene_spec.layers[0].type = render::LayerType::mip;
     add("mip");
   }
   return list;

@@ -2,12 +2,14 @@
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/number_text.h"
 #include "formats/brick_grid.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
 #include "preprocess/input_file.h"
+#include "render/isovalue.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/measure.h"
@@ -93,7 +95,7 @@ std::optional<double> chosen_isovalue(const ExportCommand& command, const Conten
   std::vector<std::string> names;
   for (const formats::FieldSummary& field : content.fields) {
     if (command.field.empty() || field.name == command.field) {
-      const Isovalue iso = choose_isovalue(command.isovalue, field);
+      const render::Isovalue iso = render::choose_isovalue(command.isovalue, field);
       if (iso.from != "given")
         say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
       return iso.value;

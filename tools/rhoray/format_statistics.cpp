@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

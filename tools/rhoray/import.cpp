@@ -1,6 +1,8 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/nearest_name.h"
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
@@ -12,7 +13,6 @@
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/foreign_info.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/vdb_info.h"

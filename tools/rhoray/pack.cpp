@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "formats/base/error.h"
-#include "tools/rhoray/measure.h"
+#include "formats/base/number_text.h"
 
 namespace rhoray::tools {
 

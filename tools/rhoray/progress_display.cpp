@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

@@ -1,17 +1,16 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "render/document.h"
+#include "render/scene_words.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/render/frames.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_names.h"
-#include "tools/rhoray/scene/schema.h"
-#include "tools/rhoray/scene/to_spec.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -19,14 +18,14 @@ namespace rhoray::tools {
 namespace {
 
 /// The requested scene: a document with the options on top, or a file and options alone.
-SceneSpec spec_of(const RenderCommand& command) {
-  if (!is_scene_document(command.input)) return spec_of(command.picture, command.input);
-  const SceneDocument document = read_scene(command.input);
+render::SceneSpec spec_of(const RenderCommand& command) {
+  if (!render::is_scene_document(command.input)) return spec_of(command.picture, command.input);
+  const render::SceneDocument document = render::read_scene(command.input);
   for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
   return with_options(document.scene_spec, command.picture);
 }
 
-std::filesystem::path output_of(const RenderCommand& command, const SceneSpec& scene_spec) {
+std::filesystem::path output_of(const RenderCommand& command, const render::SceneSpec& scene_spec) {
   if (!command.common.output.empty()) return command.common.output;
   if (command.input.string() == scene_spec.document || scene_spec.document.empty())
     return std::filesystem::path(command.input).replace_extension(".png");
@@ -34,7 +33,7 @@ std::filesystem::path output_of(const RenderCommand& command, const SceneSpec& s
 }
 
 /// Refuses options that conflict with choosing a method or with --verify.
-void check(RenderCommand& command, const SceneSpec& scene_spec) {
+void check(RenderCommand& command, const render::SceneSpec& scene_spec) {
   check(command.goal);
   check(command.self_check);
   if (!command.self_check.limit) command.self_check.limit = command.goal.max_error;
@@ -48,7 +47,7 @@ void check(RenderCommand& command, const SceneSpec& scene_spec) {
 }
 
 int run(RenderCommand& command) {
-  const SceneSpec scene_spec = spec_of(command);
+  const render::SceneSpec scene_spec = spec_of(command);
   check(command, scene_spec);
   if (scene_spec.camera.keyframes || scene_spec.image.frames || command.frame || command.sheet) {
     run_frames(command, scene_spec);
@@ -59,7 +58,8 @@ int run(RenderCommand& command) {
   const bool draws = !command.explain && !command.print_scene;
   if (draws) {
     drawn.output = output_of(command, scene_spec);
-    require_picture_format(drawn.output, channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+    require_picture_format(drawn.output,
+                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
   }
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const Stopwatch opening;
@@ -116,9 +116,9 @@ Subcommand render_subcommand() {
           {{file_option("FILE", "Packed file (.rho), OpenVDB file (.vdb) or scene document (.json)", command->input)},
            picture_options(command->picture),
            in_group("Input",
-                    {answer_option("--scene-help", "Print the keys of scene documents", scene_reference),
+                    {answer_option("--scene-help", "Print the keys of scene documents", render::scene_reference),
                      for_experts(answer_option("--scene-schema", "Print the JSON Schema of scene documents",
-                                               scene_schema_text)),
+                                               render::scene_schema_text)),
                      for_experts(flag_option("--no-verify", "Do not check the file's checksums while rendering",
                                              command->no_verify))}),
            goal_options(command->goal),

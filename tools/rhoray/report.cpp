@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/rhoray/measure.h"
+#include "formats/base/number_text.h"
+#include "render/scene_spec.h"
 
 namespace rhoray::tools {
 
@@ -24,36 +25,6 @@ Vec3 corner_of(const SampleLattice& lattice, int corner) {
       p[axis] = last ? table.back() : table.front();
   }
   return p;
-}
-
-/// Without objects, and lists only in the innermost place.
-bool is_short(const Json& json) {
-  return !json.is_structured() || json.empty() ||
-         (json.is_array() &&
-          std::none_of(json.begin(), json.end(), [](const Json& item) { return item.is_structured(); }));
-}
-
-void append_lines(const Json& json, std::size_t indent, std::string& out) {
-  if (json.is_array() && !json.empty() && is_short(json)) {
-    out += '[';
-    for (std::size_t i = 0; i < json.size(); ++i) out += (i == 0 ? "" : ", ") + dump(json[i]);
-    out += ']';
-    return;
-  }
-  if (is_short(json)) {
-    out += dump(json);
-    return;
-  }
-  const std::string start(indent + 2, ' ');
-  out += json.is_object() ? "{\n" : "[\n";
-  std::size_t left = json.size();
-  for (const auto& [key, value] : json.items()) {
-    out += start;
-    if (json.is_object()) out += dump(Json(key)) + ": ";
-    append_lines(value, indent + 2, out);
-    out += --left > 0 ? ",\n" : "\n";
-  }
-  out += std::string(indent, ' ') + (json.is_object() ? '}' : ']');
 }
 
 Json certificate_json(const formats::Certificate& certificate) {
@@ -106,19 +77,11 @@ std::string content_of(const formats::SurfaceMeshDescription& surface) {
 
 }  // namespace
 
-Json json_of(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
 Json json_of(const Index3& index) {
   return {index.x, index.y, index.z};
 }
 Json json_of(const Box3& box) {
   return {{"low", json_of(box.min)}, {"high", json_of(box.max)}};
-}
-
-Json json_of(const Interval<double>& interval) {
-  if (interval.is_empty()) return nullptr;
-  return {interval.lo, interval.hi};
 }
 
 Json json_of(const SampleLattice& lattice) {
@@ -272,14 +235,8 @@ std::string histogram_bars(const formats::FieldSummary& field, std::size_t width
   return bars;
 }
 
-std::string dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string dump_lines(const Json& json) {
-  std::string out;
-  append_lines(json, 0, out);
-  return out + "\n";
+Json scene_json(const render::SceneSpec& scene_spec, const std::filesystem::path& folder) {
+  return Json::parse(render::scene_text(scene_spec, folder));
 }
 
 }  // namespace rhoray::tools

@@ -1,29 +1,32 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "formats/base/affine.h"
+#include "formats/base/json.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/field_summary.h"
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack.h"
+#include "render/document.h"
 
 namespace rhoray::tools {
 
 // What packed files and their parts look like in --json, and on a terminal. Numbers that are not
 // finite become null.
 
-using Json = nlohmann::ordered_json;
+using rhoray::dump;
+using rhoray::dump_lines;
+using rhoray::Json;
+using rhoray::json_of;  // of vectors and intervals
 
-Json json_of(const Vec3& v);
 Json json_of(const Index3& index);
 Json json_of(const Box3& box);
-Json json_of(const Interval<double>& interval);  ///< null when empty
 Json json_of(const formats::FieldSummary& field);
 Json json_of(const formats::Provenance& provenance);
 Json json_of(const formats::GridDescription& grid);
@@ -57,11 +60,8 @@ std::string text_of(const Index3& index);  ///< 512 x 512 x 275
 /// be seen.
 std::string histogram_bars(const formats::FieldSummary& field, std::size_t width = 64);
 
-/// JSON that holds text of any bytes: what is not UTF-8 is replaced.
-std::string dump(const Json& json);
-
-/// The same over several lines for people: one for each member, lists that hold no objects on one
-/// line. Ends with a line's end.
-std::string dump_lines(const Json& json);
+/// A scene's document.
+/// @param folder  that file names are made relative to; empty: as they are
+Json scene_json(const render::SceneSpec& scene_spec, const std::filesystem::path& folder = {});
 
 }  // namespace rhoray::tools

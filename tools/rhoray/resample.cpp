@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/resample.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/rhoray/measure.h"
+#include "formats/base/number_text.h"
 
 namespace rhoray::tools {
 

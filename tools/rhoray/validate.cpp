@@ -2,12 +2,14 @@
 
 #include "formats/base/error.h"
 #include "preprocess/run_worker.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/rhoray/validation_report.h"
@@ -27,7 +29,7 @@ struct ValidateCommand {
   std::filesystem::path folder;
 };
 
-constexpr PictureSize report_picture{.width = 640, .height = 480};
+constexpr render::PictureSize report_picture{.width = 640, .height = 480};
 
 void check(const ValidateCommand& command) {
   if (command.isovalue.empty())
@@ -52,8 +54,8 @@ void refuse_damage(const formats::PackedFile& file, unsigned threads) {
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
-  if (!command.method.empty()) return method_named(command.method, render::Mode::isosurface, is_mesh);
-  return command.accuracy.empty() ? render::Method{} : method_of(accuracy_named(command.accuracy));
+  if (!command.method.empty()) return render::method_named(command.method, render::Mode::isosurface, is_mesh);
+  return command.accuracy.empty() ? render::Method{} : method_of(render::accuracy_named(command.accuracy));
 }
 
 formats::PackedFile compare(const ValidateCommand& command, const validate::Request& request) {
@@ -76,7 +78,7 @@ int run(ValidateCommand& command) {
   if (volume.file().description().kind == "vdb")
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": is an OpenVDB file; expected a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
-  const Isovalue isovalue = choose_isovalue(command.isovalue, volume.field());
+  const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, volume.field());
   refuse_damage(volume.file(), command.common.threads);
   const render::RangeProof range_proof = volume.prove_ranges(command.common.threads);
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
@@ -137,11 +139,11 @@ Subcommand validate_subcommand() {
                     {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
                      value_option("--iso", "V", "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold)",
                                   command->isovalue),
-                     choice_option("--accuracy", accuracy_words(), "Accuracy of the renderer; default double",
+                     choice_option("--accuracy", render::accuracy_words(), "Accuracy of the renderer; default double",
                                    command->accuracy),
                      for_experts(with_details(
                          value_option("--method", "NAME", "Use one method, for comparison", command->method),
-                         method_forms()))}),
+                         render::method_forms()))}),
            in_group("Check",
                     {value_option("--samples", "N", "Number of rays, sent from around the data; default 100000",
                                   command->samples),

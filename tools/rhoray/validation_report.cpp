@@ -5,11 +5,11 @@
 #include <map>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/write_failure.h"
 #include "tools/analysis/error_map.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
 

@@ -1,7 +1,7 @@
 #include "tools/rhoray/vdb_info.h"
 
+#include "formats/base/number_text.h"
 #include "preprocess/open_vdb.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
@@ -11,7 +12,6 @@
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"

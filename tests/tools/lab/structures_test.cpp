@@ -17,6 +17,7 @@
 #include "tools/lab/structures/made_meshes.h"
 #include "tools/lab/structures/ways.h"
 #include "tools/lab/warped_box.h"
+#include "formats/base/number_text.h"
 
 namespace rhoray::tests {
 namespace {

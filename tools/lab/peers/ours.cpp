@@ -5,7 +5,7 @@
 #include "formats/base/text.h"
 #include "render/ray_caster.h"
 #include "render/render.h"
-#include "tools/rhoray/method_names.h"
+#include "render/method_words.h"
 #include "tools/rhoray/picture_hash.h"
 
 namespace rhoray::study {
@@ -16,13 +16,13 @@ class OwnPeer final : public Peer {
  public:
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
     scene_.layers[0].mode = mode;
-    scene_.layers[0].method = render::method_of(tools::accuracy_named(level));
+    scene_.layers[0].method = render::method_of(render::accuracy_named(level));
     scene_.layers[0].surface.specular = 0;  // as light_pixel shades the hits of others
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }
   std::string does() const override {
-    const tools::MethodOption option = tools::option_of(scene_.layers[0].method, scene_.layers[0].mode, false);
+    const render::MethodOption option = render::option_of(scene_.layers[0].method, scene_.layers[0].mode, false);
     return concat("method ", option.word, ", from the packed file");
   }
 

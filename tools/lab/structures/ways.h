@@ -13,6 +13,7 @@
 #include "render/load.h"
 #include "render/mesh_search.h"
 #include "tools/lab/structures/rounded_points.h"
+#include "formats/base/number_text.h"
 
 namespace rhoray::study {
 

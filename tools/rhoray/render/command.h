@@ -8,7 +8,7 @@
 #include "tools/analysis/self_check.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/pick.h"
-#include "tools/rhoray/scene/picture_options.h"
+#include "tools/rhoray/picture_options.h"
 
 namespace rhoray::tools {
 

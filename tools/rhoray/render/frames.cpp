@@ -4,16 +4,16 @@
 #include <cstdio>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "render/document.h"
+#include "render/scene_words.h"
+#include "render/sweep.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_names.h"
-#include "tools/rhoray/scene/sweep.h"
-#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -22,7 +22,7 @@ namespace {
 /// The names of a sweep's pictures, by frame.
 std::filesystem::path frame_name(const RenderCommand& command, int frame) {
   const std::filesystem::path& pattern = command.common.output;
-  if (const auto name = numbered(pattern, frame)) return *name;
+  if (const auto name = render::numbered(pattern, frame)) return *name;
   if (command.frame && pattern.filename().string().find('%') == std::string::npos && !pattern.empty()) return pattern;
   throw Error(ErrorCode::usage, concat("-o: found '", pattern.string(), "'; expected a name with a frame number"),
               "such as out_%04d.png");
@@ -38,7 +38,7 @@ struct DrawnFrame {
   std::string reproduce;
 };
 
-DrawnFrame drawn_frame(int frame, const Sweep& sweep, const Drawn& drawn) {
+DrawnFrame drawn_frame(int frame, const render::Sweep& sweep, const Drawn& drawn) {
   DrawnFrame of{frame,          sweep.time_of(frame), {}, drawn.output, drawn.statistics, drawn.stations.write_s,
                 drawn.reproduce};
   const std::vector<render::Layer>& layers = drawn.plan.scene.layers;
@@ -57,7 +57,8 @@ Json json_of(const DrawnFrame& frame) {
   return json;
 }
 
-void report_frames(const RenderCommand& command, const ResolvedScene& plan, const std::vector<DrawnFrame>& frames) {
+void report_frames(const RenderCommand& command, const render::ResolvedScene& plan,
+                   const std::vector<DrawnFrame>& frames) {
   double traced_s = 0, preparation_s = 0;
   render::RangeProof range_proof;
   for (const DrawnFrame& frame : frames) {
@@ -94,8 +95,9 @@ void report_frames(const RenderCommand& command, const ResolvedScene& plan, cons
 }
 
 /// The scene of a plan with its key frames.
-SceneSpec to_spec(const ResolvedScene& plan, const SceneSpec& scene_spec, const Sweep& sweep) {
-  SceneSpec spelled = to_spec(plan);
+render::SceneSpec to_spec(const render::ResolvedScene& plan, const render::SceneSpec& scene_spec,
+                          const render::Sweep& sweep) {
+  render::SceneSpec spelled = to_spec(plan);
   spelled.camera = scene_spec.camera;
   spelled.image.frames = sweep.frame_count();
   return spelled;
@@ -114,7 +116,7 @@ void put_on_sheet(const render::Framebuffer& picture, std::size_t place, int col
 }
 
 /// A picture of all frames, empty places in the background's colour.
-render::Framebuffer empty_sheet(const ResolvedScene& plan, int columns, int frame_count) {
+render::Framebuffer empty_sheet(const render::ResolvedScene& plan, int columns, int frame_count) {
   const int rows = (frame_count + columns - 1) / columns;
   render::Framebuffer sheet(plan.frame.width * columns, plan.frame.height * rows, {});
   for (std::size_t c = 0; c < 3; ++c)
@@ -125,14 +127,14 @@ render::Framebuffer empty_sheet(const ResolvedScene& plan, int columns, int fram
 }
 
 /// Draws all frames in one picture.
-void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const SceneSpec& scene_spec, Sweep& sweep,
-                ResolvedScene plan) {
+void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const render::SceneSpec& scene_spec,
+                render::Sweep& sweep, render::ResolvedScene plan) {
   Drawn drawn;
   drawn.output = command.common.output;
   drawn.plan = std::move(plan);
   const int columns = *command.sheet, frame_count = sweep.frame_count();
   if (drawn.plan.frame.channels.any()) throw Error(ErrorCode::usage, "--sheet and --channels are mutually exclusive");
-  ResolvedScene& shown = drawn.plan;
+  render::ResolvedScene& shown = drawn.plan;
   require_picture(command, drawn.output, shown);
   render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
   Checks checks(command, shown);
@@ -145,7 +147,7 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const Sc
     frames.push_back(drawn_frame(frame, sweep, drawn));
   }
   checks.wait();
-  const SceneSpec spelled = to_spec(shown, scene_spec, sweep);
+  const render::SceneSpec spelled = to_spec(shown, scene_spec, sweep);
   drawn.reproduce = shell_line(
       {"rhoray", "render", dump(scene_json(spelled)), "--sheet", concat(columns), "-o", drawn.output.string()});
   write(command, sheet, spelled, drawn);
@@ -154,7 +156,8 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const Sc
   say(command.common, concat("reproduce: ", drawn.reproduce));
 }
 
-void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& sweep, ResolvedScene plan) {
+void draw_frames(const RenderCommand& command, ProgressDisplay& display, render::Sweep& sweep,
+                 render::ResolvedScene plan) {
   const int first = command.frame.value_or(0), end = command.frame ? first + 1 : sweep.frame_count();
   Drawn drawn;
   drawn.plan = std::move(plan);
@@ -178,9 +181,9 @@ void draw_frames(const RenderCommand& command, ProgressDisplay& display, Sweep& 
 
 }  // namespace
 
-void run_frames(const RenderCommand& command, const SceneSpec& scene_spec) {
+void run_frames(const RenderCommand& command, const render::SceneSpec& scene_spec) {
   ProgressDisplay display(command.common);
-  Sweep sweep(scene_spec);
+  render::Sweep sweep(scene_spec);
   if (command.frame && (*command.frame < 0 || *command.frame >= sweep.frame_count()))
     throw Error(ErrorCode::usage,
                 concat("--frame: found ", *command.frame, "; expected 0 to ", sweep.frame_count() - 1));
@@ -195,10 +198,10 @@ void run_frames(const RenderCommand& command, const SceneSpec& scene_spec) {
   const bool draws = !command.explain && !command.print_scene;
   if (draws)
     require_picture_format(command.sheet ? command.common.output : frame_name(command, frame),
-                           channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
   display.show(concat("opening ", scene_spec.data[0].file.string()));
-  const SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
-  ResolvedScene plan = resolve_layers(of_frame);
+  const render::SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
+  render::ResolvedScene plan = resolve_layers(of_frame);
   if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan));
   if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
   if (draws) return;
@@ -209,7 +212,7 @@ void run_frames(const RenderCommand& command, const SceneSpec& scene_spec) {
     std::puts(concat("frame ", frame, " of ", sweep.frame_count(), ", at time ", sweep.time_of(frame)).c_str());
     return;
   }
-  const SceneSpec spelled = command.frame ? to_spec(plan) : to_spec(plan, scene_spec, sweep);
+  const render::SceneSpec spelled = command.frame ? to_spec(plan) : to_spec(plan, scene_spec, sweep);
   std::fputs(dump_lines(scene_json(spelled)).c_str(), stdout);
 }
 

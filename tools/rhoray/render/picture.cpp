@@ -5,14 +5,15 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "render/document.h"
+#include "render/scene_words.h"
+#include "tools/pictures/annotations.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/pick.h"
-#include "tools/rhoray/scene/annotations.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/picture_names.h"
-#include "tools/rhoray/scene/to_spec.h"
+#include "tools/rhoray/reproducing_command.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
@@ -20,7 +21,7 @@ namespace rhoray::tools {
 namespace {
 
 /// @param antialiases  depths and normals are compared
-std::uint64_t framebuffer_bytes(const PictureSize& size, render::ChannelSet channels, bool antialiases) {
+std::uint64_t framebuffer_bytes(const render::PictureSize& size, render::ChannelSet channels, bool antialiases) {
   if (antialiases) channels |= {.depth = true, .normal = true};
   const std::uint64_t pixel =
       4 * sizeof(float) + (channels.depth ? sizeof(float) : 0) + (channels.normal ? 3 * sizeof(float) : 0) +
@@ -30,7 +31,7 @@ std::uint64_t framebuffer_bytes(const PictureSize& size, render::ChannelSet chan
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
-void require_memory(const RenderCommand& command, const ResolvedScene& plan) {
+void require_memory(const RenderCommand& command, const render::ResolvedScene& plan) {
   const std::uint64_t needed =
       framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
   const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
@@ -59,18 +60,19 @@ std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render
 }
 
 /// Checks all files of a scene and refuses the first damaged one.
-void check_files(const ResolvedScene& plan) {
+void check_files(const render::ResolvedScene& plan) {
   for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
   for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));
 }
 
-void require_writable(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan) {
+void require_writable(const RenderCommand& command, const std::filesystem::path& output,
+                      const render::ResolvedScene& plan) {
   require_writable(command.common, output, command.input);
   for (const auto* data : {&plan.data, &plan.texture_data})
-    for (const DataSpec& each : *data) require_writable(command.common, output, each.file);
+    for (const render::DataSpec& each : *data) require_writable(command.common, output, each.file);
 }
 
-bool has_annotations(const ResolvedScene& plan) {
+bool has_annotations(const render::ResolvedScene& plan) {
   const auto& [axes, box, bar, caption] = plan.annotations;
   return axes || box.value_or(false) || bar || !caption.empty();
 }
@@ -85,7 +87,7 @@ void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
 
 }  // namespace
 
-Checks::Checks(const RenderCommand& command, const ResolvedScene& plan) {
+Checks::Checks(const RenderCommand& command, const render::ResolvedScene& plan) {
   if (!command.no_verify) running_ = std::async(std::launch::async, [&plan] { check_files(plan); });
 }
 
@@ -95,7 +97,8 @@ double Checks::wait() {
   return waiting.seconds();
 }
 
-void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan) {
+void require_picture(const RenderCommand& command, const std::filesystem::path& output,
+                     const render::ResolvedScene& plan) {
   require_writable(command, output, plan);
   require_memory(command, plan);
   if (has_annotations(plan)) {
@@ -111,7 +114,7 @@ void prove_ranges(const RenderCommand& command, Drawn& drawn) {
 }
 
 render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn) {
-  ResolvedScene& plan = drawn.plan;
+  render::ResolvedScene& plan = drawn.plan;
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
   // Picks and heat maps need channels that are not kept in the picture.
@@ -137,7 +140,8 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   return framebuffer;
 }
 
-void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneSpec& scene, Drawn& drawn) {
+void write(const RenderCommand& command, const render::Framebuffer& picture, const render::SceneSpec& scene,
+           Drawn& drawn) {
   const Stopwatch writing;
   const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
   write_picture(picture,

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "render/document.h"
 #include "render/render.h"
 #include "tools/analysis/choice.h"
 #include "tools/analysis/self_check.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/scene/resolve.h"
 
 namespace rhoray::tools {
 
@@ -27,7 +27,7 @@ struct StageTimes {
 /// A picture on its way: its scene, and what was found in making it.
 struct Drawn {
   std::filesystem::path output;
-  ResolvedScene plan;
+  render::ResolvedScene plan;
   render::RangeProof range_proof;  ///< before anything is traced; then a part of the statistics
   render::FrameStatistics statistics;
   StageTimes stations;
@@ -41,7 +41,7 @@ struct Drawn {
 /// Checksums of all files, read beside the rendering.
 class Checks {
  public:
-  Checks(const RenderCommand& command, const ResolvedScene& plan);
+  Checks(const RenderCommand& command, const render::ResolvedScene& plan);
 
   /// @return  seconds
   double wait();
@@ -51,7 +51,8 @@ class Checks {
 };
 
 /// What is refused before anything is traced.
-void require_picture(const RenderCommand& command, const std::filesystem::path& output, const ResolvedScene& plan);
+void require_picture(const RenderCommand& command, const std::filesystem::path& output,
+                     const render::ResolvedScene& plan);
 
 /// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks
 /// pixels: where they do not hold, nothing is traced. Those that the picture's own method relies on
@@ -62,7 +63,8 @@ void prove_ranges(const RenderCommand& command, Drawn& drawn);
 render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn);
 
 /// Writes a picture with all that makes it again.
-void write(const RenderCommand& command, const render::Framebuffer& picture, const SceneSpec& scene, Drawn& drawn);
+void write(const RenderCommand& command, const render::Framebuffer& picture, const render::SceneSpec& scene,
+           Drawn& drawn);
 
 /// Traces the picture, and writes it when the files are known to be well.
 void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn);

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "formats/base/number_text.h"
+#include "render/document.h"
+#include "render/method_words.h"
+#include "render/scene_words.h"
 #include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/method_names.h"
 #include "tools/rhoray/pick.h"
-#include "tools/rhoray/scene/document.h"
-#include "tools/rhoray/scene/explain.h"
-#include "tools/rhoray/scene/picture_names.h"
-#include "tools/rhoray/scene/to_spec.h"
 
 namespace rhoray::tools {
 
@@ -26,7 +24,7 @@ Json camera_json(const render::Camera& camera) {
 }
 
 /// The quantity shown by a scene of one layer.
-Json shown_json(const ResolvedScene& plan) {
+Json shown_json(const render::ResolvedScene& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;
   Json json{{"file", plan.data[layer.volume].file.string()}};
@@ -46,7 +44,7 @@ Json shown_json(const ResolvedScene& plan) {
 }
 
 void report_json(const Drawn& drawn) {
-  const ResolvedScene& plan = drawn.plan;
+  const render::ResolvedScene& plan = drawn.plan;
   const StageTimes& stations = drawn.stations;
   Json json{{"picture", drawn.output.string()}};
   if (plan.scene.layers.size() == 1) json.update(shown_json(plan));
@@ -66,9 +64,47 @@ void report_json(const Drawn& drawn) {
   std::puts(dump(json).c_str());
 }
 
+Json json_of(const render::Explanation& explanation) {
+  Json json{{"layers", Json::array()}, {"lights", explanation.lights}, {"left_out", explanation.left_out}};
+  json["antialiasing"] = explanation.antialiasing;
+  for (std::size_t i = 0; i < explanation.layers.size(); ++i) {
+    const render::Explanation::Layer& layer = explanation.layers[i];
+    json["layers"].push_back({{"layer", i},
+                              {"wish", layer.spec},
+                              {"shows", layer.shows},
+                              {"isovalue_from", layer.isovalue_from},
+                              {"method", layer.method},
+                              {"method_because", layer.method_because},
+                              {"kernel", layer.kernel},
+                              {"effects", Json::array()}});
+    for (const render::EffectReason& reason : layer.effects)
+      json["layers"].back()["effects"].push_back(
+          {{"effect", reason.effect}, {"called_for", reason.called_for}, {"why", reason.why}});
+  }
+  return json;
+}
+
+std::vector<std::string> lines_of(const render::Explanation& explanation) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < explanation.layers.size(); ++i) {
+    const render::Explanation::Layer& layer = explanation.layers[i];
+    const bool is_chosen = !layer.isovalue_from.empty() && layer.isovalue_from != "given";
+    lines.push_back(concat("layer ", i, ": ", layer.shows, is_chosen ? concat(" (", layer.isovalue_from, ")") : ""));
+    lines.push_back(concat("  method ", layer.method, " (", layer.method_because, "), ",
+                           layer.kernel == "scalar" ? "one ray at a time" : concat("wide ", layer.kernel, " kernel")));
+    for (const render::EffectReason& reason : layer.effects)
+      lines.push_back(concat(reason.called_for ? "  " : "  no ", reason.effect, ": ", reason.why));
+  }
+  for (std::size_t i = 0; i < explanation.lights.size(); ++i)
+    lines.push_back(concat("light ", i, ": ", explanation.lights[i]));
+  lines.push_back(explanation.antialiasing);
+  lines.insert(lines.end(), explanation.left_out.begin(), explanation.left_out.end());
+  return lines;
+}
+
 }  // namespace
 
-std::string method_text(const ResolvedScene& plan) {
+std::string method_text(const render::ResolvedScene& plan) {
   std::vector<std::string> words;
   for (const render::Layer& layer : plan.scene.layers) {
     const std::string word = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh()).word;
@@ -79,7 +115,7 @@ std::string method_text(const ResolvedScene& plan) {
   return text;
 }
 
-void say_choices(const CommonOptions& common, const ResolvedScene& plan) {
+void say_choices(const CommonOptions& common, const render::ResolvedScene& plan) {
   for (const std::string& note : plan.notes) say(common, concat("note: ", note));
   for (std::size_t i = 0; i < plan.origins.size(); ++i) {
     const std::string& from = plan.origins[i].isovalue_from;
@@ -92,7 +128,7 @@ void say_choices(const CommonOptions& common, const ResolvedScene& plan) {
 
 void report(const RenderCommand& command, const Drawn& drawn) {
   const CommonOptions& common = command.common;
-  const ResolvedScene& plan = drawn.plan;
+  const render::ResolvedScene& plan = drawn.plan;
   const StageTimes& stations = drawn.stations;
   const double total =
       stations.open_s + stations.prove_s + stations.trace_s + stations.wait_for_checks_s + stations.write_s;
@@ -123,12 +159,12 @@ void report(const RenderCommand& command, const Drawn& drawn) {
   say(common, concat("reproduce: ", drawn.reproduce));
 }
 
-void explain(const RenderCommand& command, const SceneSpec& scene_spec, const ResolvedScene& plan) {
-  const Json explanation = explained(scene_spec, plan);
+void explain(const RenderCommand& command, const render::SceneSpec& scene_spec, const render::ResolvedScene& plan) {
+  const render::Explanation explanation = render::explain(scene_spec, plan);
   if (command.common.json)
-    std::puts(dump(explanation).c_str());
+    std::puts(dump(json_of(explanation)).c_str());
   else
-    for (const std::string& line : explained_lines(explanation)) std::puts(line.c_str());
+    for (const std::string& line : lines_of(explanation)) std::puts(line.c_str());
 }
 
 }  // namespace rhoray::tools

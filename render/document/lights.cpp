@@ -1,0 +1,164 @@
+#include "render/document/lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "formats/base/error.h"
+
+namespace rhoray::render {
+
+namespace {
+
+using Type = Light::Kind;
+
+/// The axes of a camera, of length 1.
+struct CameraAxes {
+  Vec3 right, up, to_eye;
+
+  explicit CameraAxes(const Camera& camera) : to_eye((camera.position - camera.target).normalized()) {
+    right = camera.up.cross(to_eye).normalized();
+    up = to_eye.cross(right);
+  }
+};
+
+/// Towards where a camera of these angles would stand, or in the axes of the camera that there is.
+/// Multiples of 90 degrees give exact axes.
+Vec3 direction_of(const LightSpec& spec, const Camera& camera) {
+  constexpr double radians_per_degree = std::numbers::pi / 180;
+  const auto cosine = [](double deg) {
+    return std::fmod(std::abs(deg), 180) == 90 ? 0.0 : std::cos(deg * radians_per_degree);
+  };
+  const auto sine = [&](double deg) { return cosine(deg - 90); };
+  const double azimuth = spec.azimuth_deg.value_or(0), elevation = spec.elevation_deg.value_or(0);
+  const double right = cosine(elevation) * sine(azimuth), front = cosine(elevation) * cosine(azimuth),
+               up = sine(elevation);
+  if (spec.from != "camera") return Vec3(right, 0 - front, up);
+  const CameraAxes axes(camera);
+  return right * axes.right + up * axes.up + front * axes.to_eye;
+}
+
+Vec3 place_of(const LightSpec& spec, const Camera& camera, const Place& place) {
+  if (spec.type == Type::head) return {0, 0, 0};
+  if (spec.type == Type::point) return spec.position.value();  // a document's light must have it
+  const bool has_angles = spec.azimuth_deg || spec.elevation_deg;
+  if (!spec.direction && !has_angles)
+    throw Error(ErrorCode::invalid,
+                concat(place.text(), ": has no direction; expected \"direction\", or \"azimuth\" and \"elevation\""));
+  if (spec.direction && (has_angles || !spec.from.empty()))
+    throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": \"",
+                                           spec.azimuth_deg     ? "azimuth"
+                                           : spec.elevation_deg ? "elevation"
+                                                                : "from",
+                                           "\" is also given; expected only one of the two"));
+  if (spec.direction && *spec.direction == Vec3(0, 0, 0))
+    throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": found [0,0,0]; expected a direction"));
+  return spec.direction ? *spec.direction : direction_of(spec, camera);
+}
+
+std::array<Vec3, 8> corners(const Box3& box) {
+  std::array<Vec3, 8> all;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
+              (i & 4) != 0 ? box.max.z : box.min.z};
+  return all;
+}
+
+/// How far from where rays start a box begins and ends; not below 0.
+Interval<double> distances(const Box3& box, const Camera& camera) {
+  Interval<double> range;
+  const Vec3 forward = (camera.target - camera.position).normalized();
+  for (const Vec3& corner : corners(box)) {
+    const Vec3 way = corner - camera.position;
+    range.include(std::max(camera.orthographic ? way.dot(forward) : way.length(), 0.0));
+  }
+  if (!camera.orthographic) {
+    Vec3 nearest;
+    for (int axis = 0; axis < 3; ++axis)
+      nearest[axis] = std::clamp(camera.position[axis], box.min[axis], box.max[axis]);
+    range.include((nearest - camera.position).length());
+  }
+  return range;
+}
+
+/// Colours of a specification are at most 1. Brighter lights use an intensity that is a power of
+/// two, so that no digit is lost.
+LightSpec spec_of_light(const Light& light) {
+  LightSpec spec{.type = light.kind};
+  const double brightest = std::max({light.color.x, light.color.y, light.color.z});
+  const double intensity = brightest > 1 ? std::exp2(std::ceil(std::log2(brightest))) : 1;
+  spec.color = Color{light.color / intensity};
+  spec.intensity = intensity;
+  if (light.kind == Type::directional) spec.direction = light.place;
+  if (light.kind == Type::point) spec.position = light.place;
+  if (light.kind != Type::head) spec.shadows = light.casts_shadows;
+  if (light.size > 0) {
+    (light.kind == Type::point ? spec.radius : spec.angular_diameter_deg) = light.size;
+    spec.samples = light.samples;
+  }
+  return spec;
+}
+
+bool is_white_head(const Light& light) {
+  return light.kind == Type::head && light.color == Vec3(1, 1, 1);
+}
+
+}  // namespace
+
+std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera) {
+  if (!scene_spec.lights) return Scene{}.lights;
+  const Place place = Place{scene_spec.document, {}}.at("lights");
+  std::vector<Light> lights;
+  for (const LightSpec& spec : *scene_spec.lights) {
+    Light light{.kind = spec.type};
+    light.place = place_of(spec, camera, place.at(lights.size()));
+    light.color = (spec.color ? spec.color->linear : Vec3(1, 1, 1)) * spec.intensity.value_or(1);
+    light.casts_shadows = spec.shadows.value_or(false);
+    light.size = (spec.type == Type::point ? spec.radius : spec.angular_diameter_deg).value_or(0);
+    light.samples = spec.samples.value_or(light.samples);
+    lights.push_back(light);
+  }
+  return lights;
+}
+
+Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown) {
+  Occlusion occlusion;
+  if (!spec) return occlusion;
+  constexpr double share = 0.1;
+  occlusion.samples = spec->samples.value_or(occlusion.samples);
+  occlusion.radius = spec->radius ? *spec->radius : share * shown().size().length();
+  return occlusion;
+}
+
+std::optional<Fog> choose_fog(const std::optional<FogSpec>& spec, const Camera& camera, const Vec3& background,
+                              const ShownBox& shown) {
+  if (!spec) return std::nullopt;
+  Fog fog{.color = spec->color ? spec->color->linear : background};
+  if (spec->range) {
+    fog.range = *spec->range;
+    return fog;
+  }
+  const Interval<double> reach = distances(shown(), camera);
+  if (!(reach.lo < reach.hi)) return std::nullopt;
+  fog.range = {reach.lo, reach.hi + (reach.hi - reach.lo)};
+  return fog;
+}
+
+std::optional<std::vector<LightSpec>> light_specs(const std::vector<Light>& lights) {
+  if (lights.size() == 1 && is_white_head(lights[0])) return std::nullopt;
+  std::vector<LightSpec> scene_spec;
+  for (const Light& light : lights) scene_spec.push_back(spec_of_light(light));
+  return scene_spec;
+}
+
+EffectsSpec effects_spec(const Scene& scene) {
+  EffectsSpec effects;
+  if (scene.occlusion.radius > 0)
+    effects.occlusion = OcclusionSpec{.samples = scene.occlusion.samples, .radius = scene.occlusion.radius};
+  if (scene.fog) effects.fog = FogSpec{.color = Color{scene.fog->color}, .range = scene.fog->range};
+  return effects;
+}
+
+}  // namespace rhoray::render

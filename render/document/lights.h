@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "formats/base/vector.h"
+#include "render/document/place.h"
+#include "render/scene.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+// Lights, fog and ambient occlusion, resolved when the camera is known.
+
+/// One white light at the camera by default. Refuses a directional light without a direction or
+/// with two (ErrorCode::invalid).
+std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera);
+
+/// The box around what is shown; computed only if a choice depends on it.
+using ShownBox = std::function<Box3()>;
+
+/// No occlusion if none is requested, or if the shown data have no extent.
+Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown);
+
+std::optional<Fog> choose_fog(const std::optional<FogSpec>& spec, const Camera& camera, const Vec3& background,
+                              const ShownBox& shown);
+
+/// The specifications of lights and effects; nothing if they are the defaults.
+std::optional<std::vector<LightSpec>> light_specs(const std::vector<Light>& lights);
+EffectsSpec effects_spec(const Scene& scene);
+
+}  // namespace rhoray::render

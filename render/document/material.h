@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/document/place.h"
+#include "render/load.h"
+#include "render/scene.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+/// Colours, light, normals and opacity of an isosurface of this volume, or of its triangles.
+/// Refuses normals that the volume has not, colours by a field that is not there, and a range or
+/// colour map without such a field: of a document with the place (ErrorCode::invalid), of a command
+/// line with the option (ErrorCode::usage).
+/// @param layer  where the wish stands; of a command line without a document
+Surface choose_surface(const LayerSpec& spec, const Volume& volume, const Place& layer);
+
+}  // namespace rhoray::render

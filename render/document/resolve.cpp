@@ -1,0 +1,485 @@
+#include "render/document/resolve.h"
+
+#include <algorithm>
+#include <array>
+
+#include "formats/base/error.h"
+#include "formats/base/nearest_name.h"
+#include "formats/base/regular_file.h"
+#include "formats/color_grid.h"
+#include "render/document/clip.h"
+#include "render/document/light_notes.h"
+#include "render/document/lights.h"
+#include "render/document/material.h"
+#include "render/document/place.h"
+#include "render/document/slices.h"
+#include "render/document/tables.h"
+#include "render/isovalue.h"
+#include "render/method_words.h"
+#include "render/scene_words.h"
+
+namespace rhoray::render {
+
+namespace {
+
+/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note
+/// SRON/EPS/TN/09-002), made to be told apart with any colour vision; they are light enough that
+/// shading still shows.
+constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
+
+Place root(const SceneSpec& scene_spec) {
+  return {scene_spec.document, {}};
+}
+Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
+  return root(scene_spec).at("layers").at(layer);
+}
+
+/// Adds the place in the document to errors. On the command line the messages name the options.
+template <class Act>
+auto at_place(const Place& place, const Act& act) {
+  try {
+    return act();
+  } catch (const Error& error) {
+    if (place.document.empty()) throw;
+    const ErrorCode error_code = error.code() == ErrorCode::usage ? ErrorCode::invalid : error.code();
+    throw Error(error_code, concat(place.text(), ": ", error.what()), error.hint());
+  }
+}
+
+std::vector<std::string> names_of(const std::vector<DataSpec>& data) {
+  std::vector<std::string> names;
+  for (const DataSpec& each : data) names.push_back(each.name);
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += concat(text.empty() ? "" : ", ", '"', name, '"');
+  return text;
+}
+
+/// The data that a layer names.
+/// @param key  of the layer, where the name stands
+const DataSpec& data_named(const SceneSpec& scene_spec, const std::string& name, const Place& key) {
+  const std::vector<std::string> names = names_of(scene_spec.data);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw Error(
+        ErrorCode::invalid,
+        concat(key.text(), ": found \"", name, "\"; expected ", names.size() == 1 ? "" : "one of ", listed(names)),
+        did_you_mean(name, names));
+  return scene_spec.data[static_cast<std::size_t>(found - names.begin())];
+}
+
+const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t index) {
+  const LayerSpec& layer = scene_spec.layers[index];
+  const std::vector<std::string> names = names_of(scene_spec.data);
+  if (layer.data.empty() && scene_spec.data.size() == 1) return scene_spec.data[0];
+  if (layer.data.empty())
+    throw Error(ErrorCode::invalid,
+                concat(layer_place(scene_spec, index).text(), ": has no \"data\"; expected one of ", listed(names)));
+  return data_named(scene_spec, layer.data, layer_place(scene_spec, index).at("data"));
+}
+
+/// The index of the data's volume, opened when it is first asked for.
+std::size_t volume_of(const SceneSpec& scene_spec, const DataSpec& data, const OpenData& open, ResolvedScene& plan) {
+  const std::vector<std::string> names = names_of(plan.data);
+  const auto found = std::find(names.begin(), names.end(), data.name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const Place place = root(scene_spec).at("data").at(data.name).at(data.field.empty() ? "file" : "field");
+  plan.volumes.push_back(at_place(place, [&] { return open(data); }));
+  const Volume& volume = plan.volumes.back();
+  plan.data.push_back(data);
+  plan.data.back().field = volume.field().name;
+  for (const std::string& note : volume.notes()) plan.notes.push_back(note);
+  if (!volume.is_surface() && data.field.empty() && volume.field().name != volume.field_names().front())
+    plan.notes.push_back(
+        concat("field '", volume.field_names().front(), "' is constant; showing field '", volume.field().name, "'"));
+  return plan.volumes.size() - 1;
+}
+
+/// Opens a packed file of colours; refuses others and names the command that packs colours
+/// (ErrorCode::invalid).
+render::Texture load_texture(const std::filesystem::path& path);
+Texture load_texture(const std::filesystem::path& path) {
+  require_readable(path);
+  const auto refuse = [&](const std::string& found) {
+    throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
+                "rhoray pack --color makes one from a folder of pictures, .nrrd, .mha or .vti");
+  };
+  if (!formats::PackedFile::looks_packed(path)) refuse("is not a packed file");
+  const formats::PackedFile file = formats::PackedFile::open(path);
+  const std::string& kind = file.description().kind;
+  if (kind != formats::ColorGrid::kind) refuse(concat("holds a ", kind == "tets" ? "mesh" : kind));
+  return Texture::load(file);
+}
+
+/// The texture of a layer that names one, opened when it is first asked for.
+std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index, ResolvedScene& plan) {
+  const LayerSpec& layer = scene_spec.layers[index];
+  if (layer.texture.empty()) return std::nullopt;
+  const Place key = layer_place(scene_spec, index).at("texture");
+  const DataSpec& data = data_named(scene_spec, layer.texture, key);
+  at_place(key, [&] {
+    const std::string option = scene_spec.document.empty() ? "--texture: " : "";
+    if (!layer.color_by.empty())
+      throw Error(ErrorCode::usage, concat(option, scene_spec.document.empty() ? "--color-by" : "\"color_by\"",
+                                           " is also given; expected only one of the two"));
+    if (!data.field.empty())
+      throw Error(ErrorCode::usage,
+                  concat(data.file.string(), ": field '", data.field, "': a file of colours has no fields"));
+  });
+  const std::vector<std::string> names = names_of(plan.texture_data);
+  const auto found = std::find(names.begin(), names.end(), data.name);
+  if (found != names.end()) return plan.textures[static_cast<std::size_t>(found - names.begin())];
+  plan.textures.push_back(at_place(key, [&] { return load_texture(data.file); }));
+  plan.texture_data.push_back(data);
+  return plan.textures.back();
+}
+
+/// Notes textures that do not overlap the surface they should cover.
+void note_textures_elsewhere(ResolvedScene& plan) {
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const Layer& layer = plan.scene.layers[i];
+    if (!layer.surface.texture) continue;
+    const Volume& volume = plan.volumes[layer.volume];
+    const Texture& texture = *layer.surface.texture;
+    if (texture.contains(volume.bounds())) continue;
+    const bool is_near =
+        texture.may_overlap(volume.bounds()) &&
+        (layer.mode == Mode::triangles || texture.may_overlap(volume.isosurface_bounds(layer.isovalue)));
+    if (!is_near)
+      plan.notes.push_back(concat("texture ", texture.file().name(), " does not overlap layer ", i,
+                                  "; check spacing and origin of both files"));
+  }
+}
+
+bool is_level_of_triangles(const std::string& accuracy) {
+  return accuracy == "float" || accuracy == "double";
+}
+
+/// The requested level, of the layer or the scene. A scene's level that does not exist for
+/// triangles is ignored for them.
+std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
+  if (!layer.accuracy.empty()) return layer.accuracy;
+  return layer.type != LayerType::mesh || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
+}
+
+Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, const Volume& volume) {
+  const LayerSpec& layer = scene_spec.layers[index];
+  const Place place = layer_place(scene_spec, index).at("method");
+  if (!layer.method.empty() && !layer.accuracy.empty())
+    throw Error(ErrorCode::invalid, concat(place.text(), ": \"accuracy\" is also given; expected only one of the two"));
+  if (!layer.method.empty())
+    return at_place(Place{scene_spec.document, {}}, [&] {
+      return scene_spec.document.empty() ? method_named(layer.method, mode, volume.is_mesh())
+                                         : method_named(layer.method, mode, volume.is_mesh(), place.pointer);
+    });
+  const std::string accuracy = accuracy_of(scene_spec, layer);
+  return accuracy.empty() ? default_method(volume, mode) : method_of(accuracy_named(accuracy));
+}
+
+/// Refuses keys about fields if the layer's data are triangles.
+void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const Volume& volume) {
+  const LayerSpec defaults;
+  const std::string accuracy = accuracy_of(scene_spec, layer);
+  for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
+                                      {layer.type == LayerType::mip, "--mode"},
+                                      {layer.type == LayerType::slice, "--slice"},
+                                      {!layer.color_by.empty(), "--color-by"},
+                                      {!layer.colormap.empty(), "--colormap"},
+                                      {layer.range.has_value(), "--range"},
+                                      {!layer.method.empty(), "--method"}})
+    if (given)
+      throw Error(ErrorCode::usage,
+                  concat(option, ": needs a field, and ", volume.file().name(), " holds only triangles"));
+  if (!accuracy.empty() && !is_level_of_triangles(accuracy))
+    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
+                                         volume.file().name(), ", which holds triangles"));
+}
+
+/// Whether colours of the picture represent values: of a field, a projection or a heat map.
+bool shows_values(const ResolvedScene& plan) {
+  return plan.page || std::any_of(plan.scene.layers.begin(), plan.scene.layers.end(),
+                                  [](const Layer& layer) { return layer.mode == Mode::mip || layer.surface.color_by; });
+}
+
+/// Adds the layers of a planned scene one after another.
+class LayerPlanner {
+ public:
+  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open) : scene_spec_(scene_spec), open_(open) {}
+
+  ResolvedScene plan() {
+    for (std::size_t index = 0; index < scene_spec_.layers.size(); ++index)
+      if (scene_spec_.layers[index].visible) add(index);
+    require_layers();
+    note_invisible_surfaces();
+    color_several_surfaces();
+    note_textures_elsewhere(plan_);
+    return std::move(plan_);
+  }
+
+ private:
+  struct Outside {
+    std::size_t spec, isovalue, volume;
+  };
+
+  void add(std::size_t index) {
+    const LayerSpec& spec = scene_spec_.layers[index];
+    Layer layer;
+    layer.volume = volume_of(scene_spec_, data_of(scene_spec_, index), open_, plan_);
+    layer.clipped = spec.clip.value_or(true);
+    const Volume& volume = plan_.volumes[layer.volume];
+    if (volume.is_surface()) return add_triangles(index, layer);
+    if (spec.type == LayerType::mesh) refuse_fields(index, volume);
+    if (spec.type == LayerType::slice) {
+      choose_slice(spec, volume, layer_place(scene_spec_, index), layer);
+      return put(index, layer, {});
+    }
+    layer.mode = spec.type == LayerType::mip ? Mode::mip : Mode::isosurface;
+    layer.method = choose_method(scene_spec_, index, layer.mode, volume);
+    switch (spec.type) {
+      case LayerType::isosurface:
+        layer.surface = choose_surface(spec, volume, layer_place(scene_spec_, index));
+        layer.surface.texture = texture_of(scene_spec_, index, plan_);
+        return add_isosurfaces(index, layer);
+      case LayerType::mip:
+        return add_projection(index, layer);
+      case LayerType::mesh:
+      case LayerType::slice:
+        break;
+    }
+  }
+
+  /// Refuses data that should be triangles and are not.
+  [[noreturn]] void refuse_fields(std::size_t index, const Volume& volume) const {
+    const std::string fact = concat(volume.file().name(), ": is a ", volume.is_mesh() ? "mesh of tetrahedra" : "grid",
+                                    "; expected a packed surface of triangles");
+    throw Error(ErrorCode::invalid,
+                scene_spec_.document.empty() ? concat("--mesh: ", fact)
+                                             : concat(layer_place(scene_spec_, index).at("data").text(), ": ", fact),
+                "show its isosurfaces with a layer of type \"isosurface\"");
+  }
+
+  void add_triangles(std::size_t index, Layer layer) {
+    const LayerSpec& spec = scene_spec_.layers[index];
+    const Volume& volume = plan_.volumes[layer.volume];
+    at_place(layer_place(scene_spec_, index), [&] { refuse_words_of_fields(scene_spec_, spec, volume); });
+    layer.mode = Mode::triangles;
+    layer.method = choose_method(scene_spec_, index, layer.mode, volume);
+    layer.surface = choose_surface(spec, volume, layer_place(scene_spec_, index));
+    layer.surface.texture = texture_of(scene_spec_, index, plan_);
+    put(index, layer, {});
+  }
+
+  void add_isosurfaces(std::size_t index, const Layer& layer) {
+    const std::vector<std::string>& isovalues = scene_spec_.layers[index].isovalues;
+    const Volume& volume = plan_.volumes[layer.volume];
+    for (std::size_t i = 0; i < isovalues.size(); ++i) {
+      if (is_outside(isovalues[i], volume.field())) {
+        outside_.push_back({index, i, layer.volume});
+        continue;
+      }
+      const Isovalue isovalue = chosen(index, i, volume);
+      put(index, layer, isovalue.from);
+      plan_.scene.layers.back().isovalue = isovalue.value;
+    }
+  }
+
+  void add_projection(std::size_t index, const Layer& layer) {
+    const formats::FieldSummary& field = plan_.volumes[layer.volume].field();
+    at_place(layer_place(scene_spec_, index), [&] {
+      if (field.range.is_empty())
+        throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
+    });
+    put(index, layer, {});
+    plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(field.range);
+  }
+
+  void put(std::size_t index, const Layer& layer, const std::string& isovalue_from) {
+    if (plan_.origins.empty()) plan_.scene.layers.clear();
+    plan_.scene.layers.push_back(layer);
+    plan_.origins.push_back({index, isovalue_from});
+    if (plan_.origins.size() > most_layers)
+      at_place(root(scene_spec_).at("layers"),
+               [] { throw Error(ErrorCode::usage, concat("more than ", most_layers, " layers and isovalues")); });
+  }
+
+  Place isovalue_place(std::size_t index, std::size_t i) const {
+    const Place place = layer_place(scene_spec_, index).at("isovalue");
+    return scene_spec_.layers[index].isovalues.size() == 1 ? place : place.at(i);
+  }
+
+  Isovalue chosen(std::size_t index, std::size_t i, const Volume& volume) const {
+    const std::string& text = scene_spec_.layers[index].isovalues[i];
+    if (text == "auto" && volume.is_level_set()) return {0, "the surface of the level set"};
+    return at_place(isovalue_place(index, i), [&] { return choose_isovalue(text, volume.field()); });
+  }
+
+  /// Isovalues outside the range are left out, unless nothing else is shown.
+  void require_layers() {
+    if (plan_.origins.empty() && !outside_.empty())
+      chosen(outside_[0].spec, outside_[0].isovalue, plan_.volumes[outside_[0].volume]);
+    if (plan_.origins.empty())
+      throw Error(ErrorCode::invalid,
+                  concat(root(scene_spec_).at("layers").text(), ": no layer is visible; expected at least one"));
+    for (const Outside& one : outside_) try {
+        chosen(one.spec, one.isovalue, plan_.volumes[one.volume]);
+      } catch (const Error& refusal) {
+        plan_.notes.push_back(concat(refusal.what(), "; the layer is left out"));
+      }
+  }
+
+  void note_invisible_surfaces() {
+    for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i) {
+      const Layer& layer = plan_.scene.layers[i];
+      if (layer.mode == Mode::mip || layer.surface.opacity > 0) continue;
+      const Place place = layer_place(scene_spec_, plan_.origins[i].spec).at("opacity");
+      plan_.notes.push_back(
+          concat(scene_spec_.document.empty() ? "--opacity" : place.text(), " is 0; the surface is not traced"));
+    }
+  }
+
+  void color_several_surfaces() {
+    std::vector<std::size_t> surfaces;
+    for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
+      if (plan_.scene.layers[i].mode != Mode::mip && plan_.scene.layers[i].mode != Mode::slice) surfaces.push_back(i);
+    if (surfaces.size() < 2) return;
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      if (scene_spec_.layers[plan_.origins[surfaces[i]].spec].color) continue;
+      Color color;
+      read_value(palette[i % palette.size()], color);
+      plan_.scene.layers[surfaces[i]].surface.color = color.linear;
+    }
+  }
+
+  const SceneSpec& scene_spec_;
+  const OpenData& open_;
+  ResolvedScene plan_;
+  std::vector<Outside> outside_;
+};
+
+bool proves_errors(const Layer& layer) {
+  return proves(layer.method);
+}
+
+/// Size, channels and background.
+void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
+  const PictureSpec& image = scene_spec.image;
+  const PictureSize size = image.size.value_or(PictureSize{});
+  plan.frame.width = size.width;
+  plan.frame.height = size.height;
+  plan.frame.channels = channel_set(image.channels.value_or(std::vector<std::string>{}));
+  plan.frame.use_hierarchy = image.hierarchy.value_or(true);
+  plan.page = page_named(image.show.value_or("color"));
+  plan.frame.antialiasing = image.antialias.value_or(1);
+  if (plan.page && plan.frame.antialiasing > 1) {
+    plan.frame.antialiasing = 1;
+    plan.notes.push_back("no antialiasing: a heat map shows one ray per pixel");
+  }
+  const std::vector<Layer>& layers = plan.scene.layers;
+  const bool shows_error = plan.page && channel_of(*plan.page).error;
+  if ((plan.frame.channels.error || shows_error) && !std::all_of(layers.begin(), layers.end(), proves_errors))
+    at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
+             [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
+  const bool is_projection =
+      std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return layer.mode == Mode::mip; });
+  const double grey = is_projection ? 0 : 1;
+  plan.scene.background = image.background ? image.background->linear : Vec3(grey, grey, grey);
+}
+
+constexpr double zoom_with_box = 0.75;  // numbers stand around it
+
+}  // namespace
+
+ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) {
+  ResolvedScene plan = LayerPlanner(scene_spec, open).plan();
+  plan_image(scene_spec, plan);
+  const Place clip = root(scene_spec).at("clip");
+  plan.scene.clip = choose_clip(scene_spec.clip, clip);
+  for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
+  plan.annotations = scene_spec.annotations;
+  if (plan.annotations.color_bar && !shows_values(plan))
+    at_place(root(scene_spec).at("annotations").at("colorbar"), [&] {
+      throw Error(ErrorCode::usage,
+                  concat(scene_spec.document.empty() ? "--colorbar: " : "", "nothing here is coloured by a field"));
+    });
+  return plan;
+}
+
+Box3 shown_box(const ResolvedScene& plan) {
+  Box3 shown, data;
+  for (const Layer& layer : plan.scene.layers) {
+    const Volume& volume = plan.volumes[layer.volume];
+    data.extendBy(volume.bounds());
+    const Box3 whole =
+        layer.mode == Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
+    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
+  }
+  return shown.isEmpty() ? data : shown;
+}
+
+void place_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
+  const CameraSpec& spec = scene_spec.camera;
+  const bool is_document = !scene_spec.document.empty();
+  at_place(root(scene_spec).at("camera"), [&] {
+    View view = named_view(spec.view.value_or("iso"));
+    view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
+    view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
+    view.zoom =
+        spec.zoom.value_or(scene_spec.annotations.box.value_or(false) && !spec.position ? zoom_with_box : view.zoom);
+    view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
+    view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
+
+    const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
+    const bool is_given = spec.position && spec.target && spec.up && (!view.orthographic || spec.orthographic_height);
+    Camera& camera = plan.scene.camera;
+    camera = fit_camera(is_given ? plan.volumes[0].bounds() : shown(), view, aspect);
+    camera.position = spec.position.value_or(camera.position);
+    camera.target = spec.target.value_or(camera.target);
+    camera.up = spec.up.value_or(camera.up);
+    camera.orthographic_height = spec.orthographic_height.value_or(camera.orthographic_height);
+    const Vec3 forward = camera.target - camera.position;
+    if (!(forward.cross(camera.up).length() > 0))
+      throw Error(ErrorCode::usage, "the camera has no direction: position, target and up lie on one line",
+                  is_document ? "give another \"up\" or \"target\"" : "give another --camera-up or --camera-target");
+  });
+}
+
+namespace {
+
+void place_lights(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
+  Scene& scene = plan.scene;
+  scene.lights = choose_lights(scene_spec, scene.camera);
+  scene.occlusion = choose_occlusion(scene_spec.effects.occlusion, shown);
+  scene.fog = choose_fog(scene_spec.effects.fog, scene.camera, scene.background, shown);
+  for (const std::string& note : light_notes(scene, plan.volumes)) plan.notes.push_back(note);
+}
+
+/// Rays of an eye inside data start on the side that the field has there.
+void note_camera_inside(ResolvedScene& plan) {
+  if (plan.scene.camera.orthographic) return;
+  for (std::size_t v = 0; v < plan.volumes.size(); ++v)
+    if (plan.volumes[v].bounds().intersects(plan.scene.camera.position))
+      plan.notes.push_back(concat("the camera is inside ", plan.data[v].file.string(), "; rays start inside the data"));
+}
+
+}  // namespace
+
+void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan) {
+  std::optional<Box3> box;
+  const ShownBox shown = [&] {
+    if (!box) box = shown_box(plan);
+    return *box;
+  };
+  aim_camera(scene_spec, shown, plan);
+}
+
+void aim_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
+  place_camera(scene_spec, shown, plan);
+  place_lights(scene_spec, shown, plan);
+  note_camera_inside(plan);
+  if (plan.annotations.box.value_or(false)) plan.annotated_box = shown();
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,94 @@
+#include "render/document/slices.h"
+#include "render/scene_words.h"
+
+#include <optional>
+#include <string>
+
+#include "formats/base/error.h"
+#include "formats/base/text.h"
+#include "render/document/clip.h"
+#include "render/document/material.h"
+
+namespace rhoray::render {
+
+namespace {
+
+const std::vector<std::string> axis_words{"x", "y", "z"};
+
+std::optional<int> axis_named(const std::string& word) {
+  for (std::size_t axis = 0; axis < axis_words.size(); ++axis)
+    if (axis_words[axis] == word) return static_cast<int>(axis);
+  return std::nullopt;
+}
+
+/// Refuses a plane given twice or incompletely.
+void check_plane(const LayerSpec& spec, const Place& place) {
+  const bool has_axis = !spec.axis.empty(), has_plane = spec.point || spec.normal;
+  const auto refuse = [&](const Place& at, const std::string& fact) {
+    throw Error(ErrorCode::invalid, concat(at.text(), ": ", fact));
+  };
+  if (has_axis && has_plane)
+    refuse(place.at("axis"), "\"point\" or \"normal\" is also given; expected only one of the two");
+  if (!has_axis && spec.position) refuse(place.at("position"), "needs \"axis\"");
+  if (!has_axis && !spec.normal) refuse(place, "has no plane; expected \"axis\", or \"point\" and \"normal\"");
+}
+
+HalfSpace plane_of(const LayerSpec& spec, const Vec3& middle) {
+  if (spec.axis.empty()) return {.point = spec.point.value_or(middle), .normal = *spec.normal};
+  const int axis = *axis_named(spec.axis);
+  HalfSpace plane{.point = middle, .normal = {0, 0, 0}};
+  plane.point[axis] = spec.position.value_or(middle[axis]);
+  plane.normal[axis] = 1;
+  return plane;
+}
+
+}  // namespace
+
+std::vector<Row<LayerSpec>> slice_rows() {
+  return {
+      row("axis", &LayerSpec::axis, word_value(axis_words), "World axis perpendicular to the plane"),
+      row("position", &LayerSpec::position, number(),
+          "Position on the axis in world units; default the middle of the data"),
+      row("point", &LayerSpec::point, vector_value(),
+          "With \"normal\", instead of \"axis\": a point of the plane; default the middle of the data"),
+      row("normal", &LayerSpec::normal, direction_value(), "Normal of the plane, of either sign and any length"),
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
+          "Colour map of the field; default \"viridis\""),
+      row("range", &LayerSpec::range, interval_value(),
+          "Values of the first and last colour; default the field's range"),
+      row("threshold", &LayerSpec::threshold, interval_value(),
+          "Show only values within this range; default all values"),
+      row("lit", &LayerSpec::lit, yes_or_no(), "true: lights shade the slice; default false: the map's own colours"),
+      row("opacity", &LayerSpec::opacity, number_within(limits::share), "Opacity; default 1")};
+}
+
+void choose_slice(const LayerSpec& spec, const Volume& volume, const Place& place, Layer& layer) {
+  check_plane(spec, place);
+  const formats::FieldSummary& field = volume.field();
+  if (field.range.is_empty())
+    throw Error(ErrorCode::invalid, concat(place.document.empty() ? "--slice" : place.text(), ": field '", field.name,
+                                           "' holds no finite value"));
+  layer.mode = Mode::slice;
+  layer.plane = plane_of(spec, volume.bounds().center());
+  if (spec.threshold) layer.threshold = *spec.threshold;
+  FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
+  for (const NamedColorMap& named : color_maps())
+    if (spec.colormap == named.name) colors.map = named.map;
+  layer.surface.color_by = colors;
+  layer.surface.specular = 0;
+  layer.surface.lit = spec.lit.value_or(false);
+  layer.surface.opacity = spec.opacity.value_or(1);
+}
+
+void say_slice(const Layer& layer, LayerSpec& spec) {
+  spec.type = LayerType::slice;
+  spec.point = layer.plane.point, spec.normal = layer.plane.normal;
+  const FieldColors& colors = *layer.surface.color_by;
+  spec.colormap = word_of(colors.map);
+  if (colors.range.lo < colors.range.hi) spec.range = colors.range;  // else the field's, as without
+  if (layer.threshold != Layer{}.threshold) spec.threshold = layer.threshold;
+  spec.lit = layer.surface.lit;
+  spec.opacity = layer.surface.opacity;
+}
+
+}  // namespace rhoray::render

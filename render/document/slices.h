@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/document/place.h"
+#include "render/document/values.h"
+#include "render/load.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+// Slices, planes that show a field: their keys in documents and how they are resolved.
+
+/// The keys of a slice, in addition to those of every layer.
+std::vector<Row<LayerSpec>> slice_rows();
+
+/// Plane, colours and opacity of a slice through this volume. Refuses one that has no plane or two,
+/// and a field without a finite value: of a document with the place (ErrorCode::invalid).
+/// @param place  of the wish; of a command line without a document
+void choose_slice(const LayerSpec& spec, const Volume& volume, const Place& place, Layer& layer);
+
+/// Writes the slice of a layer into a specification.
+void say_slice(const Layer& layer, LayerSpec& spec);
+
+}  // namespace rhoray::render

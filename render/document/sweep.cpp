@@ -1,0 +1,268 @@
+#include "render/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "formats/base/error.h"
+#include "formats/base/text.h"
+#include "render/document/place.h"
+
+namespace rhoray::render {
+
+namespace {
+
+constexpr double frames_per_time = 25;  // where no number of frames is said
+
+/// The key at or before a time, and how far it is to the next one.
+struct Between {
+  std::size_t key;
+  double share;
+};
+Between between(const std::vector<double>& times, double time) {
+  const auto after = std::upper_bound(times.begin(), times.end(), time);
+  if (after == times.begin()) return {0, 0};
+  const auto key = static_cast<std::size_t>(after - times.begin()) - 1;
+  if (key + 1 == times.size()) return {key, 0};
+  return {key, (time - times[key]) / (times[key + 1] - times[key])};
+}
+
+/// The cubic with these ends and these rates for the whole way.
+template <class T>
+T cubic(const T& from, const T& to, const T& rate_from, const T& rate_to, double s) {
+  const double a = s * s * (3 - 2 * s);
+  return from + (to - from) * a + rate_from * (s * (1 - s) * (1 - s)) - rate_to * (s * s * (1 - s));
+}
+
+double slope(const std::vector<double>& times, const std::vector<double>& values, std::size_t from) {
+  return (values[from + 1] - values[from]) / (times[from + 1] - times[from]);
+}
+
+/// The rate of a monotone cubic at a key: the weighted harmonic mean of the slopes beside it, 0
+/// where it turns.
+double rate(const std::vector<double>& times, const std::vector<double>& values, std::size_t key) {
+  if (key == 0) return slope(times, values, 0);
+  if (key + 1 == times.size()) return slope(times, values, key - 1);
+  const double before = slope(times, values, key - 1), after = slope(times, values, key);
+  if (!(before * after > 0)) return 0;
+  const double way_before = times[key] - times[key - 1], way_after = times[key + 1] - times[key];
+  const double w1 = 2 * way_after + way_before, w2 = way_after + 2 * way_before;
+  return (w1 + w2) / (w1 / before + w2 / after);
+}
+
+Vec3 rate(const std::vector<double>& times, const std::vector<Vec3>& values, std::size_t key) {
+  const std::size_t from = key == 0 ? 0 : key - 1, to = std::min(key + 1, times.size() - 1);
+  return (values[to] - values[from]) / (times[to] - times[from]);
+}
+
+template <class T>
+T on_track(const std::vector<double>& times, const std::vector<T>& values, double time) {
+  const auto [key, share] = between(times, time);
+  if (share == 0) return values[key];
+  const double way = times[key + 1] - times[key];
+  return cubic<T>(values[key], values[key + 1], rate(times, values, key) * way, rate(times, values, key + 1) * way,
+                  share);
+}
+
+const char* angle_in(const KeyframeSpec& key) {
+  return key.azimuth_deg ? "azimuth" : key.elevation_deg ? "elevation" : key.zoom ? "zoom" : nullptr;
+}
+const char* place_in(const KeyframeSpec& key) {
+  return key.position ? "position" : key.target ? "target" : key.up ? "up" : nullptr;
+}
+
+Place keys_place(const SceneSpec& scene_spec) {
+  return Place{scene_spec.document, {}}.at("camera").at("keyframes");
+}
+
+std::size_t isosurface_count(const SceneSpec& scene_spec, std::size_t& last) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < scene_spec.layers.size(); ++i) {
+    const LayerSpec& layer = scene_spec.layers[i];
+    if (!layer.visible || layer.type != LayerType::isosurface) continue;
+    count += layer.isovalues.size();
+    last = i;
+  }
+  return count;
+}
+
+int frame_count_of(const SceneSpec& scene_spec, const std::vector<KeyframeSpec>& keys) {
+  if (scene_spec.image.frames) return *scene_spec.image.frames;
+  const double frames = 1 + std::round(frames_per_time * (keys.back().time - keys.front().time));
+  if (!(frames <= limits::frames.hi))
+    throw Error(ErrorCode::invalid,
+                concat(keys_place(scene_spec).text(), ": need ", frames, " frames at ", frames_per_time,
+                       " per unit of time; expected at most ", limits::frames.hi),
+                "set \"frames\" of the image");
+  return std::max(2, static_cast<int>(frames));
+}
+
+}  // namespace
+
+void NumberTrack::add(double time, double value) {
+  times_.push_back(time), values_.push_back(value);
+}
+double NumberTrack::at(double time) const {
+  return on_track(times_, values_, time);
+}
+
+void PlaceTrack::add(double time, const Vec3& value) {
+  times_.push_back(time), values_.push_back(value);
+}
+Vec3 PlaceTrack::at(double time) const {
+  return on_track(times_, values_, time);
+}
+
+void Sweep::check_keys() const {
+  const Place place = keys_place(scene_spec_);
+  if (keys_.size() < 2)
+    throw Error(ErrorCode::invalid, concat(place.text(), ": found ", keys_.size(), "; expected at least 2 key frames"));
+  const KeyframeSpec* of_angles = nullptr;
+  const KeyframeSpec* of_places = nullptr;
+  std::size_t ignored = 0;
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const KeyframeSpec& key = keys_[i];
+    if (i > 0 && !(key.time > keys_[i - 1].time))
+      throw Error(ErrorCode::invalid,
+                  concat(place.at(i).at("time").text(), ": found ", key.time, "; expected a time after ",
+                         keys_[i - 1].time, ", the time of the previous key"));
+    if (angle_in(key) != nullptr && of_angles == nullptr) of_angles = &key;
+    if (place_in(key) != nullptr && of_places == nullptr) of_places = &key;
+    if (of_angles != nullptr && of_places != nullptr)
+      throw Error(ErrorCode::invalid,
+                  concat(place.at(i).text(), ": \"", place_in(*of_places), "\" and \"", angle_in(*of_angles),
+                         "\" are both in key frames; expected either angles or positions"));
+    if (key.isovalue && isosurface_count(scene_spec_, ignored) != 1)
+      throw Error(ErrorCode::invalid,
+                  concat(place.at(i).at("isovalue").text(), ": the scene shows ",
+                         isosurface_count(scene_spec_, ignored), " isosurfaces; expected exactly one"));
+  }
+}
+
+Sweep::Sweep(const SceneSpec& scene_spec)
+    : scene_spec_(scene_spec), keys_(scene_spec.camera.keyframes.value_or(std::vector<KeyframeSpec>{})) {
+  if (!scene_spec.camera.keyframes)
+    throw Error(scene_spec.document.empty() ? ErrorCode::usage : ErrorCode::invalid,
+                "several frames need a scene document with \"keyframes\" of the camera");
+  check_keys();
+  isosurface_count(scene_spec, isovalue_layer_);
+  frame_count_ = frame_count_of(scene_spec, keys_);
+  for (const KeyframeSpec& key : keys_) {
+    const auto add = [&](auto& track, const auto& value) {
+      if (value) track.add(key.time, *value);
+    };
+    add(azimuth_, key.azimuth_deg);
+    add(elevation_, key.elevation_deg);
+    if (key.zoom) zoom_.add(key.time, std::log(*key.zoom));
+    add(fov_, key.fov_deg);
+    add(isovalue_, key.isovalue);
+    add(position_, key.position);
+    add(target_, key.target);
+    add(up_, key.up);
+  }
+}
+
+double Sweep::time_of(int frame) const {
+  const double first = keys_.front().time, last = keys_.back().time;
+  if (frame == 0 || frame_count_ == 1) return first;
+  return frame == frame_count_ - 1 ? last : first + (last - first) * frame / (frame_count_ - 1);
+}
+
+SceneSpec Sweep::spec_at(double time) const {
+  SceneSpec scene_spec = scene_spec_;
+  CameraSpec& camera = scene_spec.camera;
+  camera.keyframes.reset();
+  scene_spec.image.frames.reset();
+  const auto set = [time](auto& member, const auto& track) {
+    if (!track.is_empty()) member = track.at(time);
+  };
+  set(camera.azimuth_deg, azimuth_);
+  set(camera.elevation_deg, elevation_);
+  if (!zoom_.is_empty()) camera.zoom = std::exp(zoom_.at(time));
+  set(camera.fov_deg, fov_);
+  set(camera.position, position_);
+  set(camera.target, target_);
+  set(camera.up, up_);
+  if (!isovalue_.is_empty()) scene_spec.layers[isovalue_layer_].isovalues = {concat(isovalue_.at(time))};
+  return scene_spec;
+}
+
+void Sweep::check_isovalues(const ResolvedScene& plan) const {
+  for (std::size_t l = 0; l < plan.scene.layers.size(); ++l) {
+    if (plan.origins[l].spec != isovalue_layer_) continue;
+    const formats::FieldSummary& field = plan.volumes[plan.scene.layers[l].volume].field();
+    for (std::size_t i = 0; i < keys_.size(); ++i)
+      if (keys_[i].isovalue && !field.range.contains(*keys_[i].isovalue))
+        throw Error(ErrorCode::invalid, concat(keys_place(scene_spec_).at(i).at("isovalue").text(), ": isovalue ",
+                                               *keys_[i].isovalue, " is outside the range ", field.range.lo, " to ",
+                                               field.range.hi, " of field '", field.name, "'"));
+  }
+}
+
+void Sweep::set_isovalue(double isovalue, ResolvedScene& plan) const {
+  for (std::size_t l = 0; l < plan.scene.layers.size(); ++l)
+    if (plan.origins[l].spec == isovalue_layer_) plan.scene.layers[l].isovalue = isovalue;
+}
+
+/// Finds the box of what is shown at the keys, and the camera distance of all frames of a camera
+/// given by angles.
+void Sweep::find_reach(ResolvedScene& plan) {
+  shown_ = Box3();
+  if (isovalue_.is_empty())
+    shown_ = shown_box(plan);
+  else
+    for (const KeyframeSpec& key : keys_) {
+      set_isovalue(isovalue_.at(key.time), plan);
+      shown_->extendBy(shown_box(plan));
+    }
+  constexpr int most_looked_at = 720;  // a full turn by half degrees
+  const int step = 1 + frame_count_ / most_looked_at;
+  for (int frame = 0; frame < frame_count_; frame += step) {
+    SceneSpec scene_spec = spec_at(time_of(frame));
+    scene_spec.camera.zoom = 1;
+    place_camera(
+        scene_spec, [&] { return *shown_; }, plan);
+    const Camera& camera = plan.scene.camera;
+    distance_ = std::max(distance_, (camera.position - camera.target).length());
+    orthographic_height_ = std::max(orthographic_height_, camera.orthographic_height);
+  }
+}
+
+void Sweep::plan_frame(int frame, ResolvedScene& plan) {
+  const double time = time_of(frame);
+  if (!shown_) {
+    if (!isovalue_.is_empty()) check_isovalues(plan);
+    find_reach(plan);
+  }
+  SceneSpec scene_spec = spec_at(time);
+  if (!isovalue_.is_empty()) set_isovalue(isovalue_.at(time), plan);
+  const ShownBox shown = [&] { return *shown_; };
+  CameraSpec& said = scene_spec.camera;
+  if (!said.position && !said.target && !said.up) {
+    place_camera(scene_spec, shown, plan);
+    const Camera& camera = plan.scene.camera;
+    said.position = camera.target + (camera.position - camera.target).normalized() * distance_;
+    said.target = camera.target;
+    said.up = camera.up;
+    if (camera.orthographic && !said.orthographic_height)
+      said.orthographic_height = orthographic_height_ / said.zoom.value_or(1);
+  }
+  aim_camera(scene_spec, shown, plan);
+}
+
+std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number) {
+  const std::string name = pattern.filename().string();
+  const std::size_t at = name.find('%');
+  if (at == name.npos || name.find('%', at + 1) != name.npos) return std::nullopt;
+  std::size_t end = at + 1;
+  const bool has_zeros = end < name.size() && name[end] == '0';
+  while (end < name.size() && name[end] >= '0' && name[end] <= '9') ++end;
+  const std::string width = name.substr(at + 1, end - at - 1);
+  if (end >= name.size() || name[end] != 'd' || width.size() > 2 || (!width.empty() && !has_zeros)) return std::nullopt;
+  std::string digits = concat(number);
+  const std::size_t wanted = width.empty() ? 0 : static_cast<std::size_t>(std::stoi(width));
+  if (digits.size() < wanted) digits.insert(0, wanted - digits.size(), '0');
+  return pattern.parent_path() / (name.substr(0, at) + digits + name.substr(end + 1));
+}
+
+}  // namespace rhoray::render

@@ -1,0 +1,80 @@
+#include "render/document.h"
+
+#include "render/document/clip.h"
+#include "render/document/lights.h"
+#include "render/document/material.h"
+#include "render/document/slices.h"
+#include "render/method_words.h"
+#include "render/scene_words.h"
+
+namespace rhoray::render {
+
+namespace {
+
+std::string name_of_texture(const ResolvedScene& plan, const Texture& texture) {
+  for (std::size_t i = 0; i < plan.textures.size(); ++i)
+    if (&plan.textures[i].grid() == &texture.grid()) return plan.texture_data[i].name;
+  return {};
+}
+
+}  // namespace
+
+SceneSpec to_spec(const ResolvedScene& plan) {
+  const Camera& camera = plan.scene.camera;
+  SceneSpec scene_spec{.data = plan.data};
+  for (std::size_t i = 0; i < scene_spec.data.size(); ++i)
+    if (scene_spec.data[i].name.empty()) scene_spec.data[i].name = "data";  // of a command line
+  scene_spec.data.insert(scene_spec.data.end(), plan.texture_data.begin(), plan.texture_data.end());
+  for (const Layer& layer : plan.scene.layers) {
+    LayerSpec spec{.data = scene_spec.data[layer.volume].name};
+    if (layer.mode != Mode::slice) {
+      const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
+      (method.option == "--accuracy" ? spec.accuracy : spec.method) = method.word;
+    }
+    if (layer.mode == Mode::slice) {
+      say_slice(layer, spec);
+    } else if (layer.mode == Mode::mip) {
+      spec.type = LayerType::mip;
+      spec.range = layer.window;
+    } else {
+      if (layer.mode == Mode::isosurface)
+        spec.isovalues = {concat(layer.isovalue)};
+      else
+        spec.type = LayerType::mesh;
+      spec.color = Color{layer.surface.color};
+      spec.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
+      if (const auto& colors = layer.surface.color_by) {
+        spec.color_by = colors->field;
+        spec.colormap = word_of(colors->map);
+        if (colors->range.lo < colors->range.hi) spec.range = colors->range;  // else the field's, as without
+      }
+      if (layer.surface.texture) spec.texture = name_of_texture(plan, *layer.surface.texture);
+      spec.ambient = layer.surface.ambient;
+      spec.specular = layer.surface.specular;
+      spec.shininess = layer.surface.shininess;
+      spec.opacity = layer.surface.opacity;
+    }
+    if (plan.scene.clip) spec.clip = layer.clipped;
+    scene_spec.layers.push_back(std::move(spec));
+  }
+  scene_spec.clip = clip_spec(plan.scene.clip);
+  scene_spec.lights = light_specs(plan.scene.lights);
+  scene_spec.effects = effects_spec(plan.scene);
+  scene_spec.camera.position = camera.position;
+  scene_spec.camera.target = camera.target;
+  scene_spec.camera.up = camera.up;
+  if (camera.orthographic)
+    scene_spec.camera.orthographic_height = camera.orthographic_height;
+  else
+    scene_spec.camera.fov_deg = camera.vertical_fov_deg;
+  scene_spec.annotations = plan.annotations;
+  scene_spec.image.size = PictureSize{plan.frame.width, plan.frame.height};
+  scene_spec.image.background = Color{plan.scene.background};
+  if (plan.frame.channels.any()) scene_spec.image.channels = words_of(plan.frame.channels);
+  if (plan.page) scene_spec.image.show = word_of(*plan.page);
+  if (!plan.frame.use_hierarchy) scene_spec.image.hierarchy = false;
+  if (plan.frame.antialiasing > 1) scene_spec.image.antialias = plan.frame.antialiasing;
+  return scene_spec;
+}
+
+}  // namespace rhoray::render

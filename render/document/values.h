@@ -1,0 +1,209 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/base/nearest_name.h"
+#include "formats/base/text.h"
+#include "render/document/place.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+/// A document being read: where we are, and what goes on beside.
+struct Reading {
+  Place place;
+  const std::filesystem::path& folder;  ///< that file names are relative to
+  std::vector<std::string>& warnings;   ///< one line each
+
+  template <class Step>
+  Reading at(const Step& step) const {
+    return {place.at(step), folder, warnings};
+  }
+};
+
+/// What a value of a document may be: how people are told, its JSON Schema, and the way in and out.
+template <class T>
+struct ValueKind {
+  std::string expected;  ///< "a number from 0 to 1"
+  Json schema;
+  std::function<T(const Json&, const Reading&)> read;  ///< refuses with the place (ErrorCode::invalid)
+  std::function<Json(const T&)> write;                 ///< null: left out
+};
+
+ValueKind<double> number();
+ValueKind<double> number_within(const Interval<double>& limits);
+ValueKind<double> number_above_zero();
+ValueKind<double> number_from_zero();
+ValueKind<int> whole_number_within(const Interval<int>& limits);
+ValueKind<bool> yes_or_no();
+ValueKind<std::string> text_value();
+ValueKind<Vec3> vector_value();
+ValueKind<Interval<double>> interval_value();
+ValueKind<Color> color_value();
+ValueKind<PictureSize> size_value();
+/// A file that must be there; names are relative to the document's folder.
+ValueKind<std::filesystem::path> file_value();
+ValueKind<std::string> word_value(std::vector<std::string> words);
+ValueKind<std::vector<std::string>> words_value(std::vector<std::string> words);
+/// A number, "auto", a percentile such as "p95", or a list of these.
+ValueKind<std::vector<std::string>> isovalues_value();
+ValueKind<std::string> method_value();
+
+/// One key of an object of a document.
+template <class Object>
+struct Row {
+  std::string key;
+  std::string help;
+  std::string expected;
+  Json schema;
+  bool required = false;
+  std::function<void(const Json&, const Reading&, Object&)> read;
+  std::function<Json(const Object&)> write;  ///< null: left out
+};
+
+template <class Object, class T>
+Row<Object> row(std::string key, T Object::*member, ValueKind<T> kind, std::string help) {
+  return {.key = std::move(key),
+          .help = std::move(help),
+          .expected = kind.expected,
+          .schema = kind.schema,
+          .read = [member, read = kind.read](const Json& json, const Reading& at,
+                                             Object& out) { out.*member = read(json, at); },
+          .write = [member, write = kind.write](const Object& object) { return write(object.*member); }};
+}
+
+template <class Object, class T>
+Row<Object> row(std::string key, std::optional<T> Object::*member, ValueKind<T> kind, std::string help) {
+  return {.key = std::move(key),
+          .help = std::move(help),
+          .expected = kind.expected,
+          .schema = kind.schema,
+          .read = [member, read = kind.read](const Json& json, const Reading& at,
+                                             Object& out) { out.*member = read(json, at); },
+          .write = [member, write = kind.write](const Object& object) -> Json {
+            return object.*member ? write(*(object.*member)) : Json();
+          }};
+}
+
+template <class Object>
+Row<Object> required(Row<Object> row) {
+  row.required = true;
+  return row;
+}
+
+/// Warns of a key that no row has, with the nearest one.
+void warn_of_unknown_key(const std::string& key, const std::vector<std::string>& known, const Reading& at);
+[[noreturn]] void refuse_missing_key(const std::string& key, const std::string& expected, const Reading& at);
+
+template <class Object>
+std::vector<std::string> keys_of(const std::vector<Row<Object>>& rows) {
+  std::vector<std::string> keys;
+  for (const Row<Object>& row : rows) keys.push_back(row.key);
+  return keys;
+}
+
+template <class Object>
+Object read_object(const Json& json, const Reading& at, const std::vector<Row<Object>>& rows) {
+  Object out;
+  if (!json.is_object()) at.place.refuse(json, "an object");
+  for (const auto& [key, value] : json.items()) {
+    const auto found =
+        std::find_if(rows.begin(), rows.end(), [&name = key](const Row<Object>& row) { return row.key == name; });
+    if (found == rows.end())
+      warn_of_unknown_key(key, keys_of(rows), at);
+    else
+      found->read(value, at.at(key), out);
+  }
+  for (const Row<Object>& row : rows)
+    if (row.required && !json.contains(row.key)) refuse_missing_key(row.key, row.expected, at);
+  return out;
+}
+
+template <class Object>
+Json write_object(const Object& object, const std::vector<Row<Object>>& rows) {
+  Json json = Json::object();
+  for (const Row<Object>& row : rows) {
+    Json value = row.write(object);
+    if (!value.is_null()) json[row.key] = std::move(value);
+  }
+  return json;
+}
+
+/// The schema rejects keys that no row has, where the reader only warns: what rejects is an editor,
+/// while one types.
+template <class Object>
+Json schema_of(const std::vector<Row<Object>>& rows) {
+  Json properties = Json::object(), required = Json::array();
+  for (const Row<Object>& row : rows) {
+    Json value = row.schema;
+    value["description"] = row.help;
+    properties[row.key] = std::move(value);
+    if (row.required) required.push_back(row.key);
+  }
+  Json schema{{"type", "object"}, {"properties", properties}};
+  if (!required.empty()) schema["required"] = required;
+  schema["additionalProperties"] = false;
+  return schema;
+}
+
+template <class Object>
+ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
+  return {.expected = "an object",
+          .schema = schema_of(rows),
+          .read = [&rows](const Json& json, const Reading& at) { return read_object(json, at, rows); },
+          .write = [&rows](const Object& object) -> Json {
+            Json json = write_object(object, rows);
+            return json.empty() ? Json() : json;
+          }};
+}
+
+/// Any number of objects of one kind.
+template <class Object>
+ValueKind<std::vector<Object>> list_of(const std::vector<Row<Object>>& rows, const char* noun) {
+  const std::string expected = concat("an array of ", noun);
+  return {.expected = expected,
+          .schema = {{"type", "array"}, {"items", schema_of(rows)}},
+          .read =
+              [expected, &rows](const Json& json, const Reading& at) {
+                if (!json.is_array()) at.place.refuse(json, expected);
+                std::vector<Object> list;
+                for (std::size_t i = 0; i < json.size(); ++i) list.push_back(read_object(json[i], at.at(i), rows));
+                return list;
+              },
+          .write =
+              [&rows](const std::vector<Object>& list) {
+                Json json = Json::array();
+                for (const Object& object : list) json.push_back(write_object(object, rows));
+                return json;
+              }};
+}
+
+/// What is there as it is, or in so many words: true, or an object.
+template <class Object, class T>
+Row<Object> switched_row(std::string key, std::optional<T> Object::*member, const std::vector<Row<T>>& rows,
+                         std::string help) {
+  const std::string expected = "true, false or an object";
+  return {.key = std::move(key),
+          .help = std::move(help),
+          .expected = expected,
+          .schema = {{"oneOf", {{{"type", "boolean"}}, schema_of(rows)}}},
+          .read =
+              [member, expected, &rows](const Json& json, const Reading& at, Object& out) {
+                if (!json.is_boolean() && !json.is_object()) at.place.refuse(json, expected);
+                (out.*member).reset();
+                if (json.is_object()) out.*member = read_object(json, at, rows);
+                if (json == true) out.*member = T{};
+              },
+          .write = [member, &rows](const Object& object) -> Json {
+            if (!(object.*member)) return Json();
+            Json json = write_object(*(object.*member), rows);
+            return json.empty() ? Json(true) : json;
+          }};
+}
+
+}  // namespace rhoray::render

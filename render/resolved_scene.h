@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/heat_map.h"
+#include "render/load.h"
+#include "render/render.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+/// Where a layer of the planned scene comes from.
+struct LayerOrigin {
+  std::size_t spec = 0;       ///< index into SceneSpec::layers
+  std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
+};
+
+/// Everything that was chosen.
+struct ResolvedScene {
+  std::vector<Volume> volumes;
+  std::vector<DataSpec> data;  ///< of each volume, with the name of its field
+  std::vector<Texture> textures;
+  std::vector<DataSpec> texture_data;  ///< of each texture
+  Scene scene;
+  std::vector<LayerOrigin> origins;  ///< of each layer
+  FrameOptions frame;
+  std::optional<DebugChannel> page;  ///< drawn instead of colours
+  AnnotationsSpec annotations;
+  Box3 annotated_box;              ///< around what is shown, where annotations ask for it
+  std::vector<std::string> notes;  ///< what was left out or chosen otherwise than asked, one line each
+};
+
+}  // namespace rhoray::render

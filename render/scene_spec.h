@@ -1,0 +1,180 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/base/interval.h"
+#include "formats/base/vector.h"
+#include "render/scene.h"
+
+namespace rhoray::render {
+
+// The requested scene, as options or a scene document (document.h) say it. What is not given is
+// chosen from the data.
+
+struct PictureSize {
+  int width = 1280;
+  int height = 720;
+};
+/// Reads WxH, 720p, 1080p or 4k; sides from 1 to 65,536. Refuses other texts (ErrorCode::usage).
+void read_value(const std::string& text, PictureSize& out);
+
+/// Linear RGB.
+struct Color {
+  Vec3 linear;
+};
+/// Reads #rrggbb (sRGB) or three linear numbers r,g,b in [0, 1]. Refuses other texts
+/// (ErrorCode::usage).
+void read_value(const std::string& text, Color& out);
+
+/// A file, opened for one of its fields.
+struct DataSpec {
+  std::string name{};  ///< by which layers ask for it
+  std::filesystem::path file{};
+  std::string field{};  ///< empty = the first that is not the same everywhere
+};
+
+enum class LayerType { isosurface, mip, mesh, slice };
+
+struct LayerSpec {
+  LayerType type = LayerType::isosurface;
+  std::string data{};                          ///< a DataSpec's name; empty = the only one
+  std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
+  std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
+  std::optional<Color> color{};
+  std::string normals{};   ///< a word; empty = flat in meshes, exact in grids
+  std::string color_by{};  ///< a field of the data; empty = color
+  std::string colormap{};  ///< a word; empty = viridis
+  std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
+  std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
+  std::string accuracy{};  ///< a level; empty = the scene's
+  std::string method{};    ///< instead of a level
+  bool visible = true;
+  std::optional<bool> clip{};  ///< false: shown whole
+  std::string axis{};          ///< of slices: a word; empty = point and normal
+  std::optional<double> position{};
+  std::optional<Vec3> point{}, normal{};
+  std::optional<Interval<double>> threshold{};
+  std::optional<bool> lit{};
+};
+
+/// The camera, or the isovalue of a scene's only isosurface, at a time.
+struct KeyframeSpec {
+  double time = 0;
+  std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
+  std::optional<Vec3> position{}, target{}, up{};
+  std::optional<double> isovalue{};
+};
+
+struct CameraSpec {
+  std::optional<std::string> view{};
+  std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
+  std::optional<bool> orthographic{};
+  std::optional<double> orthographic_height{};  ///< implies orthographic
+  std::optional<Vec3> position{}, target{}, up{};
+  std::optional<std::vector<KeyframeSpec>> keyframes{};
+};
+
+struct PictureSpec {
+  std::optional<PictureSize> size{};
+  std::optional<Color> background{};
+  std::optional<std::vector<std::string>> channels{};
+  std::optional<std::string> show{};  ///< color, or a heat map
+  std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
+  std::optional<int> antialias{};     ///< most samples of a pixel
+  std::optional<int> frames{};        ///< from the camera's first key frame to its last
+};
+
+struct LightSpec {
+  Light::Kind type = Light::Kind::head;
+  std::optional<Vec3> direction{};  ///< towards it
+  std::optional<double> azimuth_deg{}, elevation_deg{};
+  std::string from{};  ///< a word: what the angles count from; empty = the world
+  std::optional<Vec3> position{};
+  std::optional<Color> color{};
+  std::optional<double> intensity{};
+  std::optional<bool> shadows{};
+  std::optional<double> angular_diameter_deg{};  ///< of a directional light
+  std::optional<double> radius{};                ///< of a point light
+  std::optional<int> samples{};                  ///< of one that has a size
+};
+
+struct OcclusionSpec {
+  std::optional<int> samples{};
+  std::optional<double> radius{};  ///< default a share of what is shown
+};
+
+struct FogSpec {
+  std::optional<Color> color{};  ///< default the background
+  std::optional<Interval<double>> range{};
+};
+
+/// Of the whole picture.
+struct EffectsSpec {
+  std::optional<OcclusionSpec> occlusion{};
+  std::optional<FogSpec> fog{};
+};
+
+/// Words of ClipSpec::keep.
+inline constexpr const char* keep_inside = "inside";
+inline constexpr const char* keep_outside = "outside";
+
+struct ClipSpec {
+  std::optional<Box3> box{};
+  std::vector<HalfSpace> planes{};
+  std::string keep{};  ///< a word; empty = inside
+};
+
+/// Arrows along the world's axes.
+struct AxesSpec {
+  std::string corner{};  ///< a word; empty = left
+};
+
+struct ColorBarSpec {
+  std::string title{};     ///< empty = the field's name and unit
+  std::string position{};  ///< a word; empty = right
+};
+
+/// Annotations over the finished picture.
+struct AnnotationsSpec {
+  std::optional<AxesSpec> axes{};
+  std::optional<bool> box{};  ///< around what is shown, with numbers
+  std::optional<ColorBarSpec> color_bar{};
+  std::string caption{};
+};
+
+struct SceneSpec {
+  std::vector<DataSpec> data{};
+  std::vector<LayerSpec> layers{};
+  std::optional<std::vector<LightSpec>> lights{};  ///< default one white light at the eye
+  EffectsSpec effects{};
+  std::optional<ClipSpec> clip{};
+  CameraSpec camera{};
+  PictureSpec image{};
+  AnnotationsSpec annotations{};
+  std::string accuracy{};  ///< of layers that name none; empty = default_method
+  std::string document{};  ///< what the scene was read from; empty: the command line
+};
+
+inline constexpr std::size_t most_layers = 254;  ///< that a frame takes
+inline constexpr std::size_t most_lights = 64;
+
+/// Limits of numbers.
+namespace limits {
+inline constexpr Interval<double> elevation_deg{-90, 90};
+inline constexpr Interval<double> zoom{1e-6, 1e6};
+inline constexpr Interval<double> fov_deg{0.001, 179};
+inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
+inline constexpr Interval<double> shininess{1, 1e4};
+inline constexpr Interval<double> percentile{0, 100};
+inline constexpr Interval<double> intensity{0, 1e4};
+inline constexpr Interval<int> occlusion_samples{1, 4096};
+inline constexpr Interval<int> pixel_samples{1, 64};
+inline constexpr Interval<int> frames{1, 100000};
+inline constexpr Interval<double> angular_diameter_deg{0, 180};
+inline constexpr Interval<int> light_samples{1, 4096};
+}  // namespace limits
+
+}  // namespace rhoray::render

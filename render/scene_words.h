@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/framebuffer.h"
+#include "render/heat_map.h"
+#include "render/load.h"
+#include "render/scene.h"
+
+namespace rhoray::render {
+
+// Names of views, channels, heat maps, normals and colour maps, as options and documents take them.
+
+std::vector<std::string> view_words();
+
+std::vector<std::string> channel_words();
+/// Refuses words that name none, as option --channels (ErrorCode::usage).
+ChannelSet channel_set(const std::vector<std::string>& words);
+std::vector<std::string> words_of(const ChannelSet& channels);
+
+std::vector<std::string> show_words();                            ///< "color" first
+std::optional<DebugChannel> page_named(const std::string& word);  ///< nothing for color
+std::string word_of(DebugChannel page);
+
+struct NamedNormals {
+  const char* name;
+  Normals normals;
+  bool of_meshes;  ///< and of triangles; else of grids
+};
+std::span<const NamedNormals> named_normals();
+/// Names of normals: flat and smooth in meshes and of triangles, exact in grids.
+std::vector<std::string> normals_words();
+std::string word_of(Normals normals, bool has_flat_normals);
+bool has_flat_normals(const Volume& volume);  ///< meshes and surfaces: also smooth ones
+
+std::vector<std::string> colormap_words();
+std::string word_of(ColorMap map);
+
+}  // namespace rhoray::render

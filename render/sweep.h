@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "render/document/resolve.h"
+#include "render/scene_spec.h"
+
+namespace rhoray::render {
+
+/// A number that key frames name at some times. Between them it follows the monotone cubic through
+/// all of them (F. Fritsch and R. Carlson, SIAM J. Numer. Anal. 17, 1980): exact at the keys,
+/// without a jump of its rate, and never beyond the two numbers that it lies between. Before the
+/// first and after the last it stays.
+class NumberTrack {
+ public:
+  void add(double time, double value);  ///< times rise
+  bool is_empty() const { return times_.empty(); }
+  double at(double time) const;
+
+ private:
+  std::vector<double> times_, values_;
+};
+
+/// A place that key frames name at some times, likewise: a cubic through all of them whose
+/// direction at each is that from the key before to the key after (Catmull and Rom, with the keys'
+/// own times).
+class PlaceTrack {
+ public:
+  void add(double time, const Vec3& value);
+  bool is_empty() const { return times_.empty(); }
+  Vec3 at(double time) const;
+
+ private:
+  std::vector<double> times_;
+  std::vector<Vec3> values_;
+};
+
+/// A camera, and perhaps an isovalue, that move from key frame to key frame; frames lie at even
+/// times from the first key to the last. What no key names stays as the document says.
+///
+/// A camera of angles goes round what is shown at one distance, the nearest from which every frame
+/// shows all of it at zoom 1; zoom follows its logarithm. One of places is where they say.
+class Sweep {
+ public:
+  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an
+  /// isovalue where there is not one isosurface alone (ErrorCode::invalid, with the place); frames
+  /// without keys.
+  explicit Sweep(const SceneSpec& scene_spec);
+
+  int frame_count() const { return frame_count_; }
+  double time_of(int frame) const;
+
+  /// Wishes of one frame alone.
+  SceneSpec spec_at(double time) const;
+
+  /// Makes a plan of spec_at any time that of a frame: its isovalue, its camera, and what depends
+  /// on it. Refuses isovalues of keys that lie outside their field's range.
+  void plan_frame(int frame, ResolvedScene& plan);
+
+ private:
+  void check_keys() const;
+  void check_isovalues(const ResolvedScene& plan) const;
+  void set_isovalue(double isovalue, ResolvedScene& plan) const;
+  void find_reach(ResolvedScene& plan);
+
+  SceneSpec scene_spec_;
+  std::vector<KeyframeSpec> keys_;
+  int frame_count_;
+  std::size_t isovalue_layer_ = 0;  ///< the wish whose isovalue it is
+  NumberTrack azimuth_, elevation_, zoom_, fov_, isovalue_;
+  PlaceTrack position_, target_, up_;
+  std::optional<Box3> shown_;                      ///< at any of the keys
+  double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1
+};
+
+/// The name of a numbered picture: %d, or %04d with as many zeros, becomes the number. Nothing
+/// where there is no such place, or another percent sign.
+std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number);
+
+}  // namespace rhoray::render

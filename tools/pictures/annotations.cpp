@@ -1,0 +1,72 @@
+#include "tools/pictures/annotations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/base/text.h"
+#include "render/scene_words.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+std::string title_of(const formats::FieldSummary& field) {
+  return field.unit.empty() ? field.name : concat(field.name, " (", field.unit, ")");
+}
+
+/// The fields that the layers show by colours, each once.
+std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
+  std::vector<ColorBar> bars;
+  const auto add = [&](const ColorBar& bar) {
+    if (std::find(bars.begin(), bars.end(), bar) == bars.end()) bars.push_back(bar);
+  };
+  for (const render::Layer& layer : plan.scene.layers) {
+    const render::Volume& volume = plan.volumes[layer.volume];
+    if (layer.mode == render::Mode::mip)
+      add({title_of(volume.field()), render::ColorMap::gray, layer.window});
+    else if (const auto& colors = layer.surface.color_by)
+      add({title_of(volume.field(colors->field).value()), colors->map, colors->range});
+  }
+  return bars;
+}
+
+/// Errors are shown by their powers of ten.
+ColorBar heat_bar(render::DebugChannel page, const Interval<double>& heat) {
+  if (page != render::DebugChannel::error) return {word_of(page), render::ColorMap::viridis, heat};
+  return {concat("log10 of ", word_of(page)), render::ColorMap::viridis, {std::log10(heat.lo), std::log10(heat.hi)}};
+}
+
+Side side_of(const std::string& word, Side otherwise) {
+  return word.empty() ? otherwise : word == "left" ? Side::left : Side::right;
+}
+
+}  // namespace
+
+Annotations annotations_of(const render::ResolvedScene& plan, const Interval<double>& heat) {
+  const render::AnnotationsSpec& spec = plan.annotations;
+  const std::vector<render::Layer>& layers = plan.scene.layers;
+  Annotations annotations{.camera = plan.scene.camera};
+  if (spec.axes) {
+    annotations.axes = true;
+    annotations.axes_side = side_of(spec.axes->corner, Side::left);
+  }
+  if (spec.box.value_or(false)) {
+    annotations.box = plan.annotated_box;
+    annotations.length_unit = plan.volumes[layers[0].volume].length_unit();
+    annotations.hides_box = std::any_of(layers.begin(), layers.end(),
+                                        [](const render::Layer& layer) { return layer.mode != render::Mode::mip; });
+  }
+  if (spec.color_bar) {
+    annotations.bars_side = side_of(spec.color_bar->position, Side::right);
+    if (!plan.page)
+      annotations.bars = layer_bars(plan);
+    else if (!heat.is_empty())
+      annotations.bars = {heat_bar(*plan.page, heat)};
+    for (ColorBar& bar : annotations.bars)
+      if (!spec.color_bar->title.empty()) bar.title = spec.color_bar->title;
+  }
+  annotations.caption = spec.caption;
+  return annotations;
+}
+
+}  // namespace rhoray::tools
