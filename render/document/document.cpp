@@ -52,13 +52,13 @@ SceneDocument read_scene(const std::filesystem::path& input) {
   return document;
 }
 
-Json scene_json(const SceneSpec& scene_spec, const std::filesystem::path& folder) {
+std::string scene_text(const SceneSpec& scene_spec, const std::filesystem::path& folder) {
   SceneSpec named = scene_spec;
   if (!folder.empty())
     for (DataSpec& data : named.data)
       data.file = std::filesystem::absolute(data.file).lexically_normal().lexically_proximate(
           std::filesystem::absolute(folder).lexically_normal());
-  return write_object(named, scene_rows());
+  return dump(write_object(named, scene_rows()));
 }
 
 }  // namespace rhoray::render

@@ -120,6 +120,19 @@ TEST(Help, has_no_line_beyond_the_width) {
   }
 }
 
+TEST(Help, of_the_program_lists_the_subcommands_by_group) {
+  const std::vector<Subcommand> subcommands = all_subcommands();
+  const std::string text = overview(subcommands, 80);
+  for (const Subcommand& each : subcommands) {
+    EXPECT_NE(each.group, Subcommand{}.group) << each.name;
+    const std::size_t group = text.find(concat("\n\n", each.group, ":\n"));
+    ASSERT_NE(group, std::string::npos) << each.group;
+    const std::string section = text.substr(group, text.find("\n\n", group + 2) - group);
+    EXPECT_THAT(section, HasSubstr(concat("\n  ", each.name, " ")));
+    EXPECT_THAT(section, HasSubstr(each.summary));
+  }
+}
+
 TEST(Help, starts_with_summary_usage_and_at_most_three_examples) {
   for (const Subcommand& each : all_subcommands()) {
     SCOPED_TRACE(each.name);
@@ -203,18 +216,19 @@ TEST(Help, keeps_the_choices_of_an_option_as_data) {
 
 TEST(Help, is_printed_by_the_program_in_the_width_of_COLUMNS) {
   const tests::Workbench bench;
-  for (const Subcommand& each : all_subcommands()) {
-    SCOPED_TRACE(each.name);
-    const auto printed = [&](const std::string& words) {
-      const tests::RunResult run = bench.shell(concat("COLUMNS=60 rhoray ", words));
-      EXPECT_EQ(run.exit_code, 0);
-      EXPECT_EQ(run.err, "");
-      return run.out;
-    };
+  const auto printed = [&](const std::string& words) {
+    SCOPED_TRACE(words);
+    const tests::RunResult run = bench.shell(concat("COLUMNS=60 rhoray ", words));
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.err, "");
+    return run.out;
+  };
+  const std::vector<Subcommand> subcommands = all_subcommands();
+  for (const char* option : {"--help", "-h", "--help-all"}) EXPECT_EQ(printed(option), overview(subcommands, 60));
+  for (const Subcommand& each : subcommands) {
     EXPECT_EQ(printed(concat(each.name, " --help")), help_text(each, HelpLevel::common, 60));
     EXPECT_EQ(printed(concat(each.name, " -h")), help_text(each, HelpLevel::common, 60));
     EXPECT_EQ(printed(concat(each.name, " --help-all")), help_text(each, HelpLevel::all, 60));
-    EXPECT_THAT(printed("--help"), HasSubstr(concat("  ", each.name, " ")));
   }
 }
 
