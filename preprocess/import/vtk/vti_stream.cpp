@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "preprocess/import/numbers.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
 namespace rhoray::preprocess {

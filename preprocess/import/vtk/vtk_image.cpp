@@ -10,8 +10,8 @@
 
 #include <algorithm>
 
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/vti_stream.h"
 #include "preprocess/import/vtk/vtk_arrays.h"
 #include "preprocess/import/vtk/vtk_errors.h"

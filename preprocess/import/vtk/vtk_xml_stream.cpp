@@ -14,8 +14,8 @@
 #include "formats/base/bytes.h"
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "preprocess/import/numbers.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/child_process.h"
 
 namespace rhoray::preprocess {

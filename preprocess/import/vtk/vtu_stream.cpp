@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "preprocess/import/mesh/mesh_cells.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
 namespace rhoray::preprocess {
