@@ -96,7 +96,7 @@ TEST(TetrahedralizeCommand, fills_a_hole_however_wide_and_says_so) {
   const RunResult run = with_boxes(bench).rhoray(
       {"tetrahedralize", "open.off", "--repair", "--max-move", "0.001", "-o", "closed.vtu", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("1 holes were filled"));
+  EXPECT_THAT(run.err, HasSubstr("1 hole filled"));
   const nlohmann::json repair = nlohmann::json::parse(run.out)["repair"];
   EXPECT_LE(repair["moved"].get<double>(), repair["distance_error"].get<double>());
   EXPECT_NEAR(mesh_volume(preprocess::import_mesh(bench / "closed.vtu")), 1, 1e-9);
