@@ -197,6 +197,17 @@ std::optional<VtkXmlArray> VtkXmlStream::array(const XmlElement& element) const 
   return array;
 }
 
+std::optional<std::vector<VtkXmlArray>> VtkXmlStream::arrays_in(const XmlElement* data) const {
+  std::vector<VtkXmlArray> arrays;
+  if (data == nullptr) return arrays;
+  for (const XmlElement& element : data->children) {
+    std::optional<VtkXmlArray> found = array(element);
+    if (!found || found->name.empty()) return std::nullopt;
+    arrays.push_back(*std::move(found));
+  }
+  return arrays;
+}
+
 void VtkXmlStream::refuse(const VtkXmlArray& array, std::string_view found, std::string_view expected) const {
   refuse_input(file_->path(), concat("array '", array.name, "'"), found, expected);
 }
