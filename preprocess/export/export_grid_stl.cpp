@@ -2,11 +2,11 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "preprocess/export/counts.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
-#include "preprocess/import/worker_arguments.h"
+#include "preprocess/process/counts.h"
 #include "preprocess/process/run_writer.h"
+#include "preprocess/process/worker_names.h"
 
 namespace rhoray::preprocess {
 

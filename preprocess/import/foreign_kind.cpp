@@ -4,12 +4,12 @@
 #include <string_view>
 
 #include "formats/base/regular_file.h"
-#include "preprocess/import/foreign_names.h"
 #include "preprocess/import/mesh/plot3d_layout.h"
+#include "preprocess/import/reading/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/input_file.h"
 #include "preprocess/process/foreign_file.h"
-#include "preprocess/workers/vdb/worker_arguments.h"
+#include "preprocess/process/worker_names.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "preprocess/import/foreign_names.h"
+#include "preprocess/import/reading/foreign_names.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -12,6 +12,7 @@
 #include "preprocess/process/foreign_file.h"
 #include "preprocess/process/messages.h"
 #include "preprocess/process/run_writer.h"
+#include "preprocess/process/worker_names.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {

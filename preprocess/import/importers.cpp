@@ -2,10 +2,11 @@
 #include <string_view>
 
 #include "formats/base/error.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/foreign_names.h"
 #include "preprocess/import/mesh/time_steps.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/readers.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/foreign_names.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/input_file.h"
 #include "preprocess/subdivide.h"
 

@@ -28,8 +28,4 @@ CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& reques
 NeutralMesh read_mesh(const std::filesystem::path& path);  ///< cells split into tetrahedra
 NeutralSurface read_surface(const std::filesystem::path& path, const std::filesystem::path& sizes = {});
 
-/// Writes VTU: appended, compressed, points in double precision. Not atomic: a failure may leave an
-/// incomplete file at `path`.
-void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path);
-
 }  // namespace rhoray::preprocess

@@ -1,7 +1,7 @@
 #include "preprocess/import/worker_arguments.h"
 
 #include "formats/base/error.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 
 namespace rhoray::preprocess {
 

@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "formats/base/error.h"
-#include "preprocess/export/counts.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/numbers.h"
 #include "preprocess/import/readers.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/vtk/grid_surface.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/process/child_process.h"
+#include "preprocess/process/counts.h"
 #include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 
@@ -58,7 +58,7 @@ void act(const std::vector<std::string>& arguments, int input, int output) {
     hand_over_counts({write_grid_surface(arguments[1], arguments[2], isovalue_of(arguments[3]), arguments[4])}, output);
   else
     throw Error(ErrorCode::usage,
-                "found arguments that no verb has; expected those of preprocess/import/worker_arguments.h");
+                "found arguments that no verb has; expected those of preprocess/process/worker_names.h");
 }
 
 }  // namespace

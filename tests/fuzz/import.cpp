@@ -8,10 +8,10 @@
 #include <string_view>
 
 #include "formats/base/checks.h"
-#include "preprocess/import/families.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/zip_archive.h"
 #include "preprocess/import/vtk/vti_stream.h"
 #include "preprocess/import/vtk/vtu_stream.h"
-#include "preprocess/import/zip_archive.h"
 #include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 #include "tests/fuzz/harness.h"

@@ -19,8 +19,8 @@ using namespace rhoray::tools;
 
 /// Checks that a written document can be read again and is the same.
 void check_written(const render::SceneSpec& scene_spec) {
-  const Json written = scene_json(scene_spec);
-  RHORAY_CHECK(scene_json(render::read_scene(dump(written)).scene_spec) == written);
+  const std::string written = render::scene_text(scene_spec);
+  RHORAY_CHECK(render::scene_text(render::read_scene(written).scene_spec) == written);
 }
 
 void draw(render::ResolvedScene& plan) {
@@ -40,7 +40,7 @@ void draw(render::ResolvedScene& plan) {
 void show(const render::SceneSpec& scene_spec) {
   render::ResolvedScene plan = resolve_layers(scene_spec);
   aim_camera(scene_spec, plan);
-  RHORAY_CHECK(!explained_lines(explained(scene_spec, plan)).empty());
+  RHORAY_CHECK(!render::explain(scene_spec, plan).antialiasing.empty());
   check_written(to_spec(plan));
   draw(plan);
 }

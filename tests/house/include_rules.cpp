@@ -76,21 +76,22 @@ const Layer layers[] = {
     {"preprocess/grid/bricks", {"formats", "preprocess", "preprocess/values"}},
     {"preprocess/grid/resample",
      {"formats", "preprocess", "preprocess/values", "preprocess/mesh/inspect", "preprocess/mesh/leaf_lists"}},
-    {"preprocess/export", {"formats", "preprocess", "preprocess/process", "preprocess/import/worker_arguments.h"}},
-    {"preprocess/import",
-     {"formats", "preprocess", "preprocess/process", "preprocess/export/counts.h", "preprocess/import/mesh",
-      "preprocess/import/volume", "preprocess/import/vtk", "preprocess/workers/vdb/worker_arguments.h"}},
-    {"preprocess/import/volume", {"formats", "preprocess", "preprocess/process", "preprocess/import"}},
-    {"preprocess/import/mesh", {"formats", "preprocess", "preprocess/process", "preprocess/import"}},
+    {"preprocess/export", {"formats", "preprocess", "preprocess/process"}},
+    {"preprocess/import/reading", {"formats", "preprocess", "preprocess/process"}},
+    {"preprocess/import/volume", {"formats", "preprocess", "preprocess/process", "preprocess/import/reading"}},
+    {"preprocess/import/mesh", {"formats", "preprocess", "preprocess/process", "preprocess/import/reading"}},
     {"preprocess/import/surface",
-     {"formats", "preprocess", "preprocess/process", "preprocess/import", "preprocess/import/mesh"}},
+     {"formats", "preprocess", "preprocess/process", "preprocess/import/reading", "preprocess/import/mesh"}},
     {"preprocess/import/vtk",
-     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import", "preprocess/import/mesh",
-      "preprocess/import/surface"}},
+     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/reading",
+      "preprocess/import/mesh", "preprocess/import/surface"}},
+    {"preprocess/import",
+     {"formats", "preprocess", "preprocess/process", "preprocess/import/reading", "preprocess/import/mesh",
+      "preprocess/import/volume", "preprocess/import/vtk"}},
     {"preprocess/workers/repair", {"formats", "preprocess", "preprocess/process"}},
     {"preprocess/workers/tetgen", {"formats", "preprocess", "preprocess/process"}},
     {"preprocess/workers/vdb",
-     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/numbers.h"}}};
+     {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/reading/numbers.h"}}};
 
 /// The folders that include a third-party library. `header` is a pattern for the text between the
 /// brackets.

@@ -6,10 +6,10 @@
 #include <cctype>
 #include <limits>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/mesh/netcdf_file.h"
 #include "preprocess/import/mesh/time_steps.h"
+#include "preprocess/import/reading/families.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -10,12 +10,12 @@
 #include <map>
 #include <set>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/gmsh_elements.h"
 #include "preprocess/import/mesh/id_positions.h"
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/mesh/time_steps.h"
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <map>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/mesh_cells.h"
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -205,6 +206,16 @@ bool fits_single_precision(const Array<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) {
     return value != value || static_cast<double>(static_cast<float>(value)) == value;
   });
+}
+
+void note_precision(NeutralField& field, formats::ElementType type, std::vector<std::string>& notes) {
+  using formats::ElementType;
+  field.was_single_precision = type != ElementType::F64 && fits_single_precision(field.values);
+  const bool is_wide = type == ElementType::I64 || type == ElementType::U64;
+  constexpr double largest_exact = 9007199254740992.0;  // 2^53
+  if (is_wide && std::any_of(field.values.begin(), field.values.end(),
+                             [](double value) { return std::abs(value) > largest_exact; }))
+    notes.push_back(concat("field '", field.name, "' holds integers beyond 2^53, which were rounded"));
 }
 
 void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path) {

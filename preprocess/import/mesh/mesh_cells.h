@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -57,5 +58,9 @@ void check_field(const NeutralField& field, std::uint64_t owners, const std::fil
 
 /// True when every value can be stored exactly as a 32-bit float.
 bool fits_single_precision(const Array<double>& values);
+
+/// Sets `was_single_precision` of a field that was read from numbers of this type. Adds a note when
+/// 64-bit integers were rounded.
+void note_precision(NeutralField& field, formats::ElementType type, std::vector<std::string>& notes);
 
 }  // namespace rhoray::preprocess

@@ -2,11 +2,11 @@
 #include <cstring>
 #include <optional>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/mesh_pieces.h"
 #include "preprocess/import/mesh/plot3d_layout.h"
 #include "preprocess/import/mesh/structured_cells.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

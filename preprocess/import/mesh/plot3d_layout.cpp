@@ -6,7 +6,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/text.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <utility>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/mesh/tetgen_text.h"
+#include "preprocess/import/reading/families.h"
 
 namespace rhoray::preprocess {
 namespace {

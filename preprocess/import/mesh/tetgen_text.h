@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {

@@ -6,7 +6,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/error.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -1,6 +1,6 @@
-#include "preprocess/import/families.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/surface/surface_building.h"
-#include "preprocess/import/text_reading.h"
 
 namespace rhoray::preprocess {
 

@@ -1,9 +1,9 @@
 #include <cstring>
 
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/surface/surface_building.h"
-#include "preprocess/import/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {

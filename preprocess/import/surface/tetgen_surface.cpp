@@ -1,5 +1,5 @@
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/tetgen_text.h"
+#include "preprocess/import/reading/families.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -9,10 +9,10 @@
 #include <map>
 #include <sstream>
 
-#include "preprocess/import/families.h"
-#include "preprocess/import/foreign_names.h"
-#include "preprocess/import/samples.h"
-#include "preprocess/import/zip_archive.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/foreign_names.h"
+#include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/zip_archive.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "formats/base/regular_file.h"
-#include "preprocess/import/foreign_names.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/foreign_names.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <map>
 
-#include "preprocess/import/byte_stream.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/byte_stream.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "preprocess/import/byte_stream.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/byte_stream.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "formats/base/regular_file.h"
-#include "preprocess/import/families.h"
-#include "preprocess/import/numbers.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

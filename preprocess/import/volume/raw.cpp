@@ -1,5 +1,5 @@
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

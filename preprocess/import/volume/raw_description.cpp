@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "formats/base/error.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import_volume.h"
 
 namespace rhoray::preprocess {

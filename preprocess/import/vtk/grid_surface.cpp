@@ -1,7 +1,7 @@
 #include "preprocess/import/vtk/grid_surface.h"
 
+#include <vtkAOSDataArrayTemplate.h>
 #include <vtkCellArray.h>
-#include <vtkDataArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -20,43 +20,14 @@
 namespace rhoray::preprocess {
 namespace {
 
-using formats::ElementType;
-
-int vtk_type_of(ElementType type) {
-  switch (type) {
-    case ElementType::U8:
-      return VTK_UNSIGNED_CHAR;
-    case ElementType::I8:
-      return VTK_SIGNED_CHAR;
-    case ElementType::U16:
-      return VTK_UNSIGNED_SHORT;
-    case ElementType::I16:
-      return VTK_SHORT;
-    case ElementType::U32:
-      return VTK_UNSIGNED_INT;
-    case ElementType::I32:
-      return VTK_INT;
-    case ElementType::U64:
-      return VTK_UNSIGNED_LONG_LONG;
-    case ElementType::I64:
-      return VTK_LONG_LONG;
-    case ElementType::F32:
-      return VTK_FLOAT;
-    case ElementType::F64:
-      break;
-  }
-  return VTK_DOUBLE;
-}
-
 /// An image of the samples at integer positions in their own frame, so that only the corners of
 /// triangles are moved into the world.
 template <class T>
 vtkSmartPointer<vtkImageData> image_of(const GridSamples<T>& samples) {
   const Index3& count = samples.sample_count();
-  const auto array =
-      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type_of(formats::element_type_of<T>())));
+  const auto array = vtkSmartPointer<vtkAOSDataArrayTemplate<T>>::New();
   array->SetNumberOfTuples(volume(count));
-  auto* values = static_cast<T*>(array->GetVoidPointer(0));
+  T* values = array->GetPointer(0);
   for (std::int64_t k = 0; k < count.z; ++k)
     for (std::int64_t j = 0; j < count.y; ++j)
       samples.read_row(j, k, std::span(values + (k * count.y + j) * count.x, static_cast<std::size_t>(count.x)));

@@ -8,7 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/vtk/legacy_vtk_numbers.h"
 
 namespace rhoray::preprocess {

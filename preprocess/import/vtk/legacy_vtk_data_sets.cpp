@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/structured_cells.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/surface/surface_building.h"
 #include "preprocess/import/vtk/legacy_vtk.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "formats/base/bytes.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/samples.h"
 
 namespace rhoray::preprocess {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/neutral.h"
 #include "preprocess/process/foreign_file.h"
 

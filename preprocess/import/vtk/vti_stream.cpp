@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "preprocess/import/numbers.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
 namespace rhoray::preprocess {
@@ -68,16 +68,15 @@ std::uint64_t owner_count(const Index3& points, bool in_cells) {
 /// needs VTK's reader.
 bool add_arrays(std::vector<GridArray>& arrays, const VtkXmlStream& file, const XmlElement* data,
                 const Index3& point_count, bool in_cells) {
-  if (data == nullptr) return true;
-  for (const XmlElement& element : data->children) {
-    const std::optional<VtkXmlArray> array = file.array(element);
-    if (!array || array->name.empty()) return false;
+  const std::optional<std::vector<VtkXmlArray>> found = file.arrays_in(data);
+  if (!found) return false;
+  for (const VtkXmlArray& array : *found) {
     GridArray& added = arrays.emplace_back();
-    added.name = array->name;
-    added.type = array->type;
-    added.component_count = array->component_count;
+    added.name = array.name;
+    added.type = array.type;
+    added.component_count = array.component_count;
     added.in_cells = in_cells;
-    added.load = [&file, array = *array, owners = owner_count(point_count, in_cells)] {
+    added.load = [&file, array, owners = owner_count(point_count, in_cells)] {
       const std::uint64_t count = owners * static_cast<std::uint64_t>(array.component_count);
       file.check_count(array, count);
       Array<std::byte> bytes(count * formats::element_bytes(array.type));

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "formats/base/bytes.h"
-#include "preprocess/import/samples.h"
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 

@@ -8,8 +8,6 @@
 #include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
 
-#include <cmath>
-
 #include "formats/base/text.h"
 #include "preprocess/import/vtk/vtk_arrays.h"
 #include "preprocess/import/vtk/vtk_numbers.h"
@@ -21,13 +19,6 @@ namespace {
 using formats::ElementType;
 
 constexpr const char* ghost_array = "vtkGhostType";
-
-bool loses_integers(ElementType type, const Array<double>& values) {
-  if (type != ElementType::I64 && type != ElementType::U64) return false;
-  for (const double value : values)
-    if (std::abs(value) > 9007199254740992.0) return true;  // 2^53
-  return false;
-}
 
 std::string unit_of(vtkDataArray& array) {
   if (!array.HasInformation() || !array.GetInformation()->Has(vtkDataArray::UNITS_LABEL())) return {};
@@ -50,9 +41,7 @@ void take_arrays(std::vector<NeutralField>& fields, std::vector<std::string>& no
     field.unit = unit_of(*array);
     field.component_count = array->GetNumberOfComponents();
     field.values = numbers_of<double>(*array, *type);
-    field.was_single_precision = *type != ElementType::F64 && fits_single_precision(field.values);
-    if (loses_integers(*type, field.values))
-      notes.push_back(concat("field '", name, "' holds integers beyond 2^53, which were rounded"));
+    note_precision(field, *type, notes);
   }
 }
 

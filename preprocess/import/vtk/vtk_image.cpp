@@ -10,8 +10,8 @@
 
 #include <algorithm>
 
-#include "preprocess/import/families.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/vti_stream.h"
 #include "preprocess/import/vtk/vtk_arrays.h"
 #include "preprocess/import/vtk/vtk_errors.h"
@@ -51,6 +51,13 @@ void collect(std::vector<GridArray>& arrays, vtkFieldData& data, bool in_cells) 
   }
 }
 
+std::vector<GridArray> arrays_of(vtkDataSet& data) {
+  std::vector<GridArray> arrays;
+  collect(arrays, *data.GetPointData(), false);
+  collect(arrays, *data.GetCellData(), true);
+  return arrays;
+}
+
 std::vector<double> positions_of(vtkDataArray* coordinates) {
   std::vector<double> positions;
   if (coordinates == nullptr) return positions;
@@ -71,11 +78,8 @@ NeutralVolume read_image_data(const std::filesystem::path& path, const std::stri
   reader->Update();
   errors.check(path);
   vtkImageData* image = reader->GetOutput();
-  std::vector<GridArray> arrays;
-  collect(arrays, *image->GetPointData(), false);
-  collect(arrays, *image->GetCellData(), true);
   const int* size = image->GetDimensions();
-  return take(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, std::move(arrays), field);
+  return take(path, {{size[0], size[1], size[2]}, world_from_points(*image)}, arrays_of(*image), field);
 }
 
 }  // namespace
@@ -96,15 +100,12 @@ NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& fie
   reader->Update();
   errors.check(path);
   vtkRectilinearGrid* grid = reader->GetOutput();
-  std::vector<GridArray> arrays;
-  collect(arrays, *grid->GetPointData(), false);
-  collect(arrays, *grid->GetCellData(), true);
   vtkDataArray* const x = grid->GetXCoordinates();
   vtkDataArray* const y = grid->GetYCoordinates();
   vtkDataArray* const z = grid->GetZCoordinates();
   const double precision = std::max({precision_of(x), precision_of(y), precision_of(z)});
   return volume_of_field(path, rectilinear_grid(path, {positions_of(x), positions_of(y), positions_of(z)}, precision),
-                         std::move(arrays), field);
+                         arrays_of(*grid), field);
 }
 
 }  // namespace rhoray::preprocess

@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "formats/base/checks.h"
-#include "preprocess/import/families.h"
+#include "preprocess/import/reading/families.h"
 #include "preprocess/import/vtk/vtk_arrays.h"
 #include "preprocess/import/vtk/vtk_errors.h"
 #include "preprocess/import/vtk/vtk_fields.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <set>
 
-#include "preprocess/import/families.h"
+#include "preprocess/import/reading/families.h"
 #include "preprocess/import/vtk/vtk_errors.h"
 #include "preprocess/import/vtk/vtk_mesh.h"
 #include "preprocess/process/foreign_file.h"

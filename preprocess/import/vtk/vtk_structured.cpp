@@ -4,8 +4,8 @@
 #include <vtkStructuredGrid.h>
 #include <vtkXMLStructuredGridReader.h>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/structured_cells.h"
+#include "preprocess/import/reading/families.h"
 #include "preprocess/import/vtk/vtk_errors.h"
 #include "preprocess/import/vtk/vtk_fields.h"
 #include "preprocess/process/foreign_file.h"

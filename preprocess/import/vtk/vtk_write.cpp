@@ -12,8 +12,8 @@
 #include <locale>
 
 #include "preprocess/export/output_stream.h"
-#include "preprocess/import/families.h"
 #include "preprocess/import/mesh/mesh_cells.h"
+#include "preprocess/import/reading/families.h"
 #include "preprocess/import/vtk/vtk_errors.h"
 #include "preprocess/process/foreign_file.h"
 

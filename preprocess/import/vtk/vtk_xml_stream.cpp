@@ -14,8 +14,8 @@
 #include "formats/base/bytes.h"
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
-#include "preprocess/import/numbers.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/child_process.h"
 
 namespace rhoray::preprocess {
@@ -195,6 +195,17 @@ std::optional<VtkXmlArray> VtkXmlStream::array(const XmlElement& element) const 
   array.format = VtkXmlArray::Format::appended;
   array.appended_byte = *offset;
   return array;
+}
+
+std::optional<std::vector<VtkXmlArray>> VtkXmlStream::arrays_in(const XmlElement* data) const {
+  std::vector<VtkXmlArray> arrays;
+  if (data == nullptr) return arrays;
+  for (const XmlElement& element : data->children) {
+    std::optional<VtkXmlArray> found = array(element);
+    if (!found || found->name.empty()) return std::nullopt;
+    arrays.push_back(*std::move(found));
+  }
+  return arrays;
 }
 
 void VtkXmlStream::refuse(const VtkXmlArray& array, std::string_view found, std::string_view expected) const {

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "preprocess/import/vtk/xml_outline.h"
 #include "preprocess/neutral.h"
@@ -42,6 +43,10 @@ class VtkXmlStream {
   /// The description in a DataArray element. Nothing for arrays that are not numeric, belong to
   /// time steps, or lack a required name.
   std::optional<VtkXmlArray> array(const XmlElement& element) const;
+
+  /// All arrays of PointData or CellData, which may be missing (null). Nothing if one of them has no
+  /// name or no description as above.
+  std::optional<std::vector<VtkXmlArray>> arrays_in(const XmlElement* data) const;
 
   /// Reads all of `numbers`. Refuses arrays that hold fewer, and damaged ones. Number is double, or
   /// an unsigned integer, to which negative numbers are cast.

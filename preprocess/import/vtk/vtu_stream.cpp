@@ -1,11 +1,10 @@
 #include "preprocess/import/vtk/vtu_stream.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "preprocess/import/mesh/mesh_cells.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
 namespace rhoray::preprocess {
@@ -24,16 +23,9 @@ bool is_integer(const VtkXmlArray& array) {
   return array.type != ElementType::F32 && array.type != ElementType::F64;
 }
 
-/// All arrays of PointData or CellData; nothing if one of them needs VTK's reader.
-std::optional<std::vector<VtkXmlArray>> arrays_in(const VtkXmlStream& file, const XmlElement* data) {
-  std::vector<VtkXmlArray> arrays;
-  if (data == nullptr) return arrays;
-  for (const XmlElement& element : data->children) {
-    std::optional<VtkXmlArray> array = file.array(element);
-    if (!array || array->name.empty() || array->name == "vtkGhostType") return std::nullopt;
-    arrays.push_back(*std::move(array));
-  }
-  return arrays;
+/// Ghost cells are left out by VTK's reader.
+bool is_ghost(const VtkXmlArray& array) {
+  return array.name == "vtkGhostType";
 }
 
 bool take_cell_arrays(const VtkXmlStream& file, const XmlElement& cells, Plan& plan) {
@@ -69,8 +61,11 @@ std::optional<Plan> plan_for(const VtkXmlStream& file) {
   plan.point_count = *points;
   plan.cell_count = *cells;
   const std::optional<VtkXmlArray> array = file.array(places->children.front());
-  auto at_points = arrays_in(file, piece->child("PointData")), in_cells = arrays_in(file, piece->child("CellData"));
-  if (!array || array->component_count != 3 || !at_points || !in_cells) return std::nullopt;
+  auto at_points = file.arrays_in(piece->child("PointData")), in_cells = file.arrays_in(piece->child("CellData"));
+  if (!array || array->component_count != 3 || !at_points || !in_cells ||
+      std::any_of(at_points->begin(), at_points->end(), is_ghost) ||
+      std::any_of(in_cells->begin(), in_cells->end(), is_ghost))
+    return std::nullopt;
   plan.points = *array;
   plan.at_points = *std::move(at_points);
   plan.in_cells = *std::move(in_cells);
@@ -93,12 +88,7 @@ NeutralField read_field(const VtkXmlStream& file, const VtkXmlArray& array, std:
   file.check_count(array, count);
   field.values.resize(count);
   file.read(array, std::span(field.values));
-  field.was_single_precision = array.type != ElementType::F64 && fits_single_precision(field.values);
-  const bool is_wide = array.type == ElementType::I64 || array.type == ElementType::U64;
-  constexpr double largest_exact = 9007199254740992.0;  // 2^53
-  if (is_wide && std::any_of(field.values.begin(), field.values.end(),
-                             [](double value) { return std::abs(value) > largest_exact; }))
-    notes.push_back(concat("field '", array.name, "' holds integers beyond 2^53, which were rounded"));
+  note_precision(field, array.type, notes);
   return field;
 }
 

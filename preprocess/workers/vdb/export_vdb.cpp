@@ -1,10 +1,10 @@
 #include "formats/base/error.h"
-#include "preprocess/export/counts.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export_grid.h"
+#include "preprocess/process/counts.h"
 #include "preprocess/process/foreign_file.h"
 #include "preprocess/process/run_writer.h"
-#include "preprocess/workers/vdb/worker_arguments.h"
+#include "preprocess/process/worker_names.h"
 
 namespace rhoray::preprocess {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "formats/format_error.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 
 namespace rhoray::preprocess {
 namespace {

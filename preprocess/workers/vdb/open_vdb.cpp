@@ -2,8 +2,8 @@
 
 #include "preprocess/process/child_process.h"
 #include "preprocess/process/foreign_file.h"
+#include "preprocess/process/worker_names.h"
 #include "preprocess/workers/vdb/facts.h"
-#include "preprocess/workers/vdb/worker_arguments.h"
 
 namespace rhoray::preprocess {
 namespace {

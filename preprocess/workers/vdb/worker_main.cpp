@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "formats/base/error.h"
-#include "preprocess/export/counts.h"
 #include "preprocess/process/child_process.h"
+#include "preprocess/process/counts.h"
 #include "preprocess/process/messages.h"
+#include "preprocess/process/worker_names.h"
 #include "preprocess/workers/vdb/hand_out.h"
-#include "preprocess/workers/vdb/worker_arguments.h"
 
 namespace {
 
@@ -39,7 +39,7 @@ void act(const std::vector<std::string>& arguments, int output) {
     hand_over_counts({write_vdb(arguments[1], arguments[2], arguments[3], arguments[4] == ".nvdb")}, output);
   else
     throw Error(ErrorCode::usage,
-                "found arguments that no verb has; expected those of preprocess/workers/vdb/worker_arguments.h");
+                "found arguments that no verb has; expected those of preprocess/process/worker_names.h");
 }
 
 }  // namespace

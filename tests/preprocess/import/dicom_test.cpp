@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "preprocess/import/readers.h"
-#include "preprocess/import/zip_archive.h"
+#include "preprocess/import/reading/zip_archive.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"

@@ -29,7 +29,7 @@
 #include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/import/readers.h"
-#include "preprocess/import/zip_archive.h"
+#include "preprocess/import/reading/zip_archive.h"
 #include "tests/support/resealed.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,8 +9,8 @@
 #include <vtkSLCReader.h>
 #include <vtkXMLRectilinearGridWriter.h>
 
-#include "preprocess/import/families.h"
 #include "preprocess/import/readers.h"
+#include "preprocess/import/reading/families.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {

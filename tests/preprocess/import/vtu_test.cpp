@@ -8,6 +8,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "preprocess/import/readers.h"
+#include "preprocess/import/reading/families.h"
 #include "tests/preprocess/import/support.h"
 
 namespace rhoray::preprocess {

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace rhoray::preprocess {
@@ -11,9 +10,6 @@ namespace rhoray::preprocess {
 /// counts as one). For a folder it depends on the content: "dicom/", "images/", or empty for
 /// neither.
 std::string family_of(const std::filesystem::path& path);
-
-/// Name of the program that reads this family; the import worker by default.
-std::string_view worker_for(const std::filesystem::path& path);
 
 /// True for extensions of pictures that can be slices of a volume.
 bool is_picture_name(const std::filesystem::path& path);

@@ -1,4 +1,4 @@
-#include "preprocess/import/byte_stream.h"
+#include "preprocess/import/reading/byte_stream.h"
 
 #include <zlib.h>
 

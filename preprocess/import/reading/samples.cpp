@@ -1,4 +1,4 @@
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/samples.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "formats/base/bytes.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

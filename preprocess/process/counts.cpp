@@ -1,4 +1,4 @@
-#include "preprocess/export/counts.h"
+#include "preprocess/process/counts.h"
 
 namespace rhoray::preprocess {
 

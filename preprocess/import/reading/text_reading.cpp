@@ -1,4 +1,4 @@
-#include "preprocess/import/text_reading.h"
+#include "preprocess/import/reading/text_reading.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "preprocess/import/zip_archive.h"
+#include "preprocess/import/reading/zip_archive.h"
 
 #include <minizip/unzip.h>
 
@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "formats/base/text.h"
-#include "preprocess/import/samples.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -1,10 +1,10 @@
-#include "preprocess/import/foreign_names.h"
+#include "preprocess/import/reading/foreign_names.h"
 
 #include <algorithm>
 #include <cctype>
 
 #include "formats/base/regular_file.h"
-#include "preprocess/import/numbers.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "preprocess/import/readers.h"
+#include "preprocess/import_volume.h"
+#include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
@@ -50,5 +52,9 @@ NeutralSurface read_tetgen_faces(const std::filesystem::path& path);
 
 /// Requested edge lengths, one per point, from a TetGen .mtr file.
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count);
+
+/// Writes VTU: appended, compressed, points in double precision. Not atomic: a failure may leave an
+/// incomplete file at `path`.
+void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path);
 
 }  // namespace rhoray::preprocess
