@@ -184,14 +184,15 @@ TEST_F(SharedData, holds_meshes_of_other_cells_whose_tetrahedra_agree_on_their_f
     std::size_t tets;
     std::vector<std::string> notes;
   };
-  for (const Row& row : std::vector<Row>{
-           {"can.vtu",
-            28836,
-            {"4,800 hexahedra became 28,836 tetrahedra", "6 points added inside cells", "33 cells have no inner point"}},
-           {"AngularSector.vtk", 0, {"7,632 hexahedra became ", "144 pyramids became 288 tetrahedra"}},
-           {"PentaHexa.vtk", 0, {"60 pentagonal prisms became ", "150 hexagonal prisms became "}},
-           {"reservoir/UNISIM-II-D.vtu", 0, {"32,835 hexahedra became "}},
-           {"blood_vessels/T0000000500/000.vtu", 0, {"voxels became "}}}) {
+  for (const Row& row :
+       std::vector<Row>{{"can.vtu",
+                         28836,
+                         {"4,800 hexahedra became 28,836 tetrahedra", "6 points added inside cells",
+                          "33 cells have no inner point"}},
+                        {"AngularSector.vtk", 0, {"7,632 hexahedra became ", "144 pyramids became 288 tetrahedra"}},
+                        {"PentaHexa.vtk", 0, {"60 pentagonal prisms became ", "150 hexagonal prisms became "}},
+                        {"reservoir/UNISIM-II-D.vtu", 0, {"32,835 hexahedra became "}},
+                        {"blood_vessels/T0000000500/000.vtu", 0, {"voxels became "}}}) {
     SCOPED_TRACE(row.path);
     const CellMesh cells = import_cells(folder_ / "unstructured" / row.path);
     const NeutralMesh mesh = import_mesh(folder_ / "unstructured" / row.path);

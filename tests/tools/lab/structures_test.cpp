@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/number_text.h"
 #include "render/ray_caster.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/lab/structures/cell_orders.h"
@@ -17,7 +18,6 @@
 #include "tools/lab/structures/made_meshes.h"
 #include "tools/lab/structures/ways.h"
 #include "tools/lab/warped_box.h"
-#include "formats/base/number_text.h"
 
 namespace rhoray::tests {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "formats/base/text.h"
+#include "render/method_words.h"
 #include "render/ray_caster.h"
 #include "render/render.h"
-#include "render/method_words.h"
 #include "tools/rhoray/picture_hash.h"
 
 namespace rhoray::study {

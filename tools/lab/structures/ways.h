@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/number_text.h"
 #include "preprocess/neutral.h"
 #include "render/load.h"
 #include "render/mesh_search.h"
 #include "tools/lab/structures/rounded_points.h"
-#include "formats/base/number_text.h"
 
 namespace rhoray::study {
 
