@@ -128,10 +128,7 @@ Volume Volume::load(const std::filesystem::path& path, const std::string& field)
 
 Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
   const DefaultFloatingPoint default_floating_point;
-  if (file.description().kind == "grid") return Volume(load_grid(file, field));
-  if (file.description().kind == "tets") return Volume(load_tets(file, field));
-  if (file.description().kind == formats::VdbGrid::kind) return Volume(load_vdb(file, field));
-  if (file.description().kind == formats::SurfaceMesh::kind) return Volume(load_surface(file, field));
+  if (auto implementation = load_view(file, field)) return Volume(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");

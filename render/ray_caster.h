@@ -7,7 +7,7 @@
 #include "render/camera.h"
 #include "render/load.h"
 #include "render/method.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 
 /// The kernels' queries for arbitrary rays, for tools and tests that measure how accurate a method
 /// is.
@@ -47,7 +47,7 @@ class RayCaster {
 
   const VolumeImplementation& volume_;
   RayQuery query_;
-  Kernels kernels_;
+  Intersectors intersectors_;
   unsigned threads_;
   std::vector<Worker> workers_;
   RangeProof range_proof_;

@@ -6,8 +6,15 @@
 #include "render/dataset/volume.h"
 #include "render/grid/block_samples.h"
 
-/// Which grids SIMD kernels accept, and where these find their samples.
+/// Which views are grids, which of them SIMD kernels accept, and where these find their samples.
 namespace rhoray::render::wide {
+
+template <class View>
+inline constexpr bool is_grid = false;
+template <class... Kind>
+inline constexpr bool is_grid<GridVolume<Kind...>> = true;
+template <>
+inline constexpr bool is_grid<NanoVdbVolume> = true;
 
 /// Uniform grids that store all of their samples.
 template <class View>

@@ -24,8 +24,8 @@ constexpr float surely_dark = least_light * (1 - 0x1p-16F);
 /// Returns null if a layer's rays are traced crossing by crossing.
 AllHitsKernel kernel_of(const Frame& frame, const FrameLayer& layer) {
   const bool is_cut = layer.clipped && frame.clip->cuts_away();
-  if (layer.slice || is_cut || layer.kernel != layer.continuation_kernel) return nullptr;
-  return all_hits_kernel(layer.volume, layer.query);
+  if (layer.slice || is_cut || layer.kernel != layer.continuation->first_hit) return nullptr;
+  return layer.intersectors.all_hits;
 }
 
 /// True if a layer's crossings are shaded from their positions and gradients alone.
@@ -223,7 +223,7 @@ void find_all_hits(const Frame& frame, Worker& worker) {
                   .time_phases = layer.query.time_phases,
                   .only_places = group.only_places},
                  work.rays, std::span<CrossingList* const>(lists, group.layers.size()),
-                 worker.all_hits.complete[g].data(), worker.all_hits.memory[g], work.scratch.counters);
+                 worker.all_hits.complete[g].data(), worker.all_hits.scratch[g], work.scratch.counters);
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "formats/base/text.h"
 #include "render/dataset/volume.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "render/shade/effects.h"
 
 namespace rhoray::render {
@@ -134,12 +134,9 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
 
 std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options) {
   if (layer.mode == Mode::slice) return name_of(chosen_machine());
-  const auto kernel = [&](Machine machine) {
-    const Kernels kernels = choose_kernels(volume.implementation(), layer.method, machine);
-    return is_projection(layer) ? kernels.largest_value : kernels.first_crossing;
-  };
   const Machine machine = chosen_machine();
-  const bool is_wide = options.use_hierarchy && kernel(machine) != kernel(Machine::scalar);
+  const auto kernel = is_projection(layer) ? &Intersectors::largest : &Intersectors::first_hit;
+  const bool is_wide = options.use_hierarchy && answers_wide(volume.implementation(), layer.method, kernel, machine);
   return name_of(is_wide ? machine : Machine::scalar);
 }
 

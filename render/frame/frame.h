@@ -11,8 +11,7 @@
 #include "render/frame/slices.h"
 #include "render/frame/tiles.h"
 #include "render/frame/worker.h"
-#include "render/query/all_hits.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "render/render.h"
 #include "render/shadow/occluders.h"
 
@@ -29,18 +28,17 @@ enum class Blend {
 struct FrameLayer {
   const VolumeImplementation& volume;
   Blend blend;
-  Kernel kernel;
-  /// For rays that start at hits: behind transparent surfaces, or towards lights; null: none.
-  Kernel continuation_kernel;
-  Preparation prepare;  ///< null: nothing to prepare
-  RayQuery query, continuation_query;
+  RayQuery query;
+  Intersectors intersectors;
+  Kernel kernel;  ///< the one of them for rays from the camera
+  /// For rays that start at hits: behind transparent surfaces, or towards lights.
+  RayQuery continuation_query;
+  std::optional<Intersectors> continuation;  ///< none: there are no such rays
   LayerShading shading;
   Affine volume_from_world;
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
   bool clipped = false;                       ///< Frame::clip shortens its rays
-  /// Finds any hit of rays that start at hits; null: use continuation_kernel.
-  wide::AnyCrossing any_crossing = nullptr;
   /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of
   /// it may. Empty for a clipped layer.
   std::vector<std::shared_ptr<const wide::LightOccluders>> occluders{};

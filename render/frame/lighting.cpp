@@ -124,13 +124,14 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occlude
   LightRays& light = *worker.light_rays;
   if (light.groups.empty()) return;
   worker.few_rays.count = light.groups.size() * group_size;
-  if (layer.any_crossing != nullptr) {
+  if (layer.continuation->any_hit != nullptr) {
     std::uint64_t crossed[tile_capacity / group_size];
-    layer.any_crossing(layer.volume, layer.continuation_query, occluders, worker.few_rays, crossed, work.scratch);
+    layer.continuation->any_hit(layer.volume, layer.continuation_query, occluders, worker.few_rays, crossed,
+                                work.scratch);
     for (std::size_t g = 0; g < light.groups.size(); ++g) end_rays(crossed[g], light.t_max.data() + light.groups[g]);
     return;
   }
-  layer.continuation_kernel(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
+  layer.continuation->first_hit(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t g = 0; g < light.groups.size(); ++g) {
     const double* t = worker.few_hits.t.data() + g * group_size;
     double* t_max = light.t_max.data() + light.groups[g];

@@ -37,11 +37,11 @@ struct RayCaster::Worker {
 RayCaster::RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads)
     : volume_(volume.implementation()),
       query_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
-      kernels_(choose_kernels(volume_, method)),
+      intersectors_(choose_intersectors(volume_, query_)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
   if (proves(method)) range_proof_ = volume.prove_ranges(threads);
-  workers_.front().scratch.queue.reserve(kernels_.queue_entries);
+  workers_.front().scratch.queue.reserve(intersectors_.queue_entries);
 }
 
 RayCaster::~RayCaster() = default;
@@ -59,13 +59,13 @@ void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) 
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   if (workers_.size() == 1 || rays.size() <= batch_size) {
-    answer(kernels_.first_crossing, rays, hits, workers_.front());
+    answer(intersectors_.first_hit, rays, hits, workers_.front());
     return formats::require_intact(volume_.file);
   }
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
   TileThreads(threads_).for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
-    answer(kernels_.first_crossing, rays.subspan(first, count), hits.subspan(first, count), workers_[worker]);
+    answer(intersectors_.first_hit, rays.subspan(first, count), hits.subspan(first, count), workers_[worker]);
   });
   formats::require_intact(volume_.file);
 }
@@ -80,7 +80,7 @@ void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
-  answer(kernels_.largest_value, rays, hits, workers_.front());
+  answer(intersectors_.largest, rays, hits, workers_.front());
   formats::require_intact(volume_.file);
 }
 

@@ -182,8 +182,6 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, c
                         const FrameOptions& options) {
   const VolumeImplementation& implementation = volume.implementation();
   const bool is_mip = layer.mode == Mode::mip;
-  const Kernels kernels = choose_kernels(implementation, layer.method);
-  const Method method_through = default_method(volume, is_mip ? Mode::isosurface : layer.mode);
   RayQuery query{.isovalue = layer.isovalue,
                  .field_range = implementation.field.range,
                  .method = layer.method,
@@ -191,16 +189,19 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, c
                  .use_last_t = options.use_last_t,
                  .time_phases = options.time_phases};
   RayQuery continuation_query = query;
-  continuation_query.method = method_through;
+  continuation_query.method = default_method(volume, is_mip ? Mode::isosurface : layer.mode);
+  Intersectors intersectors = choose_intersectors(implementation, query);
+  if (is_mip || layer.mode == Mode::slice) intersectors.prepare = nullptr;
+  std::optional<Intersectors> continuation;
+  if (meets_rays_from_crossings(layer, blend, scene))
+    continuation = choose_intersectors(implementation, continuation_query);
   return {.volume = implementation,
           .blend = blend,
-          .kernel = is_mip ? kernels.largest_value : kernels.first_crossing,
-          .continuation_kernel = meets_rays_from_crossings(layer, blend, scene)
-                                     ? choose_kernels(implementation, method_through).first_crossing
-                                     : nullptr,
-          .prepare = is_mip || layer.mode == Mode::slice ? nullptr : kernels.prepare_first_crossing,
           .query = query,
+          .intersectors = intersectors,
+          .kernel = is_mip ? intersectors.largest : intersectors.first_hit,
           .continuation_query = continuation_query,
+          .continuation = continuation,
           .shading = {.layer = layer,
                       .effects = effects_called_for(scene, layer),
                       .facing = Facing(implementation.world_from_volume),
@@ -212,11 +213,10 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, c
           .volume_from_world = implementation.world_from_volume.inverse()};
 }
 
-void add_needs(const Volume& volume, const FrameLayer& layer, WorkerNeeds& needs) {
+void add_needs(const FrameLayer& layer, WorkerNeeds& needs) {
   const LayerShading& shading = layer.shading;
   if (shading.layer.mode == Mode::mip)
-    needs.queue_entries =
-        std::max(needs.queue_entries, choose_kernels(volume.implementation(), shading.layer.method).queue_entries);
+    needs.queue_entries = std::max(needs.queue_entries, layer.intersectors.queue_entries);
   needs.world_rays |= layer.clipped || layer.slice;
   if (shading.effects.shadows) needs.light_count = shading.lights.lights.size();
   needs.occlusion |= shading.effects.occlusion;
@@ -278,7 +278,7 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
         frame.layers.back().clipped = true;
         if (!frame.clip) frame.clip.emplace(*scene.clip);
       }
-      add_needs(volume, frame.layers.back(), frame.needs);
+      add_needs(frame.layers.back(), frame.needs);
     }
   frame.needs.layer_count = frame.layers.size();
   return frame;
@@ -299,6 +299,12 @@ Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
   return !kept.isEmpty() && kept.size().length() > 0x1p-20 * bounds.size().length() ? kept : bounds;
 }
 
+bool has_extent(const Box3& box) {
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  return longest > 0 && std::isfinite(longest);
+}
+
 /// Prepares a layer and finds its bounding boxes.
 /// @return  true if wide kernels were prepared
 bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options) {
@@ -306,9 +312,10 @@ bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOpti
     if (options.use_hierarchy) layer.boxes = layer.slice->boxes();
     return false;
   }
-  if (layer.prepare != nullptr) layer.boxes = layer.prepare(layer.volume, layer.query, options.threads);
+  if (const Preparation prepare = layer.intersectors.prepare)
+    layer.boxes = prepare(layer.volume, layer.query, options.threads);
   const bool is_wide = layer.boxes.has_value();
-  if (!is_wide && options.use_hierarchy && keeps_to_bounds(layer.volume, layer.query.method))
+  if (!is_wide && options.use_hierarchy && layer.intersectors.keeps_to_bounds && has_extent(layer.volume.bounds_volume))
     layer.boxes = box_around(kept_bounds(layer, clip));
   return is_wide;
 }
@@ -327,17 +334,15 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 
 /// Finds the parts of a layer that may occlude lights that cast shadows.
 void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::OccluderCache& memory) {
-  if (!holds_light_back(layer.shading.layer) || layer.continuation_kernel == nullptr) return;
-  const RayQuery& query = layer.continuation_query;
-  layer.any_crossing = wide::any_facet_kernel(layer.volume, query.method, chosen_machine());
-  const bool is_wide = choose_kernels(layer.volume, query.method, chosen_machine()).prepare_first_crossing != nullptr;
-  if (!layer.shading.effects.shadows || layer.clipped || !is_wide) return;
+  if (!holds_light_back(layer.shading.layer) || !layer.continuation || layer.continuation->occluders == nullptr) return;
+  if (!layer.shading.effects.shadows || layer.clipped) return;
   layer.occluders.resize(layer.shading.lights.lights.size());
   for (std::size_t l = 0; l < layer.occluders.size(); ++l) {
     const LayerLights::One& light = layer.shading.lights.lights[l];
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
-    layer.occluders[l] = memory.of(layer.volume, query, place, options.threads);
+    layer.occluders[l] =
+        memory.of(*layer.continuation->occluders, layer.volume, layer.continuation_query, place, options.threads);
   }
 }
 
@@ -420,7 +425,8 @@ FrameStatistics::Phases phases_of(const RenderContext::Implementation& memory, d
 }  // namespace
 
 Method default_method(const Volume& volume, Mode mode) {
-  const bool is_wide = mode != Mode::mip && finds_crossings_wide(volume.implementation());
+  const bool is_wide = mode != Mode::mip && answers_wide(volume.implementation(), method_of(Accuracy::float32),
+                                                         &Intersectors::first_hit, Machine::baseline);
   return method_of(is_wide ? Accuracy::float32 : Accuracy::float64);
 }
 
@@ -473,7 +479,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
     prepare_occluders(layer, options, memory.implementation().occluders());
-    prepares |= layer.prepare != nullptr || layer.shading.lookup;
+    prepares |= layer.intersectors.prepare != nullptr || layer.shading.lookup;
   }
   choose_all_hits(options, frame);
   const double proof_s = frame.range_proof.wall_s;

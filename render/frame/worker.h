@@ -108,13 +108,13 @@ struct AllHitsGroups {
       if (!layers[l]) layers[l] = std::make_unique<AllHitsWork>();
       layers[l]->crossings.put_first_into(of_layers[l].hits);
     }
-    if (memory.size() < needs.all_hits_groups) memory.resize(needs.all_hits_groups);
+    if (scratch.size() < needs.all_hits_groups) scratch.resize(needs.all_hits_groups);
     while (complete.size() < needs.all_hits_groups) complete.emplace_back(tile_capacity);
   }
 
   /// By layer; null for layers outside the groups.
   std::vector<std::unique_ptr<AllHitsWork>> layers;
-  std::vector<AllHitsScratch> memory;             ///< by group
+  std::vector<Scratch> scratch;                   ///< by group
   std::vector<LaneArray<std::uint8_t>> complete;  ///< by group
   /// Rays to be continued behind their noted crossings.
   LaneArray<std::uint8_t> goes_on{tile_capacity};

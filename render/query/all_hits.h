@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 #include "render/query/kernels.h"
@@ -11,11 +10,6 @@
 /// walk along each ray. Without this, each transparent surface that a ray crosses would need
 /// another query behind it.
 namespace rhoray::render {
-
-namespace wide {
-struct FacetAllHitsScratch;
-struct GridAllHitsScratch;
-}  // namespace wide
 
 /// A surface of a query for all crossings.
 struct TransparentSurface {
@@ -60,12 +54,6 @@ struct AllHitsQuery {
   bool only_places = false;
 };
 
-/// What a thread keeps between calls.
-struct AllHitsScratch {
-  std::shared_ptr<wide::GridAllHitsScratch> shells;
-  std::shared_ptr<wide::FacetAllHitsScratch> facets;
-};
-
 /// Records the crossings of rays given in the volume's frame. The start side of these rays is
 /// unknown.
 /// @param lists     one for each surface
@@ -73,11 +61,7 @@ struct AllHitsScratch {
 ///                  missing, or where the ray must be traced by other kernels; the crossings
 ///                  recorded for it are right in any case
 using AllHitsKernel = void (*)(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
-                               std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
+                               std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch,
                                KernelCounters& counters);
-
-/// Null where there is none: a new ray must then be traced behind each crossing.
-AllHitsKernel all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query,
-                              Machine machine = chosen_machine());
 
 }  // namespace rhoray::render

@@ -22,7 +22,7 @@ void kernel_of(const VolumeImplementation& volume, const RayQuery& query, const 
 }
 
 /// The kernel of one query for an algorithm.
-template <class View, Answer<View> direct, Answer<View> sampled, Answer<View> certified, Answer<View> judged>
+template <class View, Answer<View> direct, Answer<View> sampled, Answer<View> certified, Answer<View> exact>
 Kernel kernel_for(Method::Algorithm algorithm) {
   switch (algorithm) {
     case Method::Algorithm::sampled:
@@ -30,7 +30,7 @@ Kernel kernel_for(Method::Algorithm algorithm) {
     case Method::Algorithm::certified:
       return kernel_of<View, certified>;
     case Method::Algorithm::exact:
-      return kernel_of<View, judged>;
+      return kernel_of<View, exact>;
     case Method::Algorithm::direct:
     case Method::Algorithm::preview:
     case Method::Algorithm::paper:

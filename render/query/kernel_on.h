@@ -1,6 +1,7 @@
 #pragma once
 
-#include "render/query/kernels.h"
+#include "render/method.h"
+#include "render/query/machine.h"
 
 /// What the choices of SIMD kernels have in common.
 namespace rhoray::render::wide {
@@ -13,9 +14,11 @@ inline bool has_wide_crossings(const Method& method) {
   return is_float || method.algorithm == Method::Algorithm::certified;
 }
 
-/// The result of kernel_of.operator()<machine>(); null for `scalar`, which has no SIMD kernels.
+/// The result of kernel_of.operator()<machine>(), a pointer; null for `scalar`, which has no SIMD
+/// kernels.
 template <class KernelOf>
-Kernel kernel_on(Machine machine, const KernelOf& kernel_of) {
+auto kernel_on(Machine machine, const KernelOf& kernel_of)
+    -> decltype(kernel_of.template operator()<Machine::baseline>()) {
   switch (machine) {
     case Machine::scalar:
       break;

@@ -4,23 +4,14 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "formats/base/interval.h"
 #include "render/dataset/volume.h"
 #include "render/method.h"
 #include "render/query/batch.h"
-#include "render/query/machine.h"
 #include "render/traverse/maximum_queue.h"
 
 namespace rhoray::render {
-
-namespace wide {
-struct FacetScratch;
-struct IsosurfaceScratch;
-struct MaximumScratch;
-struct TetMaximumScratch;
-}  // namespace wide
 
 struct KernelCounters {
   std::uint64_t macrocells_visited = 0;
@@ -62,21 +53,39 @@ struct RayQuery {
   bool time_phases = false;
 };
 
-/// What a thread keeps from ray to ray: memory for the queue, and where the last largest value was
-/// found.
+/// Memory that a thread keeps between calls of a kernel. Only the kernel knows its type, and makes
+/// it at its first call: on the thread that uses it, and only where it is used.
+class Scratch {
+ public:
+  /// The memory of type T; made anew where the last kernel used another type.
+  template <class T>
+  T& as() {
+    if (type_ != &type_of<T>) {
+      memory_ = Memory(new T(), [](void* memory) { delete static_cast<T*>(memory); });
+      type_ = &type_of<T>;
+    }
+    return *static_cast<T*>(memory_.get());
+  }
+
+ private:
+  using Memory = std::unique_ptr<void, void (*)(void*)>;
+  /// Its address stands for the type.
+  template <class T>
+  static constexpr char type_of = 0;
+
+  const char* type_ = nullptr;
+  Memory memory_{nullptr, [](void*) {}};
+};
+
+/// What a thread keeps from ray to ray.
 struct KernelScratch {
-  MaximumQueue queue;
-  /// Reset at the start of every tile, so that counts do not depend on threads.
+  MaximumQueue queue;  ///< of the scalar search for the largest value
+  /// Where the last largest value was found. Reset at the start of every tile, so that counts do
+  /// not depend on threads.
   std::optional<double> last_t;
   KernelCounters counters;
-  /// Of the SIMD isosurface kernel, created on first use.
-  std::shared_ptr<wide::IsosurfaceScratch> isosurface;
-  /// Of the SIMD kernel for largest values, created on first use.
-  std::shared_ptr<wide::MaximumScratch> maximum;
-  /// Of the SIMD isosurface kernel of meshes, created on first use.
-  std::shared_ptr<wide::FacetScratch> facets;
-  /// Of the SIMD kernel for largest values in meshes, created on first use.
-  std::shared_ptr<wide::TetMaximumScratch> tet_maximum;
+  Scratch for_hits;  ///< of SIMD kernels for the first hit or any hit
+  Scratch for_largest;
 };
 
 /// Answers a query for a batch of rays in the volume's frame. `hits` must have room for as many
@@ -84,45 +93,14 @@ struct KernelScratch {
 using Kernel = void (*)(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                         KernelScratch& scratch);
 
-/// The same for an array of single rays; meant for few of them.
-void ask(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query, std::span<const Ray> rays,
-         std::span<Hit> hits, KernelScratch& scratch);
-
-/// Prepares what a kernel keeps of a volume for its query, with this many threads (0: all cores).
-/// @return  boxes outside of which no ray has a hit; nothing where another kernel answers instead
-using Preparation = std::optional<SurfaceBoxes> (*)(const VolumeImplementation& volume, const RayQuery& query,
-                                                    unsigned threads);
-
-/// The queries that a frame may make of a volume (paper, section 4). Each is the kernel for the
-/// volume's kind, value type, method and machine. Chosen once per frame.
-struct Kernels {
-  /// Where the ray first passes from one side of the isovalue to the other.
-  Kernel first_crossing;
-  /// The largest value on the ray and the smallest t where it is reached.
-  Kernel largest_value;
+/// The reference kernels of one view: scalar, one ray at a time.
+struct ReferenceKernels {
+  Kernel first_hit, largest;
   std::size_t queue_entries;  ///< the most entries that one ray can put into the queue
-  /// Null: nothing to prepare. A kernel that finds this not yet done does it itself.
-  Preparation prepare_first_crossing = nullptr;
 };
 
-/// True where a SIMD kernel finds first crossings in single precision, on every machine other than
-/// `scalar`.
-bool finds_crossings_wide(const VolumeImplementation& volume);
-
-/// True where every ray that passes outside the volume's bounds is a miss. Methods that find a
-/// tetrahedron by its barycentric coordinates promise nothing for flat tetrahedra.
-bool keeps_to_bounds(const VolumeImplementation& volume, const Method& method);
-
-Kernels choose_kernels(const VolumeImplementation& volume, const Method& method, Machine machine = chosen_machine());
-
-/// The reference kernels of one view, one ray at a time; defined for every alternative of
-/// VolumeImplementation::view.
+/// Defined for every alternative of VolumeImplementation::view.
 template <class View>
-Kernels kernels_for(const View& view, Method::Algorithm algorithm);
-
-/// For a mesh's certified first crossings: decides what single precision left undecided, in double
-/// precision or by exact arithmetic. For grids see render/grid/reference/resumed.h.
-template <class View>
-Kernel redoing_kernel_for(const View& view);
+ReferenceKernels reference_kernels(const View& view, Method::Algorithm algorithm);
 
 }  // namespace rhoray::render

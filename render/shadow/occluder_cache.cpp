@@ -26,27 +26,22 @@ Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
 
 }  // namespace
 
-std::shared_ptr<const LightOccluders> OccluderCache::of(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& search,
+                                                        const VolumeImplementation& volume, const RayQuery& query,
                                                         const LightPlace& light, unsigned threads) {
-  const std::shared_ptr<const Facets> facets = facets_with_occluders(volume, query, threads);
-  if (!facets && !light.is_one_direction()) return nullptr;
-  const std::shared_ptr<const void> surface =
-      facets ? std::shared_ptr<const void>(facets) : occupancy_of_grid(volume, query);
-  if (!surface) return nullptr;
-  OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.surface == surface; });
-  const Shadows shadows = facets && kept != nullptr ? Shadows::known : Shadows::unknown;
-  if (kept == nullptr) {
-    auto cells = facets ? nullptr : SurfaceCells::of(volume, query, threads);
-    if (!facets && !cells) return nullptr;
-    kept = &put_in_front(kept_, {surface, std::move(cells), {}}, most_kept);
-  }
+  const std::shared_ptr<const void> source = search.source(volume, query, light, threads);
+  if (!source) return nullptr;
+  OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.source == source; });
+  const Shadows shadows = kept != nullptr ? Shadows::known : Shadows::unknown;
+  if (kept == nullptr)
+    kept = &put_in_front(kept_, {source, search.surface(volume, query, source, threads), {}}, most_kept);
+  const OccludingSurface& surface = *kept->surface;
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
     if (of->shadows != shadows)
-      of->occluders = with_shadows(chosen_machine(), of->occluders, light), of->shadows = shadows;
+      of->occluders = surface.with_shadows(chosen_machine(), of->occluders, light), of->shadows = shadows;
     return of->occluders;
   }
-  auto occluders = facets ? facet_occluders_of(chosen_machine(), facets, light, shadows)
-                          : grid_occluders_of(chosen_machine(), kept->cells, light);
+  auto occluders = surface.of_light(chosen_machine(), light, shadows);
   return put_in_front(kept->lights, {light, std::move(occluders), shadows}, most_kept).occluders;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -9,15 +8,31 @@
 #include <utility>
 
 #include "render/query/kernels.h"
-#include "render/shadow/facet_occluders.h"
 #include "render/shadow/occluder_heights.h"
 
+/// The parts of isosurfaces that may occlude rays to a light. Each kind of data finds its own; the
+/// height fields of directional lights are common to all.
 namespace rhoray::render::wide {
+
+/// The target of rays to a light, in a volume's frame: a direction, or a position. Each ray ends no
+/// farther from it than `reach`.
+struct LightPlace {
+  bool is_place = false;
+  Vec3 at{0, 0, 0};
+  double reach = 0;
+
+  bool is_one_direction() const { return !is_place && reach == 0; }
+  bool operator==(const LightPlace&) const = default;
+};
+
+/// Whether the parts of a surface that are certainly in shadow are computed, for a directional
+/// light.
+enum class Shadows { unknown, known };
 
 /// The parts of one isosurface that may occlude rays with one start side.
 struct Occluders {
-  std::optional<OccluderHeights> heights;             ///< for a directional light
-  std::shared_ptr<const FacetOccluders> facets = {};  ///< for a mesh
+  std::optional<OccluderHeights> heights;  ///< for a directional light
+  std::shared_ptr<const void> parts = {};  ///< what Intersectors::any_hit of the kind of data reads
 };
 
 /// The same for one light, computed at the first request for a side. Any thread may call.
@@ -42,32 +57,28 @@ class LightOccluders {
   mutable std::array<OfSide, 2> sides_;
 };
 
-/// Any-hit query: whether there is any crossing. Sets one bit for each ray of each group of the
-/// batch; rays with t_max < t_min keep a clear bit.
-///
-/// @param occluders  null: the whole surface is tested; else all rays have their start side and go
-///   to their light
-using AnyCrossing = void (*)(const VolumeImplementation& volume, const RayQuery& query, const Occluders* occluders,
-                             const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch);
+/// One isosurface that may occlude light.
+class OccludingSurface {
+ public:
+  virtual ~OccludingSurface() = default;
 
-/// Returns the single-precision kernel for meshes' isosurfaces, or for surfaces; null where
-/// first_facet_kernel is null.
-AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+  virtual std::shared_ptr<const LightOccluders> of_light(Machine machine, const LightPlace& light,
+                                                         Shadows shadows) const = 0;
+  /// The same with known shadows.
+  /// @param before  for this light without them
+  virtual std::shared_ptr<const LightOccluders> with_shadows(Machine machine,
+                                                             std::shared_ptr<const LightOccluders> before,
+                                                             const LightPlace& light) const = 0;
+};
 
-/// Returns the facets of a mesh's isosurface if only some of them may occlude hits on one of its
-/// sides. Null where that is not known: for triangles, which may have any orientation, and where
-/// scalar kernels are used.
-std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
-                                                    unsigned threads);
-
-/// Returns those that may occlude rays to a light.
-/// @param shadows  known: the facets' neighbours are computed, once for all lights
-std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
-                                                         const LightPlace& light, Shadows shadows);
-
-/// Returns the same with known shadows.
-/// @param before  for a light without them
-std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
-                                                   const LightPlace& light);
+/// How a kind of data finds such surfaces, for queries that its wide kernels answer.
+struct OccluderSearch {
+  /// The object that stands for the surface as long as it is in use. Null where the occluders of
+  /// this light are not known to be less than the whole surface.
+  std::shared_ptr<const void> (*source)(const VolumeImplementation& volume, const RayQuery& query,
+                                        const LightPlace& light, unsigned threads);
+  std::shared_ptr<const OccludingSurface> (*surface)(const VolumeImplementation& volume, const RayQuery& query,
+                                                     std::shared_ptr<const void> source, unsigned threads);
+};
 
 }  // namespace rhoray::render::wide

@@ -16,6 +16,7 @@
 #include "render/query/all_hits.h"
 #include "render/ray_caster.h"
 #include "render/render.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
@@ -103,12 +104,12 @@ enum class Asked { crossing, largest };
 std::vector<Hit> answers(const Data& data, Asked asked, const render::Method& method, double isovalue, Machine machine,
                          const std::vector<Ray>& rays) {
   const render::VolumeImplementation& volume = data.traced->volume().implementation();
-  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
+  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   std::vector<Hit> hits(rays.size());
-  render::ask(asked == Asked::crossing ? kernels.first_crossing : kernels.largest_value, volume,
-              {.isovalue = isovalue, .field_range = volume.field.range, .method = method}, rays, hits, scratch);
+  ask(asked == Asked::crossing ? kernels.first_hit : kernels.largest, volume,
+      {.isovalue = isovalue, .field_range = volume.field.range, .method = method}, rays, hits, scratch);
   return hits;
 }
 
@@ -171,7 +172,9 @@ std::vector<Agreement> agreements() {
 std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine machine, const std::vector<Ray>& rays) {
   const render::VolumeImplementation& volume = data.traced->volume().implementation();
   const render::AllHitsKernel kernel =
-      render::all_hits_kernel(volume, {.isovalue = isovalue, .method = render::method_of(Accuracy::float32)}, machine);
+      render::choose_intersectors(volume, {.isovalue = isovalue, .method = render::method_of(Accuracy::float32)},
+                                  machine)
+          .all_hits;
   if (kernel == nullptr) return {};
   constexpr std::size_t first_ones = 3;
   render::RayBatch batch(rays.size());
@@ -181,7 +184,7 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
   render::CrossingList list(rays.size());
   list.put_first_into(first);
   std::vector<std::uint8_t> complete(rays.size());
-  render::AllHitsScratch memory;
+  render::Scratch memory;
   render::KernelCounters counters;
   const render::TransparentSurface surface{.isovalue = isovalue, .passing = 0.9F};
   render::CrossingList* const lists[] = {&list};
@@ -351,12 +354,12 @@ TEST(Machines, answer_rays_with_the_same_bits_as_far_as_is_promised) {
 TEST(Machines, leave_exact_answers_to_one_judge) {
   for (const Data& data : all_data()) {
     const auto of = [&](Machine machine) {
-      return render::choose_kernels(data.traced->volume().implementation(), render::method_of(Accuracy::exact),
-                                    machine);
+      return render::choose_intersectors(data.traced->volume().implementation(),
+                                         {.method = render::method_of(Accuracy::exact)}, machine);
     };
     for (const Machine machine : wide_machines()) {
-      EXPECT_EQ(of(machine).first_crossing, of(Machine::scalar).first_crossing) << data.name;
-      EXPECT_EQ(of(machine).largest_value, of(Machine::scalar).largest_value) << data.name;
+      EXPECT_EQ(of(machine).first_hit, of(Machine::scalar).first_hit) << data.name;
+      EXPECT_EQ(of(machine).largest, of(Machine::scalar).largest) << data.name;
     }
   }
 }

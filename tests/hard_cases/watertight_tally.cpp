@@ -9,8 +9,9 @@
 #include "render/dataset/volume.h"
 #include "render/method.h"
 #include "render/query/all_hits.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "render/render.h"
+#include "tests/render/support/ask.h"
 
 namespace rhoray::tests {
 
@@ -57,13 +58,15 @@ std::array<Asked, WatertightTally::method_count> asked_methods(const render::Vol
 class Caster {
  public:
   Caster(const render::Volume& volume, const Method& method, Machine machine)
-      : volume_(volume.implementation()), method_(method), kernels_(choose_kernels(volume_, method, machine)) {
+      : volume_(volume.implementation()),
+        method_(method),
+        kernels_(choose_intersectors(volume_, {.method = method}, machine)) {
     scratch_.queue.reserve(kernels_.queue_entries);
   }
 
   std::vector<Hit> first_crossings(std::span<const Ray> rays, double isovalue) {
     std::vector<Hit> hits(rays.size());
-    ask(kernels_.first_crossing, volume_, {.isovalue = isovalue, .method = method_}, rays, hits, scratch_);
+    ask(kernels_.first_hit, volume_, {.isovalue = isovalue, .method = method_}, rays, hits, scratch_);
     return hits;
   }
   Hit first_crossing(const Ray& ray, double isovalue) { return first_crossings({&ray, 1}, isovalue).front(); }
@@ -73,7 +76,7 @@ class Caster {
  private:
   const render::VolumeImplementation& volume_;
   Method method_;
-  render::Kernels kernels_;
+  render::Intersectors kernels_;
   render::KernelScratch scratch_;
 };
 
@@ -146,7 +149,7 @@ class Inquiry {
   std::array<Asked, WatertightTally::method_count> asked_;
   std::vector<Caster> casters_;
   Caster judge_;
-  render::AllHitsScratch all_hits_scratch_;
+  render::Scratch all_hits_scratch_;
   double largest_step_ = 0;
   WatertightTally tally_;
 };
@@ -309,8 +312,9 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
 /// Finds all crossings in one traversal of each ray, as for pictures with transparent surfaces.
 void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const std::vector<bool>& sampled) {
   const render::VolumeImplementation& volume = scene_.volume.implementation();
-  const render::AllHitsKernel kernel = render::all_hits_kernel(
-      volume, {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)}, render::chosen_machine());
+  const render::AllHitsKernel kernel =
+      render::choose_intersectors(volume, {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)})
+          .all_hits;
   if (kernel == nullptr) return;
   const render::TransparentSurface surface{.isovalue = scene_.isovalue};
   render::RayBatch batch(rays.size());

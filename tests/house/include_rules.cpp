@@ -28,9 +28,10 @@ const Layer rooms[] = {{"formats", {}},
                        {"tools", {"preprocess", "render", "formats"}},
                        {"tests", {"tools", "data", "preprocess", "render", "formats"}}};
 
-/// From the lowest layer to the highest. `place` is a folder without its subfolders, or a single
-/// file; "formats" means its public headers. Files directly in a room's folder may include all of
-/// the room. A folder that is not listed is refused.
+/// From the lowest layer to the highest. `place` is a folder without its subfolders, or a unit that
+/// stands above the folder's subfolders: its file names without their endings. What may be seen are
+/// folders and single files; "formats" means its public headers. Files directly in a room's folder
+/// may include all of the room. A folder that is not listed is refused.
 const Layer layers[] = {
     {"render/traverse", {"formats/base"}},
     {"render/cell", {"formats/base", "render/traverse"}},
@@ -39,9 +40,7 @@ const Layer layers[] = {
     {"render/tets", {"formats", "render/traverse", "render/cell"}},
     {"render/triangles", {"formats", "render/traverse", "render/cell", "render/tets", "render/query/last_isovalues.h"}},
     {"render/dataset", {"formats", "render/grid", "render/tets", "render/triangles"}},
-    {"render/query",
-     {"formats/base", "render/traverse", "render/cell", "render/exact/enclosure.h", "render/dataset",
-      "render/method.h"}},
+    {"render/query", {"formats/base", "render/traverse", "render/cell", "render/dataset", "render/method.h"}},
     {"render/grid/reference", {"formats/base", "render/traverse", "render/cell", "render/exact", "render/query"}},
     {"render/grid/isosurface",
      {"formats", "render/traverse", "render/cell", "render/grid", "render/dataset", "render/query",
@@ -50,15 +49,21 @@ const Layer layers[] = {
     {"render/grid/largest",
      {"formats", "render/traverse", "render/grid", "render/dataset", "render/query", "render/grid/reference"}},
     {"render/tets/reference", {"formats", "render/traverse", "render/cell", "render/exact", "render/query"}},
-    {"render/shadow",
-     {"formats", "render/traverse", "render/grid", "render/triangles", "render/dataset", "render/query",
-      "render/grid/isosurface"}},
+    {"render/shadow", {"formats", "render/query"}},
+    {"render/grid/shadow",
+     {"formats", "render/grid", "render/dataset", "render/query", "render/shadow", "render/grid/isosurface"}},
+    {"render/grid/intersectors",
+     {"render/query", "render/dataset", "render/grid/isosurface", "render/grid/all_hits", "render/grid/largest",
+      "render/grid/shadow"}},
+    {"render/triangles/shadow", {"formats", "render/traverse", "render/triangles", "render/query", "render/shadow"}},
     {"render/triangles/kernels",
      {"formats", "render/traverse", "render/cell", "render/tets", "render/triangles", "render/dataset", "render/query",
-      "render/tets/reference", "render/shadow"}},
+      "render/tets/reference", "render/shadow", "render/triangles/shadow"}},
     {"render/tets/largest",
      {"formats", "render/traverse", "render/tets", "render/query", "render/tets/reference",
       "render/triangles/kernels"}},
+    {"render/tets/intersectors", {"render/query", "render/tets", "render/tets/largest", "render/triangles/kernels"}},
+    {"render/triangles/intersectors", {"render/query", "render/triangles/kernels"}},
     {"render/shade",
      {"formats", "render/cell", "render/triangles", "render/dataset", "render/query", "render/scene.h",
       "render/color_map.h", "render/texture.h"}},
@@ -160,12 +165,20 @@ const Layer* find(std::span<const Layer> list, std::string_view place) {
   return nullptr;
 }
 
-/// True when a layer may see a header: the list names the file or its folder.
+/// The rules of a file's own unit, or those of its folder.
+const Layer* layer_of(std::string_view file) {
+  const Layer* unit = find(layers, file.substr(0, file.rfind('.')));
+  return unit != nullptr ? unit : find(layers, folder_of(file));
+}
+
+/// True when a layer may see a header: the list names the file, or the folder that it belongs to.
 bool sees(const Layer& layer, std::string_view header) {
-  const std::string_view folder = folder_of(header);
-  if (folder == layer.place) return true;
+  const Layer* of_header = layer_of(header);
+  if (of_header == &layer) return true;
+  const bool is_above_folder = of_header != nullptr && of_header->place != folder_of(header);
   return std::any_of(layer.may_see.begin(), layer.may_see.end(), [&](std::string_view place) {
-    return header == place || folder == place || (place == "formats" && is_in(folder, "formats"));
+    return header == place || (folder_of(header) == place && !is_above_folder) ||
+           (place == "formats" && is_in(folder_of(header), "formats"));
   });
 }
 
@@ -179,7 +192,7 @@ std::optional<std::string> rule_against_own(const std::filesystem::path& root, s
   const bool is_public = stands_in_room(header) || is_in(header, "formats/base");
   if (target != room && room != "tests" && !is_public) return "public headers";
   if ((room == "render" || room == "preprocess") && !stands_in_room(file)) {
-    const Layer* layer = find(layers, folder_of(file));
+    const Layer* layer = layer_of(file);
     if (layer == nullptr || !sees(*layer, header)) return "layers";
   }
   return std::nullopt;

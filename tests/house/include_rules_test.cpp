@@ -32,6 +32,7 @@ class PlantedHouse {
     plant("render/grid/grid.h", "#include \"formats/grid.h\"\n#include \"render/traverse/ray.h\"\n");
     plant("render/dataset/volume.h", "#include \"render/grid/grid.h\"\n");
     plant("render/query/kernels.h", "#include \"render/dataset/volume.h\"\n#include \"render/method.h\"\n");
+    plant("render/grid/intersectors.h", "#include \"render/query/kernels.h\"\n");
     plant("render/shade/diffuse.h", "#include \"render/scene.h\"\n");
     plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/shade/diffuse.h\"\n");
     plant("data/recipes/ball.cpp", "#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");
@@ -69,6 +70,7 @@ const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "rooms"},
                         {"render/traverse/heavy.h", "\"formats/grid.h\"", "layers"},
                         {"render/cell/heavy.h", "\"render/grid/grid.h\"", "layers"},
                         {"render/grid/up.h", "\"render/query/kernels.h\"", "layers"},
+                        {"render/grid/beside.h", "\"render/grid/intersectors.h\"", "layers"},
                         {"render/query/up.h", "\"render/shade/diffuse.h\"", "layers"},
                         {"render/shade/deep.h", "\"render/grid/grid.h\"", "layers"},
                         {"render/attic/new.h", "\"render/scene.h\"", "layers"},

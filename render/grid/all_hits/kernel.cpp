@@ -38,39 +38,38 @@ TransparentSurfaces transparent_surfaces_of(const View& view, const VolumeImplem
   const TransparentSurface &first = query.surfaces.front(), &last = query.surfaces.back();
   keep_blocks_of(scratch, {volume.occupancies->of(view.levels(), first.isovalue),
                            volume.occupancies->of(view.levels(), last.isovalue)});
-  TransparentSurfaces shells{.surface = {surface_of(volume, view, *scratch.occupancies[0],
-                                                    {.isovalue = first.isovalue, .time_phases = query.time_phases}),
-                                         surface_of(volume, view, *scratch.occupancies[1],
-                                                    {.isovalue = last.isovalue, .time_phases = query.time_phases})},
-                             .passing = {},
-                             .surely_lit = surely_lit_of(query),
-                             .least_inside = {},
-                             .is_single = {},
-                             .count = static_cast<int>(query.surfaces.size()),
-                             .least_light = query.least_light,
-                             .only_places = query.only_places};
+  TransparentSurfaces surfaces{.surface = {surface_of(volume, view, *scratch.occupancies[0],
+                                                      {.isovalue = first.isovalue, .time_phases = query.time_phases}),
+                                           surface_of(volume, view, *scratch.occupancies[1],
+                                                      {.isovalue = last.isovalue, .time_phases = query.time_phases})},
+                               .passing = {},
+                               .surely_lit = surely_lit_of(query),
+                               .least_inside = {},
+                               .is_single = {},
+                               .count = static_cast<int>(query.surfaces.size()),
+                               .least_light = query.least_light,
+                               .only_places = query.only_places};
   for (std::size_t s = 0; s < most_surfaces; ++s) {
-    const double isovalue = shells.surface[s].isovalue;
+    const double isovalue = surfaces.surface[s].isovalue;
     const auto nearest = static_cast<float>(isovalue);
     float light = 1;
-    for (float& passing : shells.passing[s]) passing = light, light *= (s == 0 ? first : last).passing;
-    shells.is_single[s] = static_cast<double>(nearest) == isovalue;
-    shells.least_inside[s] = static_cast<double>(nearest) < isovalue
-                                 ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-                                 : nearest;
+    for (float& passing : surfaces.passing[s]) passing = light, light *= (s == 0 ? first : last).passing;
+    surfaces.is_single[s] = static_cast<double>(nearest) == isovalue;
+    surfaces.least_inside[s] = static_cast<double>(nearest) < isovalue
+                                   ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+                                   : nearest;
   }
-  return shells;
+  return surfaces;
 }
 
 template <Machine machine>
 void cross(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
-           std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
-           KernelCounters& counters) {
+           std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch, KernelCounters& counters) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
-          if (!memory.shells) memory.shells = std::make_shared<GridAllHitsScratch>();
-          const TransparentSurfaces shells = transparent_surfaces_of(view, volume, query, *memory.shells);
+          GridAllHitsScratch& memory = scratch.as<GridAllHitsScratch>();
+          const TransparentSurfaces surfaces = transparent_surfaces_of(view, volume, query, memory);
           CrossingArrays arrays[most_surfaces];
           for (std::size_t s = 0; s < lists.size(); ++s) {
             arrays[s] = arrays_of(*lists[s]);
@@ -84,8 +83,8 @@ void cross(const VolumeImplementation& volume, const AllHitsQuery& query, const 
           counters.rays_wide += rays.count;
           const FindAllHits answer = find_all_hits_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            answer(shells, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete,
-                   *memory.shells, counters);
+            answer(surfaces, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete,
+                   memory, counters);
         }
       },
       volume.view);
@@ -97,17 +96,7 @@ AllHitsKernel grid_all_hits_kernel(const VolumeImplementation& volume, const Ray
   const bool is_known = has_wide_crossings(query.method) && query.method.algorithm == Method::Algorithm::direct;
   const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
   if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, query) || !is_whole) return nullptr;
-  switch (machine) {
-    case Machine::scalar:
-      break;
-    case Machine::baseline:
-      return cross<Machine::baseline>;
-    case Machine::avx2:
-      return cross<Machine::avx2>;
-    case Machine::avx512:
-      return cross<Machine::avx512>;
-  }
-  return nullptr;
+  return kernel_on(machine, []<Machine wide>() -> AllHitsKernel { return cross<wide>; });
 }
 
 }  // namespace rhoray::render::wide

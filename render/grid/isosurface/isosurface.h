@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/query/kernels.h"
+#include "render/query/machine.h"
 
 namespace rhoray::render::wide {
 

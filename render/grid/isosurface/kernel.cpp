@@ -12,20 +12,20 @@ namespace rhoray::render::wide {
 namespace {
 
 /// The thread's scratch memory, without kept blocks of other surfaces.
-IsosurfaceScratch& prepared(std::shared_ptr<IsosurfaceScratch>& scratch, std::shared_ptr<const Occupancy> occupancy) {
-  if (!scratch) scratch = std::make_shared<IsosurfaceScratch>();
-  if (scratch->occupancy != occupancy) {
-    std::fill(std::begin(scratch->block_key), std::end(scratch->block_key), IsosurfaceScratch::no_block);
-    scratch->occupancy = std::move(occupancy);
+IsosurfaceScratch& prepared(Scratch& scratch, std::shared_ptr<const Occupancy> occupancy) {
+  IsosurfaceScratch& memory = scratch.as<IsosurfaceScratch>();
+  if (memory.occupancy != occupancy) {
+    std::fill(std::begin(memory.block_key), std::end(memory.block_key), IsosurfaceScratch::no_block);
+    memory.occupancy = std::move(occupancy);
   }
-  return *scratch;
+  return memory;
 }
 
 /// Traces the doubtful rays again.
 /// @param ask  (rays, where their doubt begins, hits)
 template <class Ask>
-void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelScratch& scratch) {
-  IsosurfaceScratch& memory = *scratch.isosurface;
+void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, IsosurfaceScratch& memory,
+                   KernelCounters& counters) {
   DoubtfulRay* const begin = memory.doubtful.ray;
   DoubtfulRay* end = begin + std::exchange(memory.doubtful.count, 0);
   // If a ray occurs twice, keep the entry that traces it as a whole.
@@ -33,7 +33,7 @@ void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, KernelS
     return a.index != b.index ? a.index < b.index : a.from.t < b.from.t;
   });
   end = std::unique(begin, end, [](const DoubtfulRay& a, const DoubtfulRay& b) { return a.index == b.index; });
-  scratch.counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
+  counters.rays_wide -= static_cast<std::uint64_t>(end - begin);
   ResumedAt from[RayGroup::size];
   for (DoubtfulRay* first = begin; first < end;) {
     const std::span<const DoubtfulRay> some(
@@ -53,14 +53,13 @@ void first_crossings(const VolumeImplementation& volume, const RayQuery& query, 
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
-          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
+          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
           if (!is_answerable_wide(volume, query)) {
             reference(volume, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
-          IsosurfaceScratch& memory =
-              prepared(scratch.isosurface, volume.occupancies->of(view.levels(), query.isovalue));
+          IsosurfaceScratch& memory = prepared(scratch.for_hits, volume.occupancies->of(view.levels(), query.isovalue));
           const Surface surface = surface_of(volume, view, *memory.occupancy, query);
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
@@ -72,7 +71,7 @@ void first_crossings(const VolumeImplementation& volume, const RayQuery& query, 
               reference(volume, query, some, found, scratch);
           };
           const auto redo = [&] {
-            if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, scratch);
+            if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, memory, scratch.counters);
           };
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);

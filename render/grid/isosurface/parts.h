@@ -11,6 +11,7 @@
 #include "render/grid/reference/resumed.h"
 #include "render/query/batch_arrays.h"
 #include "render/query/kernels.h"
+#include "render/query/machine.h"
 #include "render/traverse/ray_group.h"
 
 /// The interface between the sources of the SIMD isosurface kernel and the part that is compiled

@@ -137,10 +137,9 @@ void largest_values(const VolumeImplementation& volume, const RayQuery& query, c
                     KernelScratch& scratch) {
   const View& view = std::get<View>(volume.view);
   if (!query.use_hierarchy)
-    return kernels_for(view, query.method.algorithm).largest_value(volume, query, rays, hits, scratch);
+    return reference_kernels(view, query.method.algorithm).largest(volume, query, rays, hits, scratch);
   scratch.counters.rays_wide += rays.count;
-  if (!scratch.maximum) scratch.maximum = std::make_shared<MaximumScratch>();
-  MaximumScratch& memory = *scratch.maximum;
+  MaximumScratch& memory = scratch.for_largest.as<MaximumScratch>();
   memory.regions = memory.looks = memory.ticks = 0;
   std::uint64_t cells = 0;
   const MaximumField field = field_of(volume, view, query.time_phases);

@@ -2,7 +2,6 @@
 
 #include "render/exact/exact_grid.h"
 #include "render/grid/reference/passage.h"
-#include "render/query/judged.h"
 
 /// Queries of a grid, answered by exact arithmetic.
 namespace rhoray::render {

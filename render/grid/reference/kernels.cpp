@@ -2,15 +2,15 @@
 
 namespace rhoray::render {
 
-template Kernels kernels_for(const GridVolume<std::uint8_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<std::int8_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<std::uint16_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<std::int16_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<std::uint32_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<std::int32_t>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<float>&, Method::Algorithm);
-template Kernels kernels_for(const GridVolume<double>&, Method::Algorithm);
-template Kernels kernels_for(const NanoVdbVolume&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::uint8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::int8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::uint16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::int16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::uint32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<std::int32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridVolume<double>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const NanoVdbVolume&, Method::Algorithm);
 
 template void resume_certified(const GridVolume<std::uint8_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);

@@ -7,16 +7,15 @@
 #include "render/grid/reference/sampled.h"
 #include "render/query/kernel_of.h"
 
-/// The table of a grid's kernels. The sources in this folder instantiate kernels_for, some views
-/// each.
+/// The reference kernels of a grid. The sources in this folder instantiate them, some views each.
 namespace rhoray::render {
 
 template <class View>
-Kernels kernels_for(const View& view, Method::Algorithm algorithm) {
-  return {.first_crossing = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<View>,
-                                       certified_first_crossing<View>, exact_first_hit<View>>(algorithm),
-          .largest_value = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
-                                      certified_largest_value<View>, exact_largest_hit<View>>(algorithm),
+ReferenceKernels reference_kernels(const View& view, Method::Algorithm algorithm) {
+  return {.first_hit = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<View>,
+                                  certified_first_crossing<View>, exact_first_hit<View>>(algorithm),
+          .largest = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
+                                certified_largest_value<View>, exact_largest_hit<View>>(algorithm),
           .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
 }
 

@@ -2,10 +2,10 @@
 
 namespace rhoray::render {
 
-template Kernels kernels_for(const SparseVolume<float>&, Method::Algorithm);
-template Kernels kernels_for(const SparseVolume<double>&, Method::Algorithm);
-template Kernels kernels_for(const SparseRectilinearVolume<float>&, Method::Algorithm);
-template Kernels kernels_for(const SparseRectilinearVolume<double>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const SparseVolume<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const SparseVolume<double>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const SparseRectilinearVolume<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const SparseRectilinearVolume<double>&, Method::Algorithm);
 
 template void resume_certified(const SparseVolume<float>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);

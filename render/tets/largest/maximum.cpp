@@ -77,13 +77,13 @@ bool is_same_object(const std::weak_ptr<const FacetsCache>& a, const std::shared
 }
 
 /// Returns the thread's memory, without cached clusters of another volume.
-TetMaximumScratch& prepared(std::shared_ptr<TetMaximumScratch>& scratch, const VolumeImplementation& volume) {
-  if (!scratch) scratch = std::make_shared<TetMaximumScratch>();
-  if (!is_same_object(scratch->of_volume, volume.facets)) {
-    for (LocalCluster& cluster : scratch->clusters) cluster.cluster = LocalCluster::none;
-    scratch->of_volume = volume.facets;
+TetMaximumScratch& prepared(Scratch& scratch, const VolumeImplementation& volume) {
+  TetMaximumScratch& memory = scratch.as<TetMaximumScratch>();
+  if (!is_same_object(memory.of_volume, volume.facets)) {
+    for (LocalCluster& cluster : memory.clusters) cluster.cluster = LocalCluster::none;
+    memory.of_volume = volume.facets;
   }
-  return *scratch;
+  return memory;
 }
 
 template <Machine machine>
@@ -92,11 +92,11 @@ void largest_values(const VolumeImplementation& volume, const RayQuery& query, c
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>) {
-          const Kernel reference = kernels_for(view, query.method.algorithm).largest_value;
+          const Kernel reference = reference_kernels(view, query.method.algorithm).largest;
           if (!query.use_hierarchy) return reference(volume, query, rays, hits, scratch);
           scratch.counters.rays_wide += rays.count;
           const TetMaximumField field = field_of(volume, view, query, machine);
-          TetMaximumScratch& memory = prepared(scratch.tet_maximum, volume);
+          TetMaximumScratch& memory = prepared(scratch.for_largest, volume);
           const TetLargestValues search = tet_largest_values_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "render/exact/exact_tets.h"
-#include "render/query/judged.h"
 #include "render/tets/reference/walk.h"
 
 /// Queries of a mesh in exact arithmetic. It gets the tetrahedra listed in the leaf cells along the

@@ -9,15 +9,15 @@
 
 #include "render/cell/tet_methods.h"
 #include "render/dataset/volume.h"
-#include "render/query/ask_whether_any.h"
 #include "render/query/kernel_on.h"
-#include "render/shadow/occluders.h"
 #include "render/tets/is_mesh.h"
+#include "render/tets/reference/kernels.h"
 #include "render/tets/reference/walk.h"
 #include "render/triangles/facet_levels.h"
 #include "render/triangles/kernels/all_hits_parts.h"
 #include "render/triangles/kernels/facet_kernels.h"
 #include "render/triangles/kernels/facet_parts.h"
+#include "render/triangles/shadow/facet_occluders.h"
 
 namespace rhoray::render::wide {
 
@@ -74,6 +74,25 @@ void for_each_chunk(Machine machine, const FacetSurface& whole, const RayBatch& 
 
 bool is_answerable(const RayQuery& query) {
   return query.use_hierarchy && std::abs(query.isovalue) <= largest_magnitude;
+}
+
+/// Finds out with another kernel, one for first crossings, which of the `chosen` rays have any
+/// crossing (bit r: ray first + r).
+/// @return  a bit for each of these rays that has one
+std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query,
+                              const RayBatch& rays, std::size_t first, std::uint64_t chosen, FewRays& few,
+                              KernelScratch& scratch) {
+  few.rays.has_start_sides = rays.has_start_sides;
+  few.rays.count = 0;
+  for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
+    few.rays.set(few.rays.count++, rays[first + static_cast<std::size_t>(std::countr_zero(bits))]);
+  scratch.counters.rays_wide -= few.rays.count;
+  kernel(volume, query, few.rays, few.hits, scratch);
+  std::uint64_t crossed = 0;
+  std::size_t place = 0;
+  for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
+    if (few.hits.t[place++] < std::numeric_limits<double>::infinity()) crossed |= bits & (~bits + 1);
+  return crossed;
 }
 
 /// Completes a certified result with a double-precision test of the cells of facets in doubt, cell
@@ -137,14 +156,13 @@ void first_facets(const VolumeImplementation& volume, const RayQuery& query, con
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
-          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
+          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
           if (!is_answerable(query)) {
             reference(volume, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
-          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
-          FacetScratch& memory = *scratch.facets;
+          FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
           memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
           const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
@@ -158,7 +176,7 @@ void first_facets(const VolumeImplementation& volume, const RayQuery& query, con
             if constexpr (certified && is_mesh<View>) {
               if (left.part != 0)
                 left.whole |= settle_doubts(view, query, rays, first, left.part, memory, hits, scratch.counters);
-              other = redoing_kernel_for(view);
+              other = redoing_kernel(view);
             }
             if (left.whole != 0) ask_again(other, volume, query, rays, first, left.whole, hits, memory.others, scratch);
           };
@@ -175,10 +193,9 @@ void any_facets(const VolumeImplementation& volume, const RayQuery& query, const
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
-          const Kernel reference = kernels_for(view, query.method.algorithm).first_crossing;
+          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
           scratch.counters.rays_wide += rays.count;
-          if (!scratch.facets) scratch.facets = std::make_shared<FacetScratch>();
-          FacetScratch& memory = *scratch.facets;
+          FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
           if (!is_answerable(query)) {
             for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
               const std::size_t count = std::min(RayGroup::size, rays.count - first);
@@ -193,7 +210,7 @@ void any_facets(const VolumeImplementation& volume, const RayQuery& query, const
             memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
             whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           } else {
-            whole = surface_of(*occluders->facets, query);
+            whole = surface_of(facets_of(*occluders), query);
           }
           const AnyFacets answer = any_facets_on(machine);
           for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
@@ -219,9 +236,9 @@ std::size_t room_for(float passing, float least_light) {
 
 template <Machine machine>
 void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
-                  std::span<CrossingList* const> lists, std::uint8_t* complete, AllHitsScratch& memory,
+                  std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch,
                   KernelCounters& counters) {
-  if (!memory.facets) memory.facets = std::make_shared<FacetAllHitsScratch>();
+  FacetAllHitsScratch& memory = scratch.as<FacetAllHitsScratch>();
   counters.rays_wide += rays.count;
   std::fill_n(complete, rays.count, std::uint8_t{1});
   std::visit(
@@ -232,7 +249,7 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
             const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
             const FacetSurface whole = surface_of(
                 *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = query.time_phases}, false);
-            FacetLists& found = memory.facets->lists;
+            FacetLists& found = memory.lists;
             found.room = room_for(asked.passing, query.least_light);
             found.passing = asked.passing, found.least_light = query.least_light;
             const CrossingArrays written = arrays_of(*lists[s]);
@@ -243,12 +260,11 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
             const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
                                           FacetChunk& chunk) {
               found.first = first;
-              std::uint64_t left =
-                  answer(surface, from(rays, first), count, chunk, found, memory.facets->facets, counters);
+              std::uint64_t left = answer(surface, from(rays, first), count, chunk, found, memory.facets, counters);
               for (; left != 0; left &= left - 1)
                 complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
             };
-            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets->facets, counters,
+            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets, counters,
                            answer_chunk);
           }
       },
@@ -258,16 +274,13 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
 /// True for a mesh or surface whose products of lengths and values stay far from the limits of
 /// doubles.
 bool is_fit(const VolumeImplementation& volume) {
-  const bool is_known = std::visit([]<class View>(const View&) { return has_facets<View>; }, volume.view);
   const bool has_values = !std::holds_alternative<SurfaceVolume>(volume.view);
   const Vec3 size = volume.bounds_volume.size();
   const double longest = std::max({size.x, size.y, size.z});
-  return is_known && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
+  return longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
          (!has_values || (std::abs(volume.field.range.lo) <= largest_magnitude &&
                           std::abs(volume.field.range.hi) <= largest_magnitude));
 }
-
-}  // namespace
 
 std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query,
                                            unsigned threads) {
@@ -287,30 +300,12 @@ std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, c
       volume.view);
 }
 
-Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!has_wide_crossings(method) || !is_fit(volume)) return nullptr;
-  const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
-  if (is_surface && method.algorithm == Method::Algorithm::certified) return nullptr;
-  return kernel_on(machine, [&]<Machine wide>() -> Kernel {
-    return method.algorithm == Method::Algorithm::certified ? first_facets<wide, true> : first_facets<wide, false>;
-  });
-}
+constexpr OccluderSearch occluder_search{
+    .source = [](const VolumeImplementation& volume, const RayQuery& query, const LightPlace&, unsigned threads)
+        -> std::shared_ptr<const void> { return facets_with_occluders(volume, query, threads); },
+    .surface = occluding_facets};
 
-AnyCrossing any_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (method.algorithm == Method::Algorithm::certified || first_facet_kernel(volume, method, machine) == nullptr)
-    return nullptr;
-  switch (machine) {
-    case Machine::baseline:
-      return any_facets<Machine::baseline>;
-    case Machine::avx2:
-      return any_facets<Machine::avx2>;
-    case Machine::avx512:
-      return any_facets<Machine::avx512>;
-    case Machine::scalar:
-      break;
-  }
-  return nullptr;
-}
+}  // namespace
 
 std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
                                                     unsigned threads) {
@@ -323,41 +318,22 @@ std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& 
       volume.view);
 }
 
-std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
-                                                         const LightPlace& light, Shadows shadows) {
-  return std::make_shared<const LightOccluders>([machine, facets = std::move(facets), light, shadows](StartSide side) {
-    Occluders occluders;
-    occluders.facets = std::make_shared<const FacetOccluders>(machine, facets, light, side);
-    if (light.is_one_direction()) occluders.heights = occluders.facets->heights(machine, light, shadows);
-    return occluders;
+void use_facets(const VolumeImplementation& volume, const RayQuery& query, Machine machine, Intersectors& found) {
+  const Method& method = query.method;
+  const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
+  const bool is_certified = method.algorithm == Method::Algorithm::certified;
+  if (machine == Machine::scalar || !has_wide_crossings(method) || !is_fit(volume) || (is_surface && is_certified))
+    return;
+  found.first_hit = kernel_on(machine, [&]<Machine wide>() -> Kernel {
+    return is_certified ? first_facets<wide, true> : first_facets<wide, false>;
   });
-}
-
-std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
-                                                   const LightPlace& light) {
-  return std::make_shared<const LightOccluders>([machine, before = std::move(before), light](StartSide side) {
-    Occluders occluders = before->of(side);
-    if (light.is_one_direction()) occluders.heights = occluders.facets->heights(machine, light, Shadows::known);
-    return occluders;
-  });
-}
-
-AllHitsKernel facet_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
-  const bool is_of_mesh = std::visit([]<class View>(const View&) { return is_mesh<View>; }, volume.view);
-  if (!is_of_mesh || query.method.algorithm != Method::Algorithm::direct || !is_answerable(query) ||
-      first_facet_kernel(volume, query.method, machine) == nullptr)
-    return nullptr;
-  switch (machine) {
-    case Machine::scalar:
-      break;
-    case Machine::baseline:
-      return cross_facets<Machine::baseline>;
-    case Machine::avx2:
-      return cross_facets<Machine::avx2>;
-    case Machine::avx512:
-      return cross_facets<Machine::avx512>;
-  }
-  return nullptr;
+  found.prepare = prepare_facets;
+  if (!is_certified)
+    found.any_hit = kernel_on(machine, []<Machine wide>() -> AnyHitKernel { return any_facets<wide>; });
+  if (is_surface) return;
+  found.occluders = &occluder_search;
+  if (method.algorithm == Method::Algorithm::direct && is_answerable(query))
+    found.all_hits = kernel_on(machine, []<Machine wide>() -> AllHitsKernel { return cross_facets<wide>; });
 }
 
 }  // namespace rhoray::render::wide

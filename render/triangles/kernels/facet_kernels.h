@@ -1,23 +1,23 @@
 #pragma once
 
-#include "render/query/all_hits.h"
-#include "render/query/kernels.h"
+#include <memory>
+
+#include "render/query/intersectors.h"
+#include "render/triangles/facets.h"
 
 namespace rhoray::render::wide {
 
-/// Returns the kernel that finds the first crossing of a mesh's isosurface, or of a surface's
-/// triangles, for groups of rays at once. It uses the facets that make up the surface
-/// (render/triangles/facets.h). Null where the scalar kernels are used: for other volumes, for
-/// meshes whose size or values exceed what products of doubles can hold, and for methods other than
-/// those of the table in render/KERNELS.md.
-Kernel first_facet_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+/// Puts the SIMD kernels for a mesh's isosurface, or for a surface's triangles, in the place of
+/// others. They use the facets that make up the surface (render/triangles/facets.h). Leaves the
+/// intersectors as they are where the scalar kernels are used: for meshes whose size or values
+/// exceed what products of doubles can hold, and for methods other than those of the table in
+/// render/KERNELS.md. There is no kernel for all hits of triangles, which may have any orientation.
+void use_facets(const VolumeImplementation& volume, const RayQuery& query, Machine machine, Intersectors& found);
 
-/// Computes the facets of an isovalue, unless they are cached.
-/// @return  the boxes around them; nothing where the scalar kernels are used
-std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query, unsigned threads);
-
-/// Returns the kernel that finds all crossings of isosurfaces of a mesh. Null where there is none,
-/// as for triangles, which may have any orientation.
-AllHitsKernel facet_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
+/// Returns the facets of a mesh's isosurface if only some of them may occlude hits on one of its
+/// sides. Null where that is not known: for triangles, which may have any orientation, and where
+/// scalar kernels are used.
+std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
+                                                    unsigned threads);
 
 }  // namespace rhoray::render::wide

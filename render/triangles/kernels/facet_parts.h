@@ -7,6 +7,7 @@
 
 #include "render/query/batch_arrays.h"
 #include "render/query/kernels.h"
+#include "render/query/machine.h"
 #include "render/triangles/facets.h"
 
 /// Data that the sources of the wide kernel of meshes' isosurfaces pass to the part that is

@@ -169,20 +169,11 @@ void no_values(const VolumeImplementation&, const RayQuery&, const RayBatch& ray
   for (std::size_t r = 0; r < rays.count; ++r) hits.set(r, {});
 }
 
-/// Builds the tree. Never answers a ray in advance.
-std::optional<SurfaceBoxes> prepare_triangles(const VolumeImplementation& volume, const RayQuery&, unsigned threads) {
-  volume.facets->of(std::get<SurfaceVolume>(volume.view), volume.bounds_volume, 0, threads);
-  return std::nullopt;
-}
-
 }  // namespace
 
 template <>
-Kernels kernels_for(const SurfaceVolume&, Method::Algorithm) {
-  return {.first_crossing = first_triangles,
-          .largest_value = no_values,
-          .queue_entries = 0,
-          .prepare_first_crossing = prepare_triangles};
+ReferenceKernels reference_kernels(const SurfaceVolume&, Method::Algorithm) {
+  return {.first_hit = first_triangles, .largest = no_values, .queue_entries = 0};
 }
 
 }  // namespace rhoray::render

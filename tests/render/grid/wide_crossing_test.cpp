@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "render/method.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
@@ -159,12 +159,16 @@ std::vector<Grid> grids_with_gaps() {
   return made;
 }
 
+bool finds_crossings_wide(const Grid& grid) {
+  return answers_wide(grid.traced->volume().implementation(), render::method_of(render::Accuracy::float32),
+                      &render::Intersectors::first_hit, Machine::baseline);
+}
+
 TEST(WideCrossing, is_found_by_wide_kernels_in_all_of_these_grids_but_not_in_bricks_smaller_than_blocks) {
   for (const auto& made : {grids(), grids_with_gaps()})
-    for (const Grid& grid : made)
-      EXPECT_TRUE(finds_crossings_wide(grid.traced->volume().implementation())) << grid.name;
+    for (const Grid& grid : made) EXPECT_TRUE(finds_crossings_wide(grid)) << grid.name;
   const Grid grid = grid_of_waves<float>("", {29, 31, 27}, 8, 1, 1, in_bricks_of(2));
-  EXPECT_FALSE(finds_crossings_wide(grid.traced->volume().implementation()));
+  EXPECT_FALSE(finds_crossings_wide(grid));
 }
 
 TEST(WideCrossing, agrees_with_the_scalar_reference_for_every_type_of_samples) {

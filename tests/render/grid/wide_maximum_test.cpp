@@ -9,7 +9,7 @@
 
 #include "render/grid/largest/maximum.h"
 #include "render/method.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/grid_judge.h"
@@ -328,7 +328,7 @@ TEST(WideMaximum, allocates_nothing_once_it_has_its_memory) {
       {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint16_t>(noise(900, 0)(at)); }));
   const render::VolumeImplementation& volume = traced.volume().implementation();
   for (const Machine machine : wide_machines()) {
-    const render::Kernel kernel = render::choose_kernels(volume, Method{}, machine).largest_value;
+    const render::Kernel kernel = render::choose_intersectors(volume, {}, machine).largest;
     render::RayBatch rays(1024);
     render::HitBatch hits(1024);
     render::KernelScratch scratch;

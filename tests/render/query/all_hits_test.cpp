@@ -97,7 +97,7 @@ Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<do
                        const std::vector<Ray>& rays, float passing = 1, float least_light = 0) {
   const render::VolumeImplementation& volume = shown.traced->volume().implementation();
   const render::AllHitsKernel kernel =
-      render::all_hits_kernel(volume, {.isovalue = isovalues[0], .method = single}, machine);
+      render::choose_intersectors(volume, {.isovalue = isovalues[0], .method = single}, machine).all_hits;
   Crossings found{.of_surfaces = {}, .complete = std::vector<bool>(rays.size())};
   found.of_surfaces.resize(isovalues.size(), std::vector<std::vector<Hit>>(rays.size()));
   if (kernel == nullptr) {
@@ -116,7 +116,7 @@ Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<do
     lists.back()->put_first_into(first[s]);
   }
   render::RayBatch asked(batch);
-  render::AllHitsScratch memory;
+  render::Scratch memory;
   render::KernelCounters counters;
   std::uint8_t complete[batch];
   for (std::size_t from = 0; from < rays.size(); from += batch) {
@@ -268,20 +268,24 @@ TEST(OrderedCrossings, have_no_kernel_where_rays_may_come_out_of_gaps_or_more_is
   const Shown shown = grid_of<float>("F32", {19, 17, 15}, 1, 0);
   const render::VolumeImplementation& volume = shown.traced->volume().implementation();
   for (const Machine machine : wide_machines()) {
-    EXPECT_NE(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single}, machine), nullptr);
+    EXPECT_NE(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single}, machine).all_hits, nullptr);
     for (const render::Accuracy accuracy :
          {render::Accuracy::preview, render::Accuracy::float64, render::Accuracy::certified, render::Accuracy::exact})
-      EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine),
+      EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine)
+                    .all_hits,
                 nullptr);
-    EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine),
+    EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine)
+                  .all_hits,
               nullptr);
   }
-  EXPECT_EQ(render::all_hits_kernel(volume, {.isovalue = 0.1, .method = single}, Machine::scalar), nullptr);
+  EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single}, Machine::scalar).all_hits,
+            nullptr);
   const auto with_gap = [](const Index3& i) {
     return i == Index3(3, 4, 5) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(i.x);
   };
   TracedVolume gap(volume_of<float>({9, 9, 9}, with_gap));
-  EXPECT_EQ(render::all_hits_kernel(gap.volume().implementation(), {.isovalue = 3.1, .method = single}), nullptr);
+  EXPECT_EQ(render::choose_intersectors(gap.volume().implementation(), {.isovalue = 3.1, .method = single}).all_hits,
+            nullptr);
 }
 
 }  // namespace

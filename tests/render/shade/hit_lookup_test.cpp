@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/triangles/point_gradients.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
@@ -49,8 +50,8 @@ Answers answered(const render::Volume& volume, const std::vector<render::Ray>& r
   for (std::size_t r = 0; r < rays.size(); ++r) answers.rays.set(r, rays[r]);
   const render::VolumeImplementation& implementation = volume.implementation();
   render::KernelScratch scratch;
-  render::choose_kernels(implementation, method)
-      .first_crossing(implementation, {.isovalue = isovalue, .method = method}, answers.rays, answers.hits, scratch);
+  render::choose_intersectors(implementation, {.method = method})
+      .first_hit(implementation, {.isovalue = isovalue, .method = method}, answers.rays, answers.hits, scratch);
   const HitLookup lookup(implementation, attributes, 1, machine);
   for (std::size_t first = 0; first < rays.size(); first += group_size)
     lookup(answers.rays, answers.hits, first, answers.values.data() + first);
@@ -213,10 +214,10 @@ TEST(SmoothGradients, of_a_quadratic_field_converge_where_those_of_cells_converg
 /// cells. False when there is no face between them but an outline.
 bool straddle_face(TracedVolume& traced, double isovalue, render::Ray& left, render::Ray& right) {
   const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Kernel kernel = render::choose_kernels(volume, render::Method{}).first_crossing;
+  const render::Kernel kernel = render::choose_intersectors(volume, {}).first_hit;
   const auto hit_of = [&](const render::Ray& ray) {
     render::Hit hit;
-    render::ask(kernel, volume, {.isovalue = isovalue}, std::span(&ray, 1), std::span(&hit, 1), traced.scratch);
+    ask(kernel, volume, {.isovalue = isovalue}, std::span(&ray, 1), std::span(&hit, 1), traced.scratch);
     return hit;
   };
   const std::uint32_t tet = hit_of(left).tet;

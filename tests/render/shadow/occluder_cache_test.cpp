@@ -4,12 +4,14 @@
 
 #include <cmath>
 
+#include "render/query/intersectors.h"
 #include "tests/agreement/pictures.h"
 
 namespace rhoray::tests {
 namespace {
 
 using render::StartSide;
+using render::wide::LightOccluders;
 using render::wide::LightPlace;
 using render::wide::OccluderCache;
 
@@ -27,13 +29,20 @@ render::Volume mesh_in(const TemporaryFolder& folder) {
   return packed(folder, "mesh.rho", mesh);
 }
 
+std::shared_ptr<const LightOccluders> occluders_of(OccluderCache& cache, const render::Volume& volume, double isovalue,
+                                                   const LightPlace& light) {
+  const render::RayQuery query{.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
+  const render::VolumeImplementation& implementation = volume.implementation();
+  const render::Intersectors chosen = choose_intersectors(implementation, query);
+  return chosen.occluders == nullptr ? nullptr : cache.of(*chosen.occluders, implementation, query, light, 1);
+}
+
 TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
   const TemporaryFolder folder;
   for (const render::Volume& volume : {grid_in(folder), mesh_in(folder)}) {
     OccluderCache memory;
     const auto of = [&](double isovalue, const LightPlace& light) {
-      return memory.of(volume.implementation(),
-                       {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)}, light, 1);
+      return occluders_of(memory, volume, isovalue, light);
     };
     const LightPlace light{.at = {0, 0, 1}};
     const auto first = of(0.2, light), other_isovalue = of(0.3, light), other_light = of(0.2, {.at = {0, 1, 1}});
@@ -43,7 +52,7 @@ TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
     const auto second = of(0.2, light);
     EXPECT_EQ(second == first, !volume.is_mesh()) << "in meshes shadows are added by the second frame";
     EXPECT_EQ(of(0.2, light), second);
-    EXPECT_EQ(second->of(StartSide::outside).facets, first->of(StartSide::outside).facets);
+    EXPECT_EQ(second->of(StartSide::outside).parts, first->of(StartSide::outside).parts);
     // The oldest of five lights is dropped, and computed again.
     for (int l = 0; l < 4; ++l) of(0.2, {.at = {1, 0, 0.25 * l}});
     EXPECT_NE(of(0.2, light), second);
@@ -59,9 +68,7 @@ TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_aske
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   OccluderCache memory;
   const auto knows_shadows = [&](double isovalue, const LightPlace& light) {
-    const auto of_light =
-        memory.of(volume.implementation(),
-                  {.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)}, light, 1);
+    const auto of_light = occluders_of(memory, volume, isovalue, light);
     render::RayBatch rays(64);
     for (std::size_t r = 0; r < 64; ++r) rays.set(r, {.origin = {0, 0, -0.9}, .direction = light.at});
     const auto known = of_light->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, 1);
@@ -82,13 +89,12 @@ TEST(OccluderCache, keeps_facets_for_lights_of_all_kinds) {
   const render::Volume grid = grid_in(folder), mesh = mesh_in(folder);
   OccluderCache memory;
   const auto of = [&](const render::Volume& volume, const LightPlace& light) {
-    return memory.of(volume.implementation(), {.isovalue = 0.2, .method = render::method_of(render::Accuracy::float32)},
-                     light, 1);
+    return occluders_of(memory, volume, 0.2, light);
   };
   const LightPlace lights[] = {{.is_place = true, .at = {0, 0, 3}},
                                {.is_place = false, .at = {0, 0, 3}},
                                {.is_place = false, .at = {0, 0, 3}, .reach = 0.1}};
-  std::shared_ptr<const render::wide::LightOccluders> before;
+  std::shared_ptr<const LightOccluders> before;
   for (const LightPlace& light : lights) {
     const auto of_mesh = of(mesh, light);
     ASSERT_TRUE(of_mesh);

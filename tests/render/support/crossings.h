@@ -2,7 +2,8 @@
 
 #include <vector>
 
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/traced_volume.h"
 
 namespace rhoray::tests {
@@ -11,9 +12,9 @@ namespace rhoray::tests {
 inline std::vector<render::Hit> answers(TracedVolume& traced, const render::Method& method, render::Machine machine,
                                         const std::vector<render::Ray>& rays, double isovalue) {
   const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
+  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
   std::vector<render::Hit> hits(rays.size());
-  render::ask(kernels.first_crossing, volume, {.isovalue = isovalue, .method = method}, rays, hits, traced.scratch);
+  ask(kernels.first_hit, volume, {.isovalue = isovalue, .method = method}, rays, hits, traced.scratch);
   return hits;
 }
 

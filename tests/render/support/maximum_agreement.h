@@ -10,7 +10,8 @@
 
 #include "render/grid/largest/maximum.h"
 #include "render/method.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
@@ -23,14 +24,13 @@ namespace rhoray::tests {
 inline std::vector<render::Hit> largest_values(const TracedVolume& traced, const render::Method& method,
                                                render::Machine machine, const std::vector<render::Ray>& rays_world) {
   const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
+  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   std::vector<render::Ray> rays;
   for (const render::Ray& ray : rays_world) rays.push_back(traced.ray_volume(ray));
   std::vector<render::Hit> hits(rays.size());
-  render::ask(kernels.largest_value, volume, {.field_range = traced.volume().field().range, .method = method}, rays,
-              hits, scratch);
+  ask(kernels.largest, volume, {.field_range = traced.volume().field().range, .method = method}, rays, hits, scratch);
   return hits;
 }
 

@@ -9,7 +9,8 @@
 #include "preprocess/pack_volume.h"
 #include "render/dataset/volume.h"
 #include "render/load.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/methods.h"
 #include "tests/support/temporary_folder.h"
 
@@ -35,13 +36,13 @@ class TracedVolume {
   }
   render::Hit first_crossing(const render::Ray& ray, double isovalue, const render::Method& method,
                              bool use_hierarchy = true) {
-    return ask(&render::Kernels::first_crossing, ray,
+    return ask(&render::Intersectors::first_hit, ray,
                {.isovalue = isovalue, .method = method, .use_hierarchy = use_hierarchy});
   }
   /// The bound given by the last ray's t is kept from call to call, as in a tile.
   render::Hit largest_value(const render::Ray& ray, const render::Method& method = {}, bool use_hierarchy = true,
                             bool use_last_t = true) {
-    return ask(&render::Kernels::largest_value, ray,
+    return ask(&render::Intersectors::largest, ray,
                {.field_range = volume_.field().range,
                 .method = method,
                 .use_hierarchy = use_hierarchy,
@@ -71,13 +72,13 @@ class TracedVolume {
     return render::Volume::load(folder_ / "packed.rho", field);
   }
 
-  render::Hit ask(render::Kernel render::Kernels::*kernel, const render::Ray& ray, const render::RayQuery& query) {
-    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), query.method);
+  render::Hit ask(render::Kernel render::Intersectors::*kernel, const render::Ray& ray, const render::RayQuery& query) {
+    const render::Intersectors kernels =
+        render::choose_intersectors(volume_.implementation(), {.method = query.method});
     scratch.queue.reserve(kernels.queue_entries);
     const render::Ray in_volume = ray_volume(ray);
     render::Hit hit;
-    render::ask(kernels.*kernel, volume_.implementation(), query, std::span(&in_volume, 1), std::span(&hit, 1),
-                scratch);
+    tests::ask(kernels.*kernel, volume_.implementation(), query, std::span(&in_volume, 1), std::span(&hit, 1), scratch);
     return hit;
   }
 

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "render/method.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
 #include "render/tets/largest/maximum.h"
 #include "tests/render/support/allocation_count.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/traced_volume.h"
 #include "tests/render/support/wide_machines.h"
@@ -37,12 +38,12 @@ struct Answers {
 Answers largest_values(const TracedVolume& traced, const Method& method, Machine machine,
                        const std::vector<Ray>& rays) {
   const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Kernels kernels = render::choose_kernels(volume, method, machine);
+  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   Answers answers{std::vector<Hit>(rays.size()), {}};
-  render::ask(kernels.largest_value, volume, {.field_range = traced.volume().field().range, .method = method}, rays,
-              answers.hits, scratch);
+  ask(kernels.largest, volume, {.field_range = traced.volume().field().range, .method = method}, rays, answers.hits,
+      scratch);
   answers.counters = scratch.counters;
   return answers;
 }
@@ -272,19 +273,19 @@ TEST(WideTetMaximum, counts_what_each_ray_costs_and_allocates_nothing_for_it) {
   const std::vector<Ray> rays =
       rays_through(volume.bounds_volume, mesh, volume.world_from_volume.point(Vec3(0)), 1500, 31);
   for (const Machine machine : wide_machines()) {
-    const render::Kernels kernels = render::choose_kernels(volume, {}, machine);
+    const render::Intersectors kernels = render::choose_intersectors(volume, {}, machine);
     render::KernelScratch scratch;
     render::RayBatch asked(rays.size());
     render::HitBatch answered(rays.size());
     asked.count = rays.size();
     for (std::size_t r = 0; r < rays.size(); ++r) asked.set(r, rays[r]);
-    kernels.largest_value(volume, {}, asked, answered, scratch);
+    kernels.largest(volume, {}, asked, answered, scratch);
     std::uint64_t cost = 0;
     for (std::size_t r = 0; r < rays.size(); ++r) cost += answered[r].cost;
     EXPECT_EQ(cost, scratch.counters.visits());
     EXPECT_GT(cost, 0U);
     const std::size_t before = allocation_count();
-    kernels.largest_value(volume, {}, asked, answered, scratch);
+    kernels.largest(volume, {}, asked, answered, scratch);
     EXPECT_EQ(allocation_count(), before);
   }
 }

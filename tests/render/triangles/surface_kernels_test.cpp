@@ -10,7 +10,8 @@
 #include "preprocess/pack_surface.h"
 #include "render/dataset/volume.h"
 #include "render/load.h"
-#include "render/query/kernels.h"
+#include "render/query/intersectors.h"
+#include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/surfaces.h"
@@ -40,10 +41,11 @@ class Traced {
   std::vector<Hit> first(const std::vector<Ray>& rays, Machine machine, bool use_hierarchy = true) {
     const render::Method method =
         render::method_of(machine == Machine::scalar ? render::Accuracy::float64 : render::Accuracy::float32);
-    const render::Kernels kernels = render::choose_kernels(volume_.implementation(), method, machine);
+    const render::Intersectors kernels =
+        render::choose_intersectors(volume_.implementation(), {.method = method}, machine);
     std::vector<Hit> hits(rays.size());
-    render::ask(kernels.first_crossing, volume_.implementation(), {.method = method, .use_hierarchy = use_hierarchy},
-                rays, hits, scratch);
+    ask(kernels.first_hit, volume_.implementation(), {.method = method, .use_hierarchy = use_hierarchy}, rays, hits,
+        scratch);
     return hits;
   }
   Hit first(const Ray& ray, Machine machine) { return first(std::vector<Ray>{ray}, machine)[0]; }

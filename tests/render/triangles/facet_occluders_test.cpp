@@ -1,4 +1,4 @@
-#include "render/shadow/facet_occluders.h"
+#include "render/triangles/shadow/facet_occluders.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/ray_caster.h"
-#include "render/shadow/occluders.h"
+#include "render/triangles/kernels/facet_kernels.h"
 #include "tests/agreement/pictures.h"
 
 namespace rhoray::tests {
@@ -45,8 +45,9 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
   const render::Volume volume = packed(folder, "mesh.rho", mesh);
   const render::VolumeImplementation& implementation = volume.implementation();
   const render::RayQuery query{.isovalue = 0.2, .method = render::method_of(render::Accuracy::float32)};
-  const render::Kernel whole = choose_kernels(implementation, query.method, machine).first_crossing;
-  const render::wide::AnyCrossing any = render::wide::any_facet_kernel(implementation, query.method, machine);
+  const render::Intersectors chosen = choose_intersectors(implementation, query, machine);
+  const render::Kernel whole = chosen.first_hit;
+  const render::AnyHitKernel any = chosen.any_hit;
   ASSERT_NE(any, nullptr);
 
   const auto facets = render::wide::facets_with_occluders(implementation, query, 2);
@@ -73,7 +74,7 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
     for (const StartSide side : {StartSide::outside, StartSide::inside}) {
       const auto of_light = render::wide::facet_occluders_of(machine, facets, light, render::wide::Shadows::unknown);
       const render::wide::Occluders* occluders = &of_light->of(side);
-      left_out += occluders->facets->facets().count() - occluders->facets->count();
+      left_out += facets_of(*occluders).facets().count() - facets_of(*occluders).count();
       EXPECT_EQ(occluders->heights.has_value(), !light.is_place && light.reach == 0);
       std::size_t count = 0;
       for (std::size_t r = 0; r < ray_count; ++r) {
@@ -144,9 +145,9 @@ TEST(FacetOccluders, are_the_half_that_is_turned_away_from_the_light) {
   const auto of_light =
       render::wide::facet_occluders_of(render::Machine::baseline, all, light, render::wide::Shadows::unknown);
   const render::wide::Occluders* occluders = &of_light->of(StartSide::outside);
-  const render::Facets& facets = occluders->facets->facets();
+  const render::Facets& facets = facets_of(*occluders).facets();
   std::vector<bool> is_left(facets.count(), false);
-  for (std::uint32_t f = 0; f < occluders->facets->count(); ++f) is_left[occluders->facets->sources()[f]] = true;
+  for (std::uint32_t f = 0; f < facets_of(*occluders).count(); ++f) is_left[facets_of(*occluders).sources()[f]] = true;
   std::size_t kept_high = 0, kept_low = 0, high = 0, low = 0;
   for (std::uint32_t f = 0; f < facets.count(); ++f) {
     const float z = facets.blocks()[f / 16].corner[0][2][f % 16];
@@ -178,7 +179,8 @@ TEST(FacetOccluders, are_asked_about_in_single_precision_only) {
   const render::Volume of_grid =
       packed(folder, "grid.rho", sampled_volume<double>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
   const auto kernel = [](const render::Volume& volume, render::Accuracy accuracy, render::Machine machine) {
-    return render::wide::any_facet_kernel(volume.implementation(), render::method_of(accuracy), machine);
+    return render::choose_intersectors(volume.implementation(), {.method = render::method_of(accuracy)}, machine)
+        .any_hit;
   };
   EXPECT_NE(kernel(of_mesh, render::Accuracy::float32, render::Machine::baseline), nullptr);
   EXPECT_EQ(kernel(of_mesh, render::Accuracy::float32, render::Machine::scalar), nullptr);

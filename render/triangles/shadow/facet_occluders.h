@@ -4,25 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "render/shadow/occluder_heights.h"
+#include "render/shadow/occluders.h"
 #include "render/triangles/facets.h"
 
 namespace rhoray::render::wide {
-
-/// The target of rays to a light, in a volume's frame: a direction, or a position. Each ray ends no
-/// farther from it than `reach`.
-struct LightPlace {
-  bool is_place = false;
-  Vec3 at{0, 0, 0};
-  double reach = 0;
-
-  bool is_one_direction() const { return !is_place && reach == 0; }
-  bool operator==(const LightPlace&) const = default;
-};
-
-/// Whether the parts of a surface that are certainly in shadow are computed, for a directional
-/// light.
-enum class Shadows { unknown, known };
 
 /// The facets of a mesh's isosurface that may occlude shadow rays with one start side. Sides
 /// alternate along a ray: one that starts below the isovalue first crosses a facet through which
@@ -58,5 +43,24 @@ class FacetOccluders {
   std::vector<std::uint16_t> sure_;
   BoxLevels levels_;
 };
+
+/// Returns the parts of occluders that were found in facets.
+inline const FacetOccluders& facets_of(const Occluders& occluders) {
+  return *static_cast<const FacetOccluders*>(occluders.parts.get());
+}
+
+/// Returns those that may occlude rays to a light.
+/// @param shadows  known: the facets' neighbours are computed, once for all lights
+std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                         const LightPlace& light, Shadows shadows);
+
+/// Returns the same with known shadows.
+/// @param before  for a light without them
+std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
+                                                   const LightPlace& light);
+
+/// The facets of an isosurface as OccluderSearch::surface returns them.
+std::shared_ptr<const OccludingSurface> occluding_facets(const VolumeImplementation& volume, const RayQuery& query,
+                                                         std::shared_ptr<const void> facets, unsigned threads);
 
 }  // namespace rhoray::render::wide

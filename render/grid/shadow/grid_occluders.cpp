@@ -1,4 +1,4 @@
-#include "render/shadow/grid_occluders.h"
+#include "render/grid/shadow/grid_occluders.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,10 +6,8 @@
 #include <limits>
 
 #include "formats/base/parallel.h"
-#include "render/dataset/grid_source.h"
-#include "render/dataset/volume.h"
 #include "render/grid/brick_samples.h"
-#include "render/grid/isosurface/isosurface.h"
+#include "render/grid/isosurface/grid_surface.h"
 #include "render/query/compiled_for.h"
 
 namespace rhoray::render::wide {
@@ -224,29 +222,63 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
   return footprints;
 }
 
-}  // namespace
+/// True where every rise of the field along a ray lies in a cell.
+bool rises_in_cells(const VolumeImplementation& volume) {
+  return std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
+}
 
-std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const RayQuery& query,
-                                                     unsigned threads) {
-  if (!prepare_occupancy(volume, query, threads)) return nullptr;
+std::shared_ptr<const Occupancy> occupancy_of(const VolumeImplementation& volume, const RayQuery& query) {
   return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
-        if constexpr (is_taken_wide<View>) {
-          if (has_gaps(volume, view)) return nullptr;
-          const auto active = std::make_shared<SurfaceCells>();
-          Found found = cells_of(view, *occupancy_of_grid(volume, query), query.isovalue, threads);
-          active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
-          return active;
-        }
+      [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
+        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), query.isovalue);
         return nullptr;
       },
       volume.view);
 }
 
-std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const RayQuery& query) {
+class OccludingCells final : public OccludingSurface {
+ public:
+  explicit OccludingCells(std::shared_ptr<const SurfaceCells> cells) : cells_(std::move(cells)) {}
+
+  std::shared_ptr<const LightOccluders> of_light(Machine machine, const LightPlace& light, Shadows) const override {
+    return grid_occluders_of(machine, cells_, light);
+  }
+  /// Certain shadows of cells are not known.
+  std::shared_ptr<const LightOccluders> with_shadows(Machine, std::shared_ptr<const LightOccluders> before,
+                                                     const LightPlace&) const override {
+    return before;
+  }
+
+ private:
+  std::shared_ptr<const SurfaceCells> cells_;
+};
+
+std::shared_ptr<const void> source_of_light(const VolumeImplementation& volume, const RayQuery& query,
+                                            const LightPlace& light, unsigned) {
+  const bool is_known = light.is_one_direction() && is_answerable_wide(volume, query) && rises_in_cells(volume);
+  return is_known ? occupancy_of(volume, query) : nullptr;
+}
+
+std::shared_ptr<const OccludingSurface> occluding_cells(const VolumeImplementation& volume, const RayQuery& query,
+                                                        std::shared_ptr<const void>, unsigned threads) {
+  return std::make_shared<const OccludingCells>(SurfaceCells::of(volume, query, threads));
+}
+
+}  // namespace
+
+const OccluderSearch grid_occluder_search{.source = source_of_light, .surface = occluding_cells};
+
+std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const RayQuery& query,
+                                                     unsigned threads) {
+  if (!is_answerable_wide(volume, query) || !rises_in_cells(volume)) return nullptr;
   return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
-        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), query.isovalue);
+      [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
+        if constexpr (is_taken_wide<View>) {
+          const auto active = std::make_shared<SurfaceCells>();
+          Found found = cells_of(view, *occupancy_of(volume, query), query.isovalue, threads);
+          active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
+          return active;
+        }
         return nullptr;
       },
       volume.view);

@@ -28,9 +28,9 @@ class SurfaceCells {
     std::uint32_t first_cell, cell_count;
   };
 
-  /// @param query  a query that the wide kernel of grids answers, if the volume is a grid
-  /// @return       null for other volumes, where that kernel leaves the query to others, and
-  ///   where data have gaps: from one side of a gap to the other the field may rise in no cell
+  /// @param volume  a grid that is fit (is_fit_grid)
+  /// @return        null where the wide kernel leaves the query to others, and where data have
+  ///   gaps: from one side of a gap to the other the field may rise in no cell
   static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const RayQuery& query,
                                                 unsigned threads);
 
@@ -42,13 +42,13 @@ class SurfaceCells {
   std::vector<Cell> cells_;
 };
 
-/// Returns the blocks of a uniform grid that an isosurface may pass; null for other volumes.
-std::shared_ptr<const Occupancy> occupancy_of_grid(const VolumeImplementation& volume, const RayQuery& query);
-
-/// As facet_occluders_of, for a grid: a cell through which the field falls along all rays to the
-/// light does not occlude rays that start below the isovalue.
+/// Returns those that may occlude rays to a light: a cell through which the field falls along all
+/// these rays does not occlude rays that start below the isovalue.
 /// @param light  a directional light
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                         const LightPlace& light);
+
+/// The same for grids without gaps and directional lights.
+extern const OccluderSearch grid_occluder_search;
 
 }  // namespace rhoray::render::wide

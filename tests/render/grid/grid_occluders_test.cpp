@@ -1,4 +1,4 @@
-#include "render/shadow/grid_occluders.h"
+#include "render/grid/shadow/grid_occluders.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
       packed(folder, "grid.rho", sampled_volume<T>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), field));
   const render::VolumeImplementation& implementation = volume.implementation();
   const render::RayQuery query = query_of(isovalue);
-  const render::Kernel kernel = choose_kernels(implementation, query.method, render::Machine::baseline).first_crossing;
+  const render::Kernel kernel = choose_intersectors(implementation, query, render::Machine::baseline).first_hit;
   const auto cells = SurfaceCells::of(implementation, query, 2);
   ASSERT_TRUE(cells);
   render::KernelScratch scratch;

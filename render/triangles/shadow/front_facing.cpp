@@ -1,4 +1,4 @@
-#include "render/shadow/front_facing.h"
+#include "render/triangles/shadow/front_facing.h"
 
 #include <algorithm>
 #include <limits>

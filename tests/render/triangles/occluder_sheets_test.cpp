@@ -1,4 +1,4 @@
-#include "render/shadow/occluder_sheets.h"
+#include "render/triangles/shadow/occluder_sheets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render/shadow/facet_occluders.h"
+#include "render/triangles/shadow/facet_occluders.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "render/query/compiled_for.h"
-#include "render/shadow/front_facing.h"
-#include "render/shadow/occluder_sheets.h"
 #include "render/triangles/facet_levels.h"
+#include "render/triangles/shadow/front_facing.h"
+#include "render/triangles/shadow/occluder_sheets.h"
 
 namespace rhoray::render::wide {
 
@@ -83,6 +83,23 @@ Ways ways_to(const LightPlace& light, const Vec3& anchor, StartSide side) {
           .is_direction = !light.is_place};
 }
 
+class OccludingFacets final : public OccludingSurface {
+ public:
+  explicit OccludingFacets(std::shared_ptr<const Facets> facets) : facets_(std::move(facets)) {}
+
+  std::shared_ptr<const LightOccluders> of_light(Machine machine, const LightPlace& light,
+                                                 Shadows shadows) const override {
+    return facet_occluders_of(machine, facets_, light, shadows);
+  }
+  std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
+                                                     const LightPlace& light) const override {
+    return wide::with_shadows(machine, std::move(before), light);
+  }
+
+ private:
+  std::shared_ptr<const Facets> facets_;
+};
+
 }  // namespace
 
 FacetOccluders::FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
@@ -134,6 +151,31 @@ OccluderHeights FacetOccluders::heights(Machine machine, const LightPlace& light
       {.seen = seen, .sources = sources_.data(), .sure = sure_.data(), .rises = side_ == StartSide::outside},
       facets_->neighbours());
   return {from_light, frame, squares, std::move(heights.above), std::move(heights.below)};
+}
+
+std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
+                                                         const LightPlace& light, Shadows shadows) {
+  return std::make_shared<const LightOccluders>([machine, facets = std::move(facets), light, shadows](StartSide side) {
+    Occluders occluders;
+    const auto parts = std::make_shared<const FacetOccluders>(machine, facets, light, side);
+    if (light.is_one_direction()) occluders.heights = parts->heights(machine, light, shadows);
+    occluders.parts = parts;
+    return occluders;
+  });
+}
+
+std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
+                                                   const LightPlace& light) {
+  return std::make_shared<const LightOccluders>([machine, before = std::move(before), light](StartSide side) {
+    Occluders occluders = before->of(side);
+    if (light.is_one_direction()) occluders.heights = facets_of(occluders).heights(machine, light, Shadows::known);
+    return occluders;
+  });
+}
+
+std::shared_ptr<const OccludingSurface> occluding_facets(const VolumeImplementation&, const RayQuery&,
+                                                         std::shared_ptr<const void> facets, unsigned) {
+  return std::make_shared<const OccludingFacets>(std::static_pointer_cast<const Facets>(std::move(facets)));
 }
 
 }  // namespace rhoray::render::wide

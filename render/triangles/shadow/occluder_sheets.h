@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "render/query/machine.h"
-#include "render/shadow/front_facing.h"
 #include "render/shadow/occluder_heights.h"
 #include "render/triangles/facet_neighbours.h"
+#include "render/triangles/shadow/front_facing.h"
 
 namespace rhoray::render::wide {
 

@@ -1,0 +1,42 @@
+#include "render/grid/intersectors.h"
+
+#include "render/dataset/grid_source.h"
+#include "render/grid/all_hits/all_hits.h"
+#include "render/grid/isosurface/isosurface.h"
+#include "render/grid/largest/maximum.h"
+#include "render/grid/shadow/grid_occluders.h"
+
+namespace rhoray::render::grid {
+
+namespace {
+
+ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& method) {
+  return std::visit(
+      [&]<class View>(const View& view) -> ReferenceKernels {
+        if constexpr (wide::is_grid<View>)
+          return reference_kernels(view, method.algorithm);
+        else
+          return {};
+      },
+      volume.view);
+}
+
+}  // namespace
+
+Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
+  const ReferenceKernels reference = reference_of(volume, query.method);
+  Intersectors found{.first_hit = reference.first_hit,
+                     .largest = reference.largest,
+                     .queue_entries = reference.queue_entries,
+                     .keeps_to_bounds = true};
+  if (const Kernel first_hit = wide::first_crossing_kernel(volume, query.method, machine)) {
+    found.first_hit = first_hit;
+    found.prepare = wide::prepare_occupancy;
+    found.occluders = &wide::grid_occluder_search;
+  }
+  if (const Kernel largest = wide::largest_value_kernel(volume, query.method, machine)) found.largest = largest;
+  found.all_hits = wide::grid_all_hits_kernel(volume, query, machine);
+  return found;
+}
+
+}  // namespace rhoray::render::grid

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/query/intersectors.h"
+
+namespace rhoray::render::grid {
+
+/// For grids of all kinds, NanoVDB's included.
+Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
+
+}  // namespace rhoray::render::grid

@@ -1,0 +1,51 @@
+#include "render/tets/intersectors.h"
+
+#include "render/tets/is_mesh.h"
+#include "render/tets/largest/maximum.h"
+#include "render/triangles/kernels/facet_kernels.h"
+
+namespace rhoray::render::tets {
+
+namespace {
+
+ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& method) {
+  return std::visit(
+      [&]<class View>(const View& view) -> ReferenceKernels {
+        if constexpr (wide::is_mesh<View>)
+          return reference_kernels(view, method.algorithm);
+        else
+          return {};
+      },
+      volume.view);
+}
+
+/// Methods that find a tetrahedron by its barycentric coordinates promise nothing for flat ones.
+bool keeps_to_bounds(Method::Algorithm algorithm) {
+  switch (algorithm) {
+    case Method::Algorithm::direct:
+    case Method::Algorithm::preview:
+    case Method::Algorithm::certified:
+    case Method::Algorithm::exact:
+      return true;
+    case Method::Algorithm::paper:
+    case Method::Algorithm::slack:
+    case Method::Algorithm::sampled:
+      break;
+  }
+  return false;
+}
+
+}  // namespace
+
+Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
+  const ReferenceKernels reference = reference_of(volume, query.method);
+  Intersectors found{.first_hit = reference.first_hit,
+                     .largest = reference.largest,
+                     .queue_entries = reference.queue_entries,
+                     .keeps_to_bounds = keeps_to_bounds(query.method.algorithm)};
+  wide::use_facets(volume, query, machine, found);
+  if (const Kernel largest = wide::largest_value_in_tets_kernel(volume, query.method, machine)) found.largest = largest;
+  return found;
+}
+
+}  // namespace rhoray::render::tets

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/query/intersectors.h"
+
+namespace rhoray::render::tets {
+
+/// For meshes of tetrahedra.
+Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
+
+}  // namespace rhoray::render::tets

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "render/query/kernels.h"
+
+namespace rhoray::render {
+
+/// For a mesh's certified first crossings: decides what single precision left undecided, in double
+/// precision or by exact arithmetic. For grids see render/grid/reference/resumed.h.
+template <class View>
+Kernel redoing_kernel(const View& view);
+
+}  // namespace rhoray::render
