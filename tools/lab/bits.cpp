@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "formats/base/read_value.h"
 #include "preprocess/pack_volume.h"
 #include "render/isovalue.h"
 #include "render/method_words.h"
@@ -131,8 +133,7 @@ Figure figure_of(const std::vector<Json>& rows, const std::string& name, const c
       isovalues.push_back(isovalue);
   for (const double isovalue : isovalues)
     for (const bool is_p99 : {false, true}) {
-      Curve curve{
-          concat("isovalue ", tools::rounded(isovalue, 6), is_p99 ? ", 99 % of pixels" : ", median"), {}, is_p99};
+      Curve curve{concat("isovalue ", rounded(isovalue, 6), is_p99 ? ", 99 % of pixels" : ", median"), {}, is_p99};
       const std::string key = concat(column, is_p99 ? "_p99_" : "_median_", name == normal_figure ? "deg" : "cells");
       for (const Json& row : rows)
         if (row["isovalue"] == isovalue && row["whole_numbers"] == true && row["level"] == rows.back()["level"] &&
@@ -146,8 +147,8 @@ Figure figure_of(const std::vector<Json>& rows, const std::string& name, const c
 int run(const Settings& settings) {
   require_publishable(settings.common, {table_name});
   require_publishable_figures(settings.common, {depth_figure, normal_figure});
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   tools::Table table{table_name, "An isosurface of a field stored in fewer bits", {}, {}};
   {
     tools::ProgressDisplay display(settings.common);

@@ -9,7 +9,9 @@
 #include <mutex>
 #include <optional>
 
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
+#include "formats/base/read_value.h"
 #include "tools/lab/ray_tally.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/interrupt.h"
@@ -109,7 +111,7 @@ Json columns(const RayTally& tally, Json what) {
 }
 
 std::string text_of(const Vec3& centre) {
-  return centre.x == centre.y && centre.y == centre.z ? tools::rounded(centre.x)
+  return centre.x == centre.y && centre.y == centre.z ? rounded(centre.x)
                                                       : concat(centre.x, " ", centre.y, " ", centre.z);
 }
 
@@ -138,11 +140,11 @@ std::vector<Json> table_rows(const std::vector<Row>& rows, bool by_row) {
 }
 
 int run(const Settings& settings) {
-  tools::require_within("--rays", static_cast<double>(settings.rays), 1, 1e11);
-  tools::require_within("--edge", static_cast<double>(settings.edge), 4, 256);
-  tools::require_within("--sample", static_cast<double>(settings.sample_every), 1, 1e12);
+  require_within("--rays", static_cast<double>(settings.rays), 1, 1e11);
+  require_within("--edge", static_cast<double>(settings.edge), 4, 256);
+  require_within("--sample", static_cast<double>(settings.sample_every), 1, 1e12);
   require_publishable(settings.common, {"closed_surfaces"});
-  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
+  require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
   const ThreadLimit limit(settings.common.threads);
   const tools::Stopwatch watch;
   std::vector<Row> rows = all_rows();

@@ -8,6 +8,7 @@
 
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
+#include "formats/base/read_value.h"
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
 #include "render/scene_spec.h"
@@ -261,8 +262,8 @@ std::vector<tools::Option> contest_options(ContestSettings& settings, const std:
 
 void prepare_contest(const ContestSettings& settings, const std::vector<std::string>& systems,
                      const std::string& name) {
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
   for (const std::string& system : settings.systems)
     if (std::find(systems.begin(), systems.end(), system) == systems.end())
       throw Error(ErrorCode::usage, concat("--systems: found '", system, "'; expected ", listed(systems)),

@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "formats/base/read_value.h"
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
 #include "render/method_words.h"
@@ -140,8 +142,7 @@ std::vector<Figure> figures_of(const tools::Table& shadows, const tools::Table& 
   for (const Json& isovalue : isovalues)
     for (const char* refinement : {"linear", "solved"}) {
       const bool is_solved = refinement == std::string("solved");
-      Curve curve{
-          concat(is_solved ? "solved, isovalue " : "sampled, isovalue ", tools::rounded(isovalue, 6)), {}, is_solved};
+      Curve curve{concat(is_solved ? "solved, isovalue " : "sampled, isovalue ", rounded(isovalue, 6)), {}, is_solved};
       for (const Json& row : sampled.rows) {
         if (row["isovalue"] != isovalue || row["refinement"] != refinement) continue;
         const double wrong = row["wrong_ppm"];
@@ -158,7 +159,7 @@ std::vector<Figure> figures_of(const tools::Table& shadows, const tools::Table& 
 int run(const Settings& settings) {
   require_publishable(settings.common, {shadow_table, step_table});
   require_publishable_figures(settings.common, {shadow_table, step_table});
-  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
+  require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   if (!(settings.light.length() > 0)) throw Error(ErrorCode::usage, "--light: found 0,0,0; expected a direction");
   preprocess::require_input(settings.input);
   const render::Volume volume = tools::load_volume(settings.input, settings.field);

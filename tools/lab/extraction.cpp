@@ -4,6 +4,7 @@
 #include "tools/lab/extraction.h"
 
 #include "formats/base/error.h"
+#include "formats/base/read_value.h"
 #include "preprocess/pack_volume.h"
 #include "render/load.h"
 #include "tools/lab/peers/ours.h"
@@ -139,7 +140,7 @@ class Study {
 
 int run(const Settings& settings) {
   require_publishable(settings.common, {"extraction"});
-  tools::require_within("--repeat", settings.repeat, 1, 1000);
+  require_within("--repeat", settings.repeat, 1, 1000);
   tools::Table table{"extraction", "Another isovalue, by triangles and directly: CPU time of one thread", {}, {}};
   const tools::ScratchFolder scratch(settings.scratch);
   {

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "formats/base/parallel.h"
+#include "formats/base/read_value.h"
 #include "tools/lab/hard_cells.h"
 #include "tools/lab/study_run.h"
 #include "tools/rhoray/progress_display.h"
@@ -269,10 +270,10 @@ const Row& named(std::span<const Row> rows, const std::string& option, const std
 }
 
 int run(const Settings& settings) {
-  tools::require_within("--cells", static_cast<double>(settings.cells), 1, 1e12);
-  tools::require_within("--width", settings.width, 1e-300, 1);
+  require_within("--cells", static_cast<double>(settings.cells), 1, 1e12);
+  require_within("--width", settings.width, 1e-300, 1);
   require_publishable(settings.common, {"judge_cells"});
-  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
+  require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
   Chosen chosen;
   chosen.fill(settings.methods.empty());
   for (const std::string& name : settings.methods)

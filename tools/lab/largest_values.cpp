@@ -14,6 +14,7 @@
 #include <numbers>
 
 #include "formats/base/parallel.h"
+#include "formats/base/read_value.h"
 #include "preprocess/pack_volume.h"
 #include "render/ray_caster.h"
 #include "tools/lab/hard_cells.h"
@@ -194,10 +195,10 @@ Json row_of(const FieldToShow& field, const MethodToShow& method, const Tally& t
 }
 
 int run(const Settings& settings) {
-  tools::require_within("--rays", static_cast<double>(settings.rays), 1, 1e10);
-  tools::require_within("--samples", static_cast<double>(settings.samples), 2, 1024);
+  require_within("--rays", static_cast<double>(settings.rays), 1, 1e10);
+  require_within("--samples", static_cast<double>(settings.samples), 2, 1024);
   require_publishable(settings.common, {"largest_values"});
-  tools::require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
+  require_within("--seed", static_cast<double>(settings.seed), 0, 65535);
   const ThreadLimit limit(settings.common.threads);
   const tools::ScratchFolder scratch(settings.scratch);
   const tools::Stopwatch watch;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 
+#include "formats/base/read_value.h"
 #include "formats/brick_grid.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
@@ -234,8 +235,8 @@ constexpr std::size_t usual = 2;
 
 int run(const Settings& settings) {
   require_publishable(settings.common, {"layouts"});
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
   preprocess::require_input(settings.input);
   const tools::ScratchFolder scratch(settings.scratch);
   tools::Table table{"layouts", "How samples lie in memory: CPU time of one thread", {}, {}};

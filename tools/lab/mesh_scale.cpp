@@ -6,7 +6,9 @@
 
 #include <algorithm>
 
+#include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
+#include "formats/base/read_value.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "render/isovalue.h"
@@ -73,7 +75,7 @@ double new_isovalue_ms(Peer& peer, const PeerData& data, const Interval<double>&
 
 void add_rows(const Settings& settings, std::uint64_t cell_count, const std::filesystem::path& file,
               tools::ProgressDisplay& display, tools::Table& table) {
-  const std::string size = tools::grouped(cell_count);
+  const std::string size = grouped(cell_count);
   display.show(concat("making and packing ", size, " tetrahedra"));
   const Packed packed = pack_box(cell_count, file, {});
   const tbb::global_control one_thread_of_peers(tbb::global_control::max_allowed_parallelism, 1);
@@ -126,8 +128,8 @@ void add_rows(const Settings& settings, std::uint64_t cell_count, const std::fil
 
 int run(const Settings& settings) {
   require_publishable(settings.common, {"mesh_scale"});
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--row-seconds", settings.rounds.row_seconds, 0, 1e6);
   tools::Table table{"mesh_scale", "Meshes of growing size, the same picture: CPU time of one thread", {}, {}};
   table.context = context_with({{"view", settings.view},
                                 {"size", {settings.size.width, settings.size.height}},
@@ -140,7 +142,7 @@ int run(const Settings& settings) {
     for (const std::string& count : settings.cell_counts) {
       std::uint64_t cell_count = 0;
       tools::read_value(count, cell_count);
-      tools::require_within("--cells", static_cast<double>(cell_count), 6, 600e6);
+      require_within("--cells", static_cast<double>(cell_count), 6, 600e6);
       add_rows(settings, cell_count, scratch.path() / "box.rho", display, table);
     }
   }

@@ -16,6 +16,7 @@
 #include <map>
 
 #include "formats/base/error.h"
+#include "formats/base/read_value.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/pack_mesh.h"
@@ -251,8 +252,8 @@ tools::Table table_of(const std::vector<Row>& rows, const Settings& settings) {
 }
 
 int run(const Settings& settings) {
-  tools::require_within("--repeat", settings.repeat, 1, 1000);
-  tools::require_within("--volume", static_cast<double>(settings.volume_edge), 0, 4096);
+  require_within("--repeat", settings.repeat, 1, 1000);
+  require_within("--volume", static_cast<double>(settings.volume_edge), 0, 4096);
   require_publishable(settings.common, {"preprocess_speed"});
   const tools::ScratchFolder scratch(settings.scratch);
   std::vector<Row> rows = rows_of(settings, scratch.path());

@@ -7,6 +7,8 @@
 #include <algorithm>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
+#include "formats/base/read_value.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack_volume.h"
 #include "render/isovalue.h"
@@ -72,7 +74,7 @@ std::vector<int> sizes_of(const std::string& option, const std::vector<std::stri
     if (word == "none") continue;
     int size = 0;
     tools::read_value(word, size);
-    tools::require_within(option, size, 2, 4096);
+    require_within(option, size, 2, 4096);
     sizes.push_back(size);
   }
   return sizes;
@@ -243,9 +245,8 @@ std::vector<Figure> figures_of(const std::vector<Json>& rows) {
   for (const bool is_p99 : {false, true})
     for (const Json& first : rows) {
       if (first["data"] != tetrahedra || first["method"] != rows[0]["method"]) continue;
-      Curve curve{concat("isovalue ", tools::rounded(first["isovalue"], 6), is_p99 ? ", 99 % of pixels" : ", median"),
-                  {},
-                  is_p99};
+      Curve curve{
+          concat("isovalue ", rounded(first["isovalue"], 6), is_p99 ? ", 99 % of pixels" : ", median"), {}, is_p99};
       for (const Json& row : rows) {
         const Json& depth = row[is_p99 ? "depth_p99_cells" : "depth_median_cells"];
         if (row["data"] == grid_of_bricks && row["isovalue"] == first["isovalue"] && depth.is_number())
@@ -259,8 +260,8 @@ std::vector<Figure> figures_of(const std::vector<Json>& rows) {
 int run(const Settings& settings) {
   require_publishable(settings.common, {table_name});
   require_publishable_figures(settings.common, {error_figure, time_figure});
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
-  tools::require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   const std::vector<int> sizes = sizes_of("--grids", settings.sizes),
                          whole_sizes = sizes_of("--whole", settings.whole_sizes),
                          vdb_sizes = sizes_of("--vdb", settings.vdb_sizes);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "formats/base/read_value.h"
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
 #include "render/method_words.h"
@@ -158,7 +159,7 @@ tools::Table measure(const Settings& settings, const std::function<void(const st
 
 int run(const Settings& settings) {
   require_publishable(settings.common, {"secondary_rays"});
-  tools::require_within("--repeat", settings.rounds.rounds, 1, 10'000);
+  require_within("--repeat", settings.rounds.rounds, 1, 10'000);
   preprocess::require_input(settings.input);
   const tools::Table table = [&] {
     tools::ProgressDisplay display(settings.common);

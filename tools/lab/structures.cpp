@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "formats/base/number_text.h"
+#include "formats/base/read_value.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
@@ -211,8 +212,8 @@ void add_rounded_rows(const Settings& settings, const MeshForWays& mesh, const A
 }
 
 int run(const Settings& settings) {
-  tools::require_within("--cells", static_cast<double>(settings.cells), 6, 1e9);
-  tools::require_within("--repeat", settings.repeat, 1, 10'000);
+  require_within("--cells", static_cast<double>(settings.cells), 6, 1e9);
+  require_within("--repeat", settings.repeat, 1, 10'000);
   for (const std::string& input : settings.inputs) preprocess::require_input(input);
   require_publishable(settings.common, {"structures", "structures_orders", "structures_points"});
   const tools::ScratchFolder scratch(settings.scratch);
