@@ -248,7 +248,7 @@ PackReport pack_surface_file(const fs::path& input, const fs::path& output, cons
                                                  .source_name = input.filename().string(),
                                                  .replace_existing = options.replace_existing},
                                                 progress);
-  const formats::SurfaceMeshDescription& triangles = packed.description;
+  const formats::TriangleMeshDescription& triangles = packed.description;
   PackReport report{.description = triangles,
                     .notes = surface.notes,
                     .raw_bytes = 3 * formats::element_bytes(triangles.point_type) * triangles.point_count +

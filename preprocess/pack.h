@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/color_grid.h"
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 
@@ -48,7 +48,7 @@ struct PackOptions {
 
 struct PackReport {
   std::variant<formats::GridDescription, formats::ColorGridDescription, formats::TetMeshDescription,
-               formats::SurfaceMeshDescription>
+               formats::TriangleMeshDescription>
       description;
   std::vector<std::string> notes;  ///< of reading and of packing, one sentence each
   /// samples; or points, cells (triangles) and fields, as the packed file holds them

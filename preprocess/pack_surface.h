@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/neutral.h"
 #include "preprocess/progress.h"
 
@@ -17,7 +17,7 @@ struct PackSurfaceOptions {
 };
 
 struct PackSurfaceReport {
-  formats::SurfaceMeshDescription description;
+  formats::TriangleMeshDescription description;
   std::uint64_t file_bytes = 0;
   /// problems found and how they were handled, one sentence each; without the importer's
   std::vector<std::string> notes;

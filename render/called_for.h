@@ -23,6 +23,6 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
 
 /// Returns what the kernel that traces a layer's rays is compiled for: scalar, baseline, avx2 or
 /// avx512.
-std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options);
+std::string_view machine_for(const Dataset& dataset, const Layer& layer, const FrameOptions& options);
 
 }  // namespace rhoray::render

@@ -2,7 +2,7 @@
 #include <array>
 #include <string_view>
 
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "formats/vdb_grid.h"
 #include "render/dataset/load_view.h"
 #include "render/grid/intersectors.h"
@@ -16,12 +16,12 @@ namespace {
 /// A kind of data that can be rendered.
 struct Kind {
   std::string_view name;  ///< in the packed file
-  std::shared_ptr<const VolumeImplementation> (*load)(const formats::PackedFile& file, const std::string& field);
-  Intersectors (*intersectors)(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
+  std::shared_ptr<const LoadedDataset> (*load)(const formats::PackedFile& file, const std::string& field);
+  Intersectors (*intersectors)(const LoadedDataset& dataset, const RayQuery& query, Machine machine);
 };
 constexpr std::array kinds{Kind{"grid", load_grid, grid::intersectors}, Kind{"tets", load_tets, tets::intersectors},
                            Kind{formats::VdbGrid::kind, load_vdb, grid::intersectors},
-                           Kind{formats::SurfaceMesh::kind, load_surface, triangles::intersectors}};
+                           Kind{formats::TriangleMesh::kind, load_surface, triangles::intersectors}};
 
 const Kind* kind_of(const formats::PackedFile& file) {
   const auto found =
@@ -31,20 +31,19 @@ const Kind* kind_of(const formats::PackedFile& file) {
 
 }  // namespace
 
-std::shared_ptr<const VolumeImplementation> load_view(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field) {
   const Kind* kind = kind_of(file);
   return kind == nullptr ? nullptr : kind->load(file, field);
 }
 
-Intersectors choose_intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
-  return kind_of(volume.file)->intersectors(volume, query, machine);
+Intersectors choose_intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
+  return kind_of(dataset.file)->intersectors(dataset, query, machine);
 }
 
-bool answers_wide(const VolumeImplementation& volume, const Method& method, Kernel Intersectors::*kernel,
-                  Machine machine) {
+bool answers_wide(const LoadedDataset& dataset, const Method& method, Kernel Intersectors::*kernel, Machine machine) {
   const RayQuery query{.method = method};
-  return choose_intersectors(volume, query, machine).*kernel !=
-         choose_intersectors(volume, query, Machine::scalar).*kernel;
+  return choose_intersectors(dataset, query, machine).*kernel !=
+         choose_intersectors(dataset, query, Machine::scalar).*kernel;
 }
 
 }  // namespace rhoray::render

@@ -39,7 +39,7 @@ std::string scene_schema_text();
 /// Every key of every kind of object, as Markdown tables.
 std::string scene_reference();
 
-using OpenData = std::function<Volume(const DataSpec&)>;
+using OpenData = std::function<Dataset(const DataSpec&)>;
 
 /// Opens the data of visible layers and resolves everything but the camera. A layer whose isovalue
 /// is outside its field's range is left out with a note if anything else is shown. Refuses

@@ -10,24 +10,24 @@
 #include "formats/color_grid.h"
 #include "formats/range_proof.h"
 #include "render/dataset/load_view.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 
 namespace rhoray::render {
 
 namespace {
 
-/// Returns a world-axes box around a box in the volume's frame.
-Box3 box_world(const Box3& box, const Affine& world_from_volume) {
+/// Returns a world-axes box around a box in the data's frame.
+Box3 box_world(const Box3& box, const Affine& world_from_data) {
   Box3 out;
   if (box.isEmpty()) return out;
   for (int corner = 0; corner < 8; ++corner)
-    out.extendBy(world_from_volume.point(
+    out.extendBy(world_from_data.point(
         {corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z}));
   return out;
 }
 
 /// Returns a box around the lowest-level macrocells whose values are on both sides of the isovalue.
-/// @param position  of a plane between cells, on an axis of the volume's frame
+/// @param position  of a plane between cells, on an axis of the data's frame
 template <class View, class Position>
 Box3 crossed_macrocells(const View& view, double isovalue, const Position& position) {
   const WalkLattice lattice = view.lattice();
@@ -50,19 +50,19 @@ Box3 crossed_macrocells(const View& view, double isovalue, const Position& posit
 }
 
 template <class... Kind>
-Box3 crossed_box(const GridVolume<Kind...>& view, double isovalue) {
+Box3 crossed_box(const GridData<Kind...>& view, double isovalue) {
   return crossed_macrocells(view, isovalue,
                             [&](int axis, std::int64_t plane) { return view.description().position(axis, plane); });
 }
 
-Box3 crossed_box(const NanoVdbVolume& view, double isovalue) {
+Box3 crossed_box(const NanoVdbData& view, double isovalue) {
   return crossed_macrocells(view, isovalue, [](int, std::int64_t plane) { return static_cast<double>(plane); });
 }
 
 /// Returns a box around the crossings of all edges: a tetrahedron's part of the isosurface is the
 /// polygon between them.
 template <class T>
-Box3 crossed_box(const TetVolume<T>& view, double isovalue) {
+Box3 crossed_box(const TetData<T>& view, double isovalue) {
   Box3 box;
   for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
@@ -81,25 +81,25 @@ Box3 crossed_box(const TetVolume<T>& view, double isovalue) {
   return box;
 }
 
-Box3 crossed_box(const SurfaceVolume&, double) {
+Box3 crossed_box(const TriangleData&, double) {
   return {};
 }
 
 template <class... Kind>
-std::uint64_t proven_bytes(const GridVolume<Kind...>& view, const std::string& field, unsigned threads) {
+std::uint64_t proven_bytes(const GridData<Kind...>& view, const std::string& field, unsigned threads) {
   return formats::prove_ranges(view.grid(), *view.grid().find_field(field), threads);
 }
 
 template <class T>
-std::uint64_t proven_bytes(const TetVolume<T>& view, const std::string& field, unsigned threads) {
+std::uint64_t proven_bytes(const TetData<T>& view, const std::string& field, unsigned threads) {
   return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads);
 }
 
 /// The ranges were computed from the voxels in this process; none are stored.
-std::uint64_t proven_bytes(const NanoVdbVolume&, const std::string&, unsigned) {
+std::uint64_t proven_bytes(const NanoVdbData&, const std::string&, unsigned) {
   return 0;
 }
-std::uint64_t proven_bytes(const SurfaceVolume&, const std::string&, unsigned) {
+std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned) {
   return 0;
 }
 
@@ -113,22 +113,22 @@ void check_field_name(const formats::PackedFile& file, const std::string& field,
   throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; it has ", known));
 }
 
-struct Volume::ProofState {
+struct Dataset::ProofState {
   std::mutex guard;
   bool is_done = false;
 };
 
-Volume::Volume(std::shared_ptr<const VolumeImplementation> implementation)
+Dataset::Dataset(std::shared_ptr<const LoadedDataset> implementation)
     : implementation_(std::move(implementation)), proof_(std::make_shared<ProofState>()) {}
 
-Volume Volume::load(const std::filesystem::path& path, const std::string& field) {
+Dataset Dataset::load(const std::filesystem::path& path, const std::string& field) {
   const DefaultFloatingPoint default_floating_point;
   return load(formats::PackedFile::open(path), field);
 }
 
-Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
+Dataset Dataset::load(const formats::PackedFile& file, const std::string& field) {
   const DefaultFloatingPoint default_floating_point;
-  if (auto implementation = load_view(file, field)) return Volume(std::move(implementation));
+  if (auto implementation = load_view(file, field)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
@@ -136,43 +136,43 @@ Volume Volume::load(const formats::PackedFile& file, const std::string& field) {
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }
 
-const formats::PackedFile& Volume::file() const {
+const formats::PackedFile& Dataset::file() const {
   return implementation_->file;
 }
-const formats::FieldSummary& Volume::field() const {
+const formats::FieldSummary& Dataset::field() const {
   return implementation_->field;
 }
-std::vector<std::string> Volume::field_names() const {
+std::vector<std::string> Dataset::field_names() const {
   return implementation_->field_names;
 }
-std::optional<formats::FieldSummary> Volume::field(const std::string& name) const {
+std::optional<formats::FieldSummary> Dataset::field(const std::string& name) const {
   if (name == field().name) return field();
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<formats::FieldSummary> {
-        if constexpr (!std::is_same_v<View, NanoVdbVolume> && !std::is_same_v<View, SurfaceVolume>)
+        if constexpr (!std::is_same_v<View, NanoVdbData> && !std::is_same_v<View, TriangleData>)
           for (const formats::FieldSummary& summary : view.description().fields)
             if (summary.name == name) return summary;
         return std::nullopt;
       },
       implementation_->view);
 }
-const std::string& Volume::length_unit() const {
+const std::string& Dataset::length_unit() const {
   return implementation_->length_unit;
 }
-bool Volume::is_mesh() const {
+bool Dataset::is_mesh() const {
   return implementation_->file.description().kind == "tets";
 }
-bool Volume::is_surface() const {
-  return std::holds_alternative<SurfaceVolume>(implementation_->view);
+bool Dataset::is_surface() const {
+  return std::holds_alternative<TriangleData>(implementation_->view);
 }
-bool Volume::is_level_set() const {
+bool Dataset::is_level_set() const {
   return implementation_->is_level_set;
 }
-const std::vector<std::string>& Volume::notes() const {
+const std::vector<std::string>& Dataset::notes() const {
   return implementation_->notes;
 }
 
-RangeProof Volume::prove_ranges(unsigned threads) const {
+RangeProof Dataset::prove_ranges(unsigned threads) const {
   const std::lock_guard lock(proof_->guard);
   if (proof_->is_done) return {};
   const auto start = std::chrono::steady_clock::now();
@@ -182,15 +182,15 @@ RangeProof Volume::prove_ranges(unsigned threads) const {
   return {.bytes = bytes, .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
 
-Box3 Volume::bounds() const {
+Box3 Dataset::bounds() const {
   const DefaultFloatingPoint default_floating_point;
-  return box_world(implementation_->bounds_volume, implementation_->world_from_volume);
+  return box_world(implementation_->bounds_data, implementation_->world_from_data);
 }
 
-Box3 Volume::isosurface_bounds(double isovalue) const {
+Box3 Dataset::isosurface_bounds(double isovalue) const {
   const DefaultFloatingPoint default_floating_point;
   const Box3 box = std::visit([&](const auto& view) { return crossed_box(view, isovalue); }, implementation_->view);
-  return box_world(box, implementation_->world_from_volume);
+  return box_world(box, implementation_->world_from_data);
 }
 
 }  // namespace rhoray::render

@@ -13,9 +13,9 @@
 
 namespace rhoray::render {
 
-struct VolumeImplementation;
+struct LoadedDataset;
 
-/// The cost of proving the stored ranges (Volume::prove_ranges); all 0 when they had been proven
+/// The cost of proving the stored ranges (Dataset::prove_ranges); all 0 when they had been proven
 /// before.
 struct RangeProof {
   std::uint64_t bytes = 0;  ///< bytes of the file that were compared
@@ -30,17 +30,17 @@ struct RangeProof {
 
 /// A dataset that rays are traced through: a packed grid, a packed mesh with one chosen field, a
 /// packed surface (which has no field), or a grid of an OpenVDB file. Copies share everything.
-class Volume {
+class Dataset {
  public:
   /// Opens a packed file and checks what rendering relies on. Block checksums are left to the
   /// caller (PackedFile::damaged_blocks), so that they can be checked while the first frame is
   /// rendered.
   /// @param field  name; empty takes the first. An unknown name is refused with a list of the names
   ///   that exist (ErrorCode::usage).
-  static Volume load(const std::filesystem::path& path, const std::string& field = {});
+  static Dataset load(const std::filesystem::path& path, const std::string& field = {});
 
   /// As above, for a file that is already open; also accepts the kind "vdb" (formats/vdb_grid.h).
-  static Volume load(const formats::PackedFile& file, const std::string& field = {});
+  static Dataset load(const formats::PackedFile& file, const std::string& field = {});
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;  ///< of a surface: without a name and values
@@ -63,7 +63,7 @@ class Volume {
   Box3 isosurface_bounds(double isovalue) const;
 
   /// Proves that the value ranges, boxes and leaf lists with which rays skip cells are correct
-  /// (formats/range_proof.h). Does so once for this volume and all its copies. Refuses data for
+  /// (formats/range_proof.h). Does so once for this dataset and all its copies. Refuses data for
   /// which they are not (ErrorCode::invalid), at each call.
   ///
   /// Certified and exact results are only as reliable as these ranges. `render`, `refine` and
@@ -75,12 +75,12 @@ class Volume {
   RangeProof prove_ranges(unsigned threads = 0) const;
 
   /// For use inside render only.
-  const VolumeImplementation& implementation() const { return *implementation_; }
+  const LoadedDataset& implementation() const { return *implementation_; }
 
  private:
-  explicit Volume(std::shared_ptr<const VolumeImplementation> implementation);
+  explicit Dataset(std::shared_ptr<const LoadedDataset> implementation);
   struct ProofState;
-  std::shared_ptr<const VolumeImplementation> implementation_;
+  std::shared_ptr<const LoadedDataset> implementation_;
   /// Kept with the loaded data, so that it never applies to data loaded later.
   std::shared_ptr<ProofState> proof_;
 };

@@ -13,17 +13,17 @@
 /// is.
 namespace rhoray::render {
 
-/// One query about a volume and a method that answers it. Rays are in the volume's own frame. In a
+/// One query about a dataset and a method that answers it. Rays are in the data's own frame. In a
 /// grid that is the frame of its sample positions (0, 1, 2, ... or those of the axis tables); in a
 /// mesh, that of its points relative to the mesh's origin. The kernels compute with these doubles
-/// without rounding them first. Only one thread may use it at a time; the volume must outlive it.
+/// without rounding them first. Only one thread may use it at a time; the dataset must outlive it.
 class RayCaster {
  public:
   /// Refuses an isovalue that is not finite (ErrorCode::usage). For a method that proves its
-  /// results it also refuses data whose stored ranges do not hold (Volume::prove_ranges,
+  /// results it also refuses data whose stored ranges do not hold (Dataset::prove_ranges,
   /// ErrorCode::invalid).
   /// @param threads  that trace crossings; 0 = all cores
-  RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads = 1);
+  RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads = 1);
   ~RayCaster();
 
   /// hits[i] belongs to rays[i]. It is the same for any number of threads, and what `render` would
@@ -45,7 +45,7 @@ class RayCaster {
 
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
 
-  const VolumeImplementation& volume_;
+  const LoadedDataset& dataset_;
   RayQuery query_;
   Intersectors intersectors_;
   unsigned threads_;
@@ -55,9 +55,9 @@ class RayCaster {
 
 /// Returns the rays that `render` sends through the pixel centres, rows from the top; t is a
 /// distance in world units.
-std::vector<Ray> camera_rays(const Volume& volume, const Camera& camera, int width, int height);
+std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height);
 
 /// Maps from the frame of these rays to world space.
-const Affine& world_from_ray_frame(const Volume& volume);
+const Affine& world_from_ray_frame(const Dataset& dataset);
 
 }  // namespace rhoray::render

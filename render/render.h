@@ -74,7 +74,7 @@ struct FrameStatistics {
   std::uint64_t colors_looked_up = 0;
   std::uint64_t texture_lookups = 0;  ///< hits for which texels were read
   Phases phases;
-  /// Of wall_s: time to prepare what is kept with the volume and was missing: data for the
+  /// Of wall_s: time to prepare what is kept with the dataset and was missing: data for the
   /// isovalue, gradients at points.
   double preparation_s = 0;
   double wall_s = 0;
@@ -84,10 +84,10 @@ struct FrameStatistics {
   std::string_view machine;
 };
 
-/// Returns the method used when none is named. Surfaces get the level `float` in volumes for which
+/// Returns the method used when none is named. Surfaces get the level `float` in datasets for which
 /// wide kernels find them, where it takes a fraction of the time. Everything else gets `double`.
 /// The result does not depend on the machine.
-Method default_method(const Volume& volume, Mode mode);
+Method default_method(const Dataset& dataset, Mode mode);
 
 /// Memory of the threads that trace frames, to be kept from one frame to the next. Only one frame
 /// may use it at a time. Pictures do not depend on its contents: a frame with it is the same, bit
@@ -112,27 +112,28 @@ class RenderContext {
 /// number of threads.
 ///
 /// Refuses with ErrorCode::usage:
-/// - a picture without pixels, a scene without layers, a layer of a volume that does not exist
+/// - a picture without pixels, a scene without layers, a layer of a dataset that does not exist
 /// - an isovalue, clip region, camera, light or fog that is not finite; a clip box that is empty
-/// - a mode that does not fit the volume's kind, a method that does not answer the query
+/// - a mode that does not fit the dataset's kind, a method that does not answer the query
 /// - smooth normals of a grid, colours by a field together with a texture
 /// - the channel `error` when the method proves nothing
 /// - for layers in view: colours by a field that does not exist
 ///
 /// Reads nothing of layers outside the view that shade nothing in it. Refuses certified and exact
-/// results for data whose stored ranges do not hold (Volume::prove_ranges, ErrorCode::invalid).
-FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+/// results for data whose stored ranges do not hold (Dataset::prove_ranges, ErrorCode::invalid).
+FrameStatistics render(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer);
 
 /// As above, but reuses memory: that of the threads, and the framebuffer's own when the last frame
 /// had the same size and channels.
-FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer, RenderContext& memory);
 
-// For a scene of one volume.
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer);
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
-                       RenderContext& memory);
+// For a scene of one dataset.
+FrameStatistics render(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer);
+FrameStatistics render(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, RenderContext& memory);
 
 /// How a picture is refined while someone watches.
 struct Refinement {
@@ -152,9 +153,9 @@ struct Refinement {
 /// Renders in passes. The finished picture is the same as that of `render`, bit for bit; counts of
 /// cells may differ. A frame that was ended early has traced fewer rays than the picture has
 /// pixels.
-FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory);
-FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
+FrameStatistics refine(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory);
 
 }  // namespace rhoray::render

@@ -20,8 +20,8 @@ struct LayerOrigin {
 
 /// Everything that was chosen.
 struct ResolvedScene {
-  std::vector<Volume> volumes;
-  std::vector<DataSpec> data;  ///< of each volume, with the name of its field
+  std::vector<Dataset> datasets;
+  std::vector<DataSpec> data;  ///< of each dataset, with the name of its field
   std::vector<Texture> textures;
   std::vector<DataSpec> texture_data;  ///< of each texture
   Scene scene;

@@ -19,7 +19,7 @@ namespace rhoray::render {
 enum class Mode {
   isosurface,
   mip,
-  triangles,  ///< for surfaces (Volume::is_surface), which have no other mode
+  triangles,  ///< for surfaces (Dataset::is_surface), which have no other mode
   slice       ///< the field on a plane
 };
 
@@ -46,7 +46,7 @@ struct FieldColors {
 
 /// Material of a surface; colours are linear RGB in [0, 1]. Both sides of the surface look the
 /// same.
-struct Surface {
+struct Material {
   Vec3 color{0.78, 0.74, 0.68};
   std::optional<FieldColors> color_by{};
   /// Replaces the surface's own colour where it has texels; not together with color_by.
@@ -60,15 +60,15 @@ struct Surface {
   double opacity = 1;  ///< opacity, 0 to 1; 0: the surface is not traced
 };
 
-/// What is shown of one volume, and how.
+/// What is shown of one dataset, and how.
 struct Layer {
-  std::size_t volume = 0;  ///< index into the volumes that the scene is rendered with
+  std::size_t dataset = 0;  ///< index into the datasets that the scene is rendered with
   Mode mode = Mode::isosurface;
   double isovalue = 0;  ///< of isosurfaces
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
-  Surface surface{};
-  /// The plane of a slice. Slices are coloured by the volume's own field (Surface::color_by), which
+  Material surface{};
+  /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by), which
   /// is trilinear, or linear in the cells of a mesh, in double precision at every level. Nothing is
   /// shown where there is no data. A slice casts no shadow. Where a slice and a surface have the
   /// same t, the slice is shown. A slice in a face of the clip region is hit at that face's t.

@@ -36,7 +36,7 @@ struct DataSpec {
   std::string field{};  ///< empty = the first that is not the same everywhere
 };
 
-enum class LayerType { isosurface, mip, mesh, slice };
+enum class LayerType { isosurface, mip, triangles, slice };
 
 struct LayerSpec {
   LayerType type = LayerType::isosurface;

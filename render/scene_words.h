@@ -34,7 +34,7 @@ std::span<const NamedNormals> named_normals();
 /// Names of normals: flat and smooth in meshes and of triangles, exact in grids.
 std::vector<std::string> normals_words();
 std::string word_of(Normals normals, bool has_flat_normals);
-bool has_flat_normals(const Volume& volume);  ///< meshes and surfaces: also smooth ones
+bool has_flat_normals(const Dataset& dataset);  ///< meshes and surfaces: also smooth ones
 
 std::vector<std::string> colormap_words();
 std::string word_of(ColorMap map);

@@ -12,7 +12,7 @@ namespace rhoray::render {
 /// everything.
 class Texture {
  public:
-  /// Opens a packed file of colours. Block checksums are left to the caller, as with volumes.
+  /// Opens a packed file of colours. Block checksums are left to the caller, as with datasets.
   /// Refuses other files.
   static Texture load(const std::filesystem::path& path);
   static Texture load(const formats::PackedFile& file);  ///< for a file that is already open

@@ -111,7 +111,7 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
   require_index(facet_count, "facets", source_name);
 
   PackSurfaceReport report;
-  formats::SurfaceMeshDescription& packed = report.description;
+  formats::TriangleMeshDescription& packed = report.description;
   std::vector<Corners> triangles;
   Array<std::uint32_t> ids;
   std::uint64_t cut_count = 0;
@@ -154,7 +154,7 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
   note(report.notes, packed.unused_point_count, "point", "points", "without a triangle dropped");
 
   if (progress) progress("writing", 0, 0);
-  formats::PackedFileWriter writer(path, formats::describe(packed), formats::surface_mesh_arrays(packed),
+  formats::PackedFileWriter writer(path, formats::describe(packed), formats::triangle_mesh_arrays(packed),
                                    {.replace_existing = options.replace_existing});
   if (single)
     write(writer, "points", as_floats(points));

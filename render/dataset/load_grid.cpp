@@ -1,8 +1,8 @@
-#include "render/grid/grid_volume.h"
+#include "render/grid/grid_data.h"
 
 #include "formats/format_error.h"
 #include "render/dataset/load_view.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 
 namespace rhoray::render {
 
@@ -16,7 +16,7 @@ RectilinearGeometry::RectilinearGeometry(const formats::GridDescription& grid) {
 
 namespace {
 
-using Implementation = std::shared_ptr<const VolumeImplementation>;
+using Implementation = std::shared_ptr<const LoadedDataset>;
 
 /// Calls make(view) with the kind of view that fits how the grid's samples are stored and
 /// positioned.
@@ -25,9 +25,9 @@ Implementation with_view(const formats::BrickGrid& grid, std::size_t field, Make
   const bool is_rectilinear = grid.description().is_rectilinear();
   if constexpr (std::is_floating_point_v<T>) {
     if (grid.description().layout.is_sparse)
-      return is_rectilinear ? make(SparseRectilinearVolume<T>(grid, field)) : make(SparseVolume<T>(grid, field));
+      return is_rectilinear ? make(SparseRectilinearGridData<T>(grid, field)) : make(SparseGridData<T>(grid, field));
   }
-  return is_rectilinear ? make(RectilinearVolume<T>(grid, field)) : make(GridVolume<T>(grid, field));
+  return is_rectilinear ? make(RectilinearGridData<T>(grid, field)) : make(GridData<T>(grid, field));
 }
 
 }  // namespace
@@ -46,14 +46,13 @@ Implementation load_grid(const formats::PackedFile& file, const std::string& fie
     bounds.extendBy(
         Vec3(description.position(0, sample.x), description.position(1, sample.y), description.position(2, sample.z)));
   const auto make = [&](auto view) {
-    return std::make_shared<const VolumeImplementation>(
-        VolumeImplementation{.file = file,
-                             .field = summary,
-                             .field_names = names,
-                             .length_unit = description.length_unit,
-                             .world_from_volume = description.world_from_grid,
-                             .bounds_volume = bounds,
-                             .view = std::move(view)});
+    return std::make_shared<const LoadedDataset>(LoadedDataset{.file = file,
+                                                               .field = summary,
+                                                               .field_names = names,
+                                                               .length_unit = description.length_unit,
+                                                               .world_from_data = description.world_from_grid,
+                                                               .bounds_data = bounds,
+                                                               .view = std::move(view)});
   };
   return formats::with_element_type(summary.type, [&](auto sample) -> Implementation {
     using T = decltype(sample);

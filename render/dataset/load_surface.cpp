@@ -1,16 +1,16 @@
-#include "render/triangles/surface_volume.h"
+#include "render/triangles/triangle_data.h"
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
 #include "render/dataset/load_view.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/triangles/facets.h"
 #include "render/triangles/point_gradients.h"
 
 namespace rhoray::render {
 
-std::shared_ptr<const VolumeImplementation> load_surface(const formats::PackedFile& file, const std::string& field) {
-  const formats::SurfaceMesh mesh(file);
+std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field) {
+  const formats::TriangleMesh mesh(file);
   if (!field.empty())
     throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));
   Box3 bounds;
@@ -19,16 +19,16 @@ std::shared_ptr<const VolumeImplementation> load_surface(const formats::PackedFi
     bounds.extendBy(Vec3(point[0], point[1], point[2]));
   }
   const formats::FieldSummary no_field;
-  return std::make_shared<VolumeImplementation>(
-      VolumeImplementation{.file = file,
-                           .field = no_field,
-                           .field_names = {},
-                           .length_unit = mesh.description().length_unit,
-                           .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
-                           .bounds_volume = bounds,
-                           .view = SurfaceVolume(mesh),
-                           .facets = std::make_shared<FacetsCache>(),
-                           .point_gradients = std::make_shared<PointGradientsCache>()});
+  return std::make_shared<LoadedDataset>(
+      LoadedDataset{.file = file,
+                    .field = no_field,
+                    .field_names = {},
+                    .length_unit = mesh.description().length_unit,
+                    .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
+                    .bounds_data = bounds,
+                    .view = TriangleData(mesh),
+                    .facets = std::make_shared<FacetsCache>(),
+                    .point_gradients = std::make_shared<PointGradientsCache>()});
 }
 
 }  // namespace rhoray::render

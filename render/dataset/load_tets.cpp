@@ -1,11 +1,11 @@
 #include "render/dataset/load_view.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/triangles/facets.h"
 #include "render/triangles/point_gradients.h"
 
 namespace rhoray::render {
 
-std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field) {
   const formats::TetMesh mesh(file);
   const formats::TetMeshDescription& description = mesh.description();
   std::vector<std::string> names;
@@ -17,19 +17,19 @@ std::shared_ptr<const VolumeImplementation> load_tets(const formats::PackedFile&
   Box3 bounds;
   for (const auto& p : mesh.points()) bounds.extendBy(Vec3(p[0], p[1], p[2]));
   const auto make = [&](auto view) {
-    return std::make_shared<VolumeImplementation>(
-        VolumeImplementation{.file = file,
-                             .field = summary,
-                             .field_names = names,
-                             .length_unit = description.length_unit,
-                             .world_from_volume = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
-                             .bounds_volume = bounds,
-                             .view = std::move(view),
-                             .facets = std::make_shared<FacetsCache>(),
-                             .point_gradients = std::make_shared<PointGradientsCache>()});
+    return std::make_shared<LoadedDataset>(
+        LoadedDataset{.file = file,
+                      .field = summary,
+                      .field_names = names,
+                      .length_unit = description.length_unit,
+                      .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
+                      .bounds_data = bounds,
+                      .view = std::move(view),
+                      .facets = std::make_shared<FacetsCache>(),
+                      .point_gradients = std::make_shared<PointGradientsCache>()});
   };
-  if (summary.type == formats::ElementType::F32) return make(TetVolume<float>(mesh, chosen));
-  return make(TetVolume<double>(mesh, chosen));
+  if (summary.type == formats::ElementType::F32) return make(TetData<float>(mesh, chosen));
+  return make(TetData<double>(mesh, chosen));
 }
 
 }  // namespace rhoray::render

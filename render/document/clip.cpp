@@ -95,7 +95,7 @@ std::optional<ClipSpec> clip_spec(const std::optional<Clip>& clip) {
 }
 
 Box3 bounds_of(const Layer& layer, const ResolvedScene& plan) {
-  const Box3 bounds = plan.volumes[layer.volume].bounds();
+  const Box3 bounds = plan.datasets[layer.dataset].bounds();
   return layer.mode == Mode::slice ? part_of_plane(layer.plane, bounds) : bounds;
 }
 
@@ -105,7 +105,7 @@ std::vector<std::string> clip_notes(const ResolvedScene& plan, const Place& plac
     if (bounds_of(plan.scene.layers[i], plan).isEmpty())
       notes.push_back(concat(
           "layer ", i, ": ",
-          text_of_slice_outside(plan.scene.layers[i].plane, plan.volumes[plan.scene.layers[i].volume].bounds())));
+          text_of_slice_outside(plan.scene.layers[i].plane, plan.datasets[plan.scene.layers[i].dataset].bounds())));
   if (!plan.scene.clip) return notes;
   const std::string subject = place.document.empty() ? "clip" : place.text();
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {

@@ -12,17 +12,17 @@ namespace rhoray::render {
 
 namespace {
 
-std::string unit_text(const Volume& volume) {
-  const std::string& unit = volume.field().unit;
+std::string unit_text(const Dataset& dataset) {
+  const std::string& unit = dataset.field().unit;
   return unit.empty() ? "" : " " + unit;
 }
 
 /// isosurface 500 HU of 'density' in head.rho; triangles of heart.rho
 std::string shown_text(const Layer& layer, const ResolvedScene& plan) {
-  const Volume& volume = plan.volumes[layer.volume];
-  if (layer.mode == Mode::triangles) return concat("triangles of ", plan.data[layer.volume].file.string());
+  const Dataset& dataset = plan.datasets[layer.dataset];
+  if (layer.mode == Mode::triangles) return concat("triangles of ", plan.data[layer.dataset].file.string());
   const std::string of =
-      concat(unit_text(volume), " of '", volume.field().name, "' in ", plan.data[layer.volume].file.string());
+      concat(unit_text(dataset), " of '", dataset.field().name, "' in ", plan.data[layer.dataset].file.string());
   if (layer.mode == Mode::slice) return concat("slice ", text_of_slice(layer.plane), of);
   if (layer.mode == Mode::mip) return concat("largest values from ", layer.window.lo, " to ", layer.window.hi, of);
   return concat("isosurface ", layer.isovalue, of);
@@ -37,13 +37,13 @@ std::string why_method(const SceneSpec& scene_spec, const LayerSpec& layer) {
 Explanation::Layer explained_layer(const SceneSpec& scene_spec, const ResolvedScene& plan, std::size_t index) {
   const Layer& layer = plan.scene.layers[index];
   const LayerOrigin& origin = plan.origins[index];
-  const Volume& volume = plan.volumes[layer.volume];
+  const Dataset& dataset = plan.datasets[layer.dataset];
   return {.spec = origin.spec,
           .shows = shown_text(layer, plan),
           .isovalue_from = origin.isovalue_from,
-          .method = option_of(layer.method, layer.mode, volume.is_mesh()).word,
+          .method = option_of(layer.method, layer.mode, dataset.is_mesh()).word,
           .method_because = why_method(scene_spec, scene_spec.layers[origin.spec]),
-          .kernel = std::string(machine_for(volume, layer, plan.frame)),
+          .kernel = std::string(machine_for(dataset, layer, plan.frame)),
           .effects = reasons_for_effects(plan.scene, layer)};
 }
 

@@ -13,12 +13,12 @@ namespace {
 /// The opaque surfaces of a scene, asked by single rays of the world.
 class OpaqueSurfaces {
  public:
-  OpaqueSurfaces(const Scene& scene, std::span<const Volume> volumes) {
+  OpaqueSurfaces(const Scene& scene, std::span<const Dataset> datasets) {
     for (const Layer& layer : scene.layers) {
-      if (layer.mode == Mode::mip || layer.surface.opacity < 1) continue;
-      const Volume& volume = volumes[layer.volume];
+      if (layer.mode == Mode::mip || layer.material.opacity < 1) continue;
+      const Dataset& dataset = datasets[layer.dataset];
       surfaces_.push_back(
-          {world_from_ray_frame(volume).inverse(), std::make_unique<RayCaster>(volume, layer.isovalue, Method{})});
+          {world_from_ray_frame(dataset).inverse(), std::make_unique<RayCaster>(dataset, layer.isovalue, Method{})});
     }
   }
 
@@ -63,11 +63,11 @@ bool is_behind(const Light& light, const Camera& camera) {
 }
 
 /// The note about a light that shines; empty if there is none.
-std::string note_of(const Light& light, const Scene& scene, std::span<const Volume> volumes) {
+std::string note_of(const Light& light, const Scene& scene, std::span<const Dataset> datasets) {
   const Camera& camera = scene.camera;
   if (light.kind == Light::Kind::head) return {};
   if (light.size > 0 && !light.casts_shadows) return "has a size but casts no shadows; its size has no effect";
-  if (light.kind == Light::Kind::point && is_inside(light, camera, OpaqueSurfaces(scene, volumes)))
+  if (light.kind == Light::Kind::point && is_inside(light, camera, OpaqueSurfaces(scene, datasets)))
     return concat("is inside an opaque surface, at (", light.place.x, ", ", light.place.y, ", ", light.place.z,
                   "); it lights nothing outside");
   if (is_behind(light, camera)) return "is behind the objects; it lights only their rims";
@@ -78,17 +78,17 @@ bool is_lit_by_nothing(const Scene& scene) {
   return std::all_of(scene.lights.begin(), scene.lights.end(),
                      [](const Light& l) { return l.color == Vec3(0, 0, 0); }) &&
          std::any_of(scene.layers.begin(), scene.layers.end(),
-                     [](const Layer& layer) { return layer.mode != Mode::mip && layer.surface.ambient == 0; });
+                     [](const Layer& layer) { return layer.mode != Mode::mip && layer.material.ambient == 0; });
 }
 
 }  // namespace
 
-std::vector<std::string> light_notes(const Scene& scene, std::span<const Volume> volumes) {
+std::vector<std::string> light_notes(const Scene& scene, std::span<const Dataset> datasets) {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];
     const std::string note =
-        light.color == Vec3(0, 0, 0) ? "has no intensity; it is not traced" : note_of(light, scene, volumes);
+        light.color == Vec3(0, 0, 0) ? "has no intensity; it is not traced" : note_of(light, scene, datasets);
     if (!note.empty()) notes.push_back(concat("light ", i, " ", note));
   }
   if (is_lit_by_nothing(scene)) notes.push_back("no light has intensity; surfaces without ambient light are black");

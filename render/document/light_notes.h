@@ -16,6 +16,6 @@ namespace rhoray::render {
 /// A light counts as inside if each of 26 rays from it hits an opaque surface, and the ray to the
 /// camera too. This holds for any field, whichever side is solid, and for triangles. At the end of
 /// the data, or where a surface has a gap, a light inside may not be noticed.
-std::vector<std::string> light_notes(const Scene& scene, std::span<const Volume> volumes);
+std::vector<std::string> light_notes(const Scene& scene, std::span<const Dataset> datasets);
 
 }  // namespace rhoray::render

@@ -19,16 +19,16 @@ Error refusal(const Place& layer, const std::string& key, const std::string& opt
           hint};
 }
 
-Normals choose_normals(const LayerSpec& spec, const Volume& volume, const Place& layer) {
+Normals choose_normals(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
   for (const NamedNormals& row : named_normals()) {
     if (spec.normals != row.name) continue;
-    if (row.of_meshes != has_flat_normals(volume))
+    if (row.of_meshes != has_flat_normals(dataset))
       throw refusal(layer, "normals", "--normals",
                     concat("'", row.name, "' applies only to ", row.of_meshes ? "meshes" : "grids", ", and ",
-                           volume.file().name(), " is ",
-                           volume.is_mesh()      ? "a mesh"
-                           : volume.is_surface() ? "a surface"
-                                                 : "a grid"),
+                           dataset.file().name(), " is ",
+                           dataset.is_mesh()      ? "a mesh"
+                           : dataset.is_surface() ? "a surface"
+                                                  : "a grid"),
                     !row.of_meshes ? "use flat or smooth" : "use exact, the gradient of the trilinear field");
     return row.normals;
   }
@@ -36,8 +36,8 @@ Normals choose_normals(const LayerSpec& spec, const Volume& volume, const Place&
 }
 
 /// The field that colours the surface; refuses one that it cannot be coloured by.
-formats::FieldSummary color_field(const LayerSpec& spec, const Volume& volume, const Place& layer) {
-  const std::vector<std::string> names = volume.field_names();
+formats::FieldSummary color_field(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
+  const std::vector<std::string> names = dataset.field_names();
   const auto refuse = [&](const std::string& fact, const std::string& hint, ErrorCode error_code) {
     return refusal(layer, "color_by", "--color-by", fact, hint, error_code);
   };
@@ -47,19 +47,19 @@ formats::FieldSummary color_field(const LayerSpec& spec, const Volume& volume, c
     throw refuse(concat("no field '", spec.color_by, "'; available: ", known), did_you_mean(spec.color_by, names),
                  ErrorCode::usage);
   }
-  const std::optional<formats::FieldSummary> field = volume.field(spec.color_by);
+  const std::optional<formats::FieldSummary> field = dataset.field(spec.color_by);
   if (!field)
     throw refuse(
-        concat("'", spec.color_by, "' is another grid of ", volume.file().name(),
-               ", with other voxels; a surface can be coloured only by its own field, '", volume.field().name, "'"),
+        concat("'", spec.color_by, "' is another grid of ", dataset.file().name(),
+               ", with other voxels; a surface can be coloured only by its own field, '", dataset.field().name, "'"),
         {}, ErrorCode::unsupported);
   if (field->range.is_empty())
     throw refuse(concat("field '", field->name, "' holds no finite value"), {}, ErrorCode::invalid);
   return *field;
 }
 
-FieldColors choose_field_colors(const LayerSpec& spec, const Volume& volume, const Place& layer) {
-  const formats::FieldSummary field = color_field(spec, volume, layer);
+FieldColors choose_field_colors(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
+  const formats::FieldSummary field = color_field(spec, dataset, layer);
   FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
   for (const NamedColorMap& named : color_maps())
     if (spec.colormap == named.name) colors.map = named.map;
@@ -68,16 +68,16 @@ FieldColors choose_field_colors(const LayerSpec& spec, const Volume& volume, con
 
 }  // namespace
 
-Surface choose_surface(const LayerSpec& spec, const Volume& volume, const Place& layer) {
-  Surface surface;
+Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
+  Material surface;
   if (spec.color) surface.color = spec.color->linear;
   surface.ambient = spec.ambient.value_or(surface.ambient);
   surface.specular = spec.specular.value_or(surface.specular);
   surface.shininess = spec.shininess.value_or(surface.shininess);
   surface.opacity = spec.opacity.value_or(surface.opacity);
-  surface.normals = choose_normals(spec, volume, layer);
+  surface.normals = choose_normals(spec, dataset, layer);
   if (!spec.color_by.empty()) {
-    surface.color_by = choose_field_colors(spec, volume, layer);
+    surface.color_by = choose_field_colors(spec, dataset, layer);
     return surface;
   }
   const std::string needs = layer.document.empty() ? "needs --color-by" : "needs \"color_by\"";

@@ -10,11 +10,11 @@
 
 namespace rhoray::render {
 
-/// Colours, light, normals and opacity of an isosurface of this volume, or of its triangles.
-/// Refuses normals that the volume has not, colours by a field that is not there, and a range or
+/// Colours, light, normals and opacity of an isosurface of this dataset, or of its triangles.
+/// Refuses normals that the dataset has not, colours by a field that is not there, and a range or
 /// colour map without such a field: of a document with the place (ErrorCode::invalid), of a command
 /// line with the option (ErrorCode::usage).
 /// @param layer  where the wish stands; of a command line without a document
-Surface choose_surface(const LayerSpec& spec, const Volume& volume, const Place& layer);
+Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer);
 
 }  // namespace rhoray::render

@@ -81,21 +81,21 @@ const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t index) {
   return data_named(scene_spec, layer.data, layer_place(scene_spec, index).at("data"));
 }
 
-/// The index of the data's volume, opened when it is first asked for.
-std::size_t volume_of(const SceneSpec& scene_spec, const DataSpec& data, const OpenData& open, ResolvedScene& plan) {
+/// The index of the dataset, opened when it is first asked for.
+std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const OpenData& open, ResolvedScene& plan) {
   const std::vector<std::string> names = names_of(plan.data);
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const Place place = root(scene_spec).at("data").at(data.name).at(data.field.empty() ? "file" : "field");
-  plan.volumes.push_back(at_place(place, [&] { return open(data); }));
-  const Volume& volume = plan.volumes.back();
+  plan.datasets.push_back(at_place(place, [&] { return open(data); }));
+  const Dataset& dataset = plan.datasets.back();
   plan.data.push_back(data);
-  plan.data.back().field = volume.field().name;
-  for (const std::string& note : volume.notes()) plan.notes.push_back(note);
-  if (!volume.is_surface() && data.field.empty() && volume.field().name != volume.field_names().front())
+  plan.data.back().field = dataset.field().name;
+  for (const std::string& note : dataset.notes()) plan.notes.push_back(note);
+  if (!dataset.is_surface() && data.field.empty() && dataset.field().name != dataset.field_names().front())
     plan.notes.push_back(
-        concat("field '", volume.field_names().front(), "' is constant; showing field '", volume.field().name, "'"));
-  return plan.volumes.size() - 1;
+        concat("field '", dataset.field_names().front(), "' is constant; showing field '", dataset.field().name, "'"));
+  return plan.datasets.size() - 1;
 }
 
 /// Opens a packed file of colours; refuses others and names the command that packs colours
@@ -141,13 +141,13 @@ std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index
 void note_textures_elsewhere(ResolvedScene& plan) {
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
     const Layer& layer = plan.scene.layers[i];
-    if (!layer.surface.texture) continue;
-    const Volume& volume = plan.volumes[layer.volume];
-    const Texture& texture = *layer.surface.texture;
-    if (texture.contains(volume.bounds())) continue;
+    if (!layer.material.texture) continue;
+    const Dataset& dataset = plan.datasets[layer.dataset];
+    const Texture& texture = *layer.material.texture;
+    if (texture.contains(dataset.bounds())) continue;
     const bool is_near =
-        texture.may_overlap(volume.bounds()) &&
-        (layer.mode == Mode::triangles || texture.may_overlap(volume.isosurface_bounds(layer.isovalue)));
+        texture.may_overlap(dataset.bounds()) &&
+        (layer.mode == Mode::triangles || texture.may_overlap(dataset.isosurface_bounds(layer.isovalue)));
     if (!is_near)
       plan.notes.push_back(concat("texture ", texture.file().name(), " does not overlap layer ", i,
                                   "; check spacing and origin of both files"));
@@ -162,25 +162,25 @@ bool is_level_of_triangles(const std::string& accuracy) {
 /// triangles is ignored for them.
 std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
   if (!layer.accuracy.empty()) return layer.accuracy;
-  return layer.type != LayerType::mesh || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
+  return layer.type != LayerType::triangles || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
 }
 
-Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, const Volume& volume) {
+Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, const Dataset& dataset) {
   const LayerSpec& layer = scene_spec.layers[index];
   const Place place = layer_place(scene_spec, index).at("method");
   if (!layer.method.empty() && !layer.accuracy.empty())
     throw Error(ErrorCode::invalid, concat(place.text(), ": \"accuracy\" is also given; expected only one of the two"));
   if (!layer.method.empty())
     return at_place(Place{scene_spec.document, {}}, [&] {
-      return scene_spec.document.empty() ? method_named(layer.method, mode, volume.is_mesh())
-                                         : method_named(layer.method, mode, volume.is_mesh(), place.pointer);
+      return scene_spec.document.empty() ? method_named(layer.method, mode, dataset.is_mesh())
+                                         : method_named(layer.method, mode, dataset.is_mesh(), place.pointer);
     });
   const std::string accuracy = accuracy_of(scene_spec, layer);
-  return accuracy.empty() ? default_method(volume, mode) : method_of(accuracy_named(accuracy));
+  return accuracy.empty() ? default_method(dataset, mode) : method_of(accuracy_named(accuracy));
 }
 
 /// Refuses keys about fields if the layer's data are triangles.
-void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const Volume& volume) {
+void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
   const LayerSpec defaults;
   const std::string accuracy = accuracy_of(scene_spec, layer);
   for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
@@ -192,16 +192,17 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                       {!layer.method.empty(), "--method"}})
     if (given)
       throw Error(ErrorCode::usage,
-                  concat(option, ": needs a field, and ", volume.file().name(), " holds only triangles"));
+                  concat(option, ": needs a field, and ", dataset.file().name(), " holds only triangles"));
   if (!accuracy.empty() && !is_level_of_triangles(accuracy))
     throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
-                                         volume.file().name(), ", which holds triangles"));
+                                         dataset.file().name(), ", which holds triangles"));
 }
 
 /// Whether colours of the picture represent values: of a field, a projection or a heat map.
 bool shows_values(const ResolvedScene& plan) {
-  return plan.page || std::any_of(plan.scene.layers.begin(), plan.scene.layers.end(),
-                                  [](const Layer& layer) { return layer.mode == Mode::mip || layer.surface.color_by; });
+  return plan.page || std::any_of(plan.scene.layers.begin(), plan.scene.layers.end(), [](const Layer& layer) {
+           return layer.mode == Mode::mip || layer.material.color_by;
+         });
 }
 
 /// Adds the layers of a planned scene one after another.
@@ -221,73 +222,73 @@ class LayerPlanner {
 
  private:
   struct Outside {
-    std::size_t spec, isovalue, volume;
+    std::size_t spec, isovalue, dataset;
   };
 
   void add(std::size_t index) {
     const LayerSpec& spec = scene_spec_.layers[index];
     Layer layer;
-    layer.volume = volume_of(scene_spec_, data_of(scene_spec_, index), open_, plan_);
+    layer.dataset = dataset_of(scene_spec_, data_of(scene_spec_, index), open_, plan_);
     layer.clipped = spec.clip.value_or(true);
-    const Volume& volume = plan_.volumes[layer.volume];
-    if (volume.is_surface()) return add_triangles(index, layer);
-    if (spec.type == LayerType::mesh) refuse_fields(index, volume);
+    const Dataset& dataset = plan_.datasets[layer.dataset];
+    if (dataset.is_surface()) return add_triangles(index, layer);
+    if (spec.type == LayerType::triangles) refuse_fields(index, dataset);
     if (spec.type == LayerType::slice) {
-      choose_slice(spec, volume, layer_place(scene_spec_, index), layer);
+      choose_slice(spec, dataset, layer_place(scene_spec_, index), layer);
       return put(index, layer, {});
     }
     layer.mode = spec.type == LayerType::mip ? Mode::mip : Mode::isosurface;
-    layer.method = choose_method(scene_spec_, index, layer.mode, volume);
+    layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
     switch (spec.type) {
       case LayerType::isosurface:
-        layer.surface = choose_surface(spec, volume, layer_place(scene_spec_, index));
-        layer.surface.texture = texture_of(scene_spec_, index, plan_);
+        layer.material = choose_material(spec, dataset, layer_place(scene_spec_, index));
+        layer.material.texture = texture_of(scene_spec_, index, plan_);
         return add_isosurfaces(index, layer);
       case LayerType::mip:
         return add_projection(index, layer);
-      case LayerType::mesh:
+      case LayerType::triangles:
       case LayerType::slice:
         break;
     }
   }
 
   /// Refuses data that should be triangles and are not.
-  [[noreturn]] void refuse_fields(std::size_t index, const Volume& volume) const {
-    const std::string fact = concat(volume.file().name(), ": is a ", volume.is_mesh() ? "mesh of tetrahedra" : "grid",
+  [[noreturn]] void refuse_fields(std::size_t index, const Dataset& dataset) const {
+    const std::string fact = concat(dataset.file().name(), ": is a ", dataset.is_mesh() ? "mesh of tetrahedra" : "grid",
                                     "; expected a packed surface of triangles");
     throw Error(ErrorCode::invalid,
-                scene_spec_.document.empty() ? concat("--mesh: ", fact)
+                scene_spec_.document.empty() ? concat("--landmark: ", fact)
                                              : concat(layer_place(scene_spec_, index).at("data").text(), ": ", fact),
                 "show its isosurfaces with a layer of type \"isosurface\"");
   }
 
   void add_triangles(std::size_t index, Layer layer) {
     const LayerSpec& spec = scene_spec_.layers[index];
-    const Volume& volume = plan_.volumes[layer.volume];
-    at_place(layer_place(scene_spec_, index), [&] { refuse_words_of_fields(scene_spec_, spec, volume); });
+    const Dataset& dataset = plan_.datasets[layer.dataset];
+    at_place(layer_place(scene_spec_, index), [&] { refuse_words_of_fields(scene_spec_, spec, dataset); });
     layer.mode = Mode::triangles;
-    layer.method = choose_method(scene_spec_, index, layer.mode, volume);
-    layer.surface = choose_surface(spec, volume, layer_place(scene_spec_, index));
-    layer.surface.texture = texture_of(scene_spec_, index, plan_);
+    layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
+    layer.material = choose_material(spec, dataset, layer_place(scene_spec_, index));
+    layer.material.texture = texture_of(scene_spec_, index, plan_);
     put(index, layer, {});
   }
 
   void add_isosurfaces(std::size_t index, const Layer& layer) {
     const std::vector<std::string>& isovalues = scene_spec_.layers[index].isovalues;
-    const Volume& volume = plan_.volumes[layer.volume];
+    const Dataset& dataset = plan_.datasets[layer.dataset];
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
-      if (is_outside(isovalues[i], volume.field())) {
-        outside_.push_back({index, i, layer.volume});
+      if (is_outside(isovalues[i], dataset.field())) {
+        outside_.push_back({index, i, layer.dataset});
         continue;
       }
-      const Isovalue isovalue = chosen(index, i, volume);
+      const Isovalue isovalue = chosen(index, i, dataset);
       put(index, layer, isovalue.from);
       plan_.scene.layers.back().isovalue = isovalue.value;
     }
   }
 
   void add_projection(std::size_t index, const Layer& layer) {
-    const formats::FieldSummary& field = plan_.volumes[layer.volume].field();
+    const formats::FieldSummary& field = plan_.datasets[layer.dataset].field();
     at_place(layer_place(scene_spec_, index), [&] {
       if (field.range.is_empty())
         throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
@@ -310,21 +311,21 @@ class LayerPlanner {
     return scene_spec_.layers[index].isovalues.size() == 1 ? place : place.at(i);
   }
 
-  Isovalue chosen(std::size_t index, std::size_t i, const Volume& volume) const {
+  Isovalue chosen(std::size_t index, std::size_t i, const Dataset& dataset) const {
     const std::string& text = scene_spec_.layers[index].isovalues[i];
-    if (text == "auto" && volume.is_level_set()) return {0, "the surface of the level set"};
-    return at_place(isovalue_place(index, i), [&] { return choose_isovalue(text, volume.field()); });
+    if (text == "auto" && dataset.is_level_set()) return {0, "the surface of the level set"};
+    return at_place(isovalue_place(index, i), [&] { return choose_isovalue(text, dataset.field()); });
   }
 
   /// Isovalues outside the range are left out, unless nothing else is shown.
   void require_layers() {
     if (plan_.origins.empty() && !outside_.empty())
-      chosen(outside_[0].spec, outside_[0].isovalue, plan_.volumes[outside_[0].volume]);
+      chosen(outside_[0].spec, outside_[0].isovalue, plan_.datasets[outside_[0].dataset]);
     if (plan_.origins.empty())
       throw Error(ErrorCode::invalid,
                   concat(root(scene_spec_).at("layers").text(), ": no layer is visible; expected at least one"));
     for (const Outside& one : outside_) try {
-        chosen(one.spec, one.isovalue, plan_.volumes[one.volume]);
+        chosen(one.spec, one.isovalue, plan_.datasets[one.dataset]);
       } catch (const Error& refusal) {
         plan_.notes.push_back(concat(refusal.what(), "; the layer is left out"));
       }
@@ -333,7 +334,7 @@ class LayerPlanner {
   void note_invisible_surfaces() {
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i) {
       const Layer& layer = plan_.scene.layers[i];
-      if (layer.mode == Mode::mip || layer.surface.opacity > 0) continue;
+      if (layer.mode == Mode::mip || layer.material.opacity > 0) continue;
       const Place place = layer_place(scene_spec_, plan_.origins[i].spec).at("opacity");
       plan_.notes.push_back(
           concat(scene_spec_.document.empty() ? "--opacity" : place.text(), " is 0; the surface is not traced"));
@@ -410,10 +411,10 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
 Box3 shown_box(const ResolvedScene& plan) {
   Box3 shown, data;
   for (const Layer& layer : plan.scene.layers) {
-    const Volume& volume = plan.volumes[layer.volume];
-    data.extendBy(volume.bounds());
+    const Dataset& dataset = plan.datasets[layer.dataset];
+    data.extendBy(dataset.bounds());
     const Box3 whole =
-        layer.mode == Mode::isosurface ? volume.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
+        layer.mode == Mode::isosurface ? dataset.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
     shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
   }
   return shown.isEmpty() ? data : shown;
@@ -434,7 +435,7 @@ void place_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedSc
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
     const bool is_given = spec.position && spec.target && spec.up && (!view.orthographic || spec.orthographic_height);
     Camera& camera = plan.scene.camera;
-    camera = fit_camera(is_given ? plan.volumes[0].bounds() : shown(), view, aspect);
+    camera = fit_camera(is_given ? plan.datasets[0].bounds() : shown(), view, aspect);
     camera.position = spec.position.value_or(camera.position);
     camera.target = spec.target.value_or(camera.target);
     camera.up = spec.up.value_or(camera.up);
@@ -453,14 +454,14 @@ void place_lights(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedSc
   scene.lights = choose_lights(scene_spec, scene.camera);
   scene.occlusion = choose_occlusion(scene_spec.effects.occlusion, shown);
   scene.fog = choose_fog(scene_spec.effects.fog, scene.camera, scene.background, shown);
-  for (const std::string& note : light_notes(scene, plan.volumes)) plan.notes.push_back(note);
+  for (const std::string& note : light_notes(scene, plan.datasets)) plan.notes.push_back(note);
 }
 
 /// Rays of an eye inside data start on the side that the field has there.
 void note_camera_inside(ResolvedScene& plan) {
   if (plan.scene.camera.orthographic) return;
-  for (std::size_t v = 0; v < plan.volumes.size(); ++v)
-    if (plan.volumes[v].bounds().intersects(plan.scene.camera.position))
+  for (std::size_t v = 0; v < plan.datasets.size(); ++v)
+    if (plan.datasets[v].bounds().intersects(plan.scene.camera.position))
       plan.notes.push_back(concat("the camera is inside ", plan.data[v].file.string(), "; rays start inside the data"));
 }
 

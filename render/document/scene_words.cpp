@@ -86,8 +86,8 @@ std::vector<std::string> normals_words() {
   return words;
 }
 
-bool has_flat_normals(const Volume& volume) {
-  return volume.is_mesh() || volume.is_surface();
+bool has_flat_normals(const Dataset& dataset) {
+  return dataset.is_mesh() || dataset.is_surface();
 }
 
 std::string word_of(Normals normals, bool flat) {

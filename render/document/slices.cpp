@@ -62,33 +62,33 @@ std::vector<Row<LayerSpec>> slice_rows() {
       row("opacity", &LayerSpec::opacity, number_within(limits::share), "Opacity; default 1")};
 }
 
-void choose_slice(const LayerSpec& spec, const Volume& volume, const Place& place, Layer& layer) {
+void choose_slice(const LayerSpec& spec, const Dataset& dataset, const Place& place, Layer& layer) {
   check_plane(spec, place);
-  const formats::FieldSummary& field = volume.field();
+  const formats::FieldSummary& field = dataset.field();
   if (field.range.is_empty())
     throw Error(ErrorCode::invalid, concat(place.document.empty() ? "--slice" : place.text(), ": field '", field.name,
                                            "' holds no finite value"));
   layer.mode = Mode::slice;
-  layer.plane = plane_of(spec, volume.bounds().center());
+  layer.plane = plane_of(spec, dataset.bounds().center());
   if (spec.threshold) layer.threshold = *spec.threshold;
   FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
   for (const NamedColorMap& named : color_maps())
     if (spec.colormap == named.name) colors.map = named.map;
-  layer.surface.color_by = colors;
-  layer.surface.specular = 0;
-  layer.surface.lit = spec.lit.value_or(false);
-  layer.surface.opacity = spec.opacity.value_or(1);
+  layer.material.color_by = colors;
+  layer.material.specular = 0;
+  layer.material.lit = spec.lit.value_or(false);
+  layer.material.opacity = spec.opacity.value_or(1);
 }
 
 void say_slice(const Layer& layer, LayerSpec& spec) {
   spec.type = LayerType::slice;
   spec.point = layer.plane.point, spec.normal = layer.plane.normal;
-  const FieldColors& colors = *layer.surface.color_by;
+  const FieldColors& colors = *layer.material.color_by;
   spec.colormap = word_of(colors.map);
   if (colors.range.lo < colors.range.hi) spec.range = colors.range;  // else the field's, as without
   if (layer.threshold != Layer{}.threshold) spec.threshold = layer.threshold;
-  spec.lit = layer.surface.lit;
-  spec.opacity = layer.surface.opacity;
+  spec.lit = layer.material.lit;
+  spec.opacity = layer.material.opacity;
 }
 
 }  // namespace rhoray::render

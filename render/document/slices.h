@@ -15,10 +15,10 @@ namespace rhoray::render {
 /// The keys of a slice, in addition to those of every layer.
 std::vector<Row<LayerSpec>> slice_rows();
 
-/// Plane, colours and opacity of a slice through this volume. Refuses one that has no plane or two,
+/// Plane, colours and opacity of a slice through this dataset. Refuses one that has no plane or two,
 /// and a field without a finite value: of a document with the place (ErrorCode::invalid).
 /// @param place  of the wish; of a command line without a document
-void choose_slice(const LayerSpec& spec, const Volume& volume, const Place& place, Layer& layer);
+void choose_slice(const LayerSpec& spec, const Dataset& dataset, const Place& place, Layer& layer);
 
 /// Writes the slice of a layer into a specification.
 void say_slice(const Layer& layer, LayerSpec& spec);

@@ -190,7 +190,7 @@ SceneSpec Sweep::spec_at(double time) const {
 void Sweep::check_isovalues(const ResolvedScene& plan) const {
   for (std::size_t l = 0; l < plan.scene.layers.size(); ++l) {
     if (plan.origins[l].spec != isovalue_layer_) continue;
-    const formats::FieldSummary& field = plan.volumes[plan.scene.layers[l].volume].field();
+    const formats::FieldSummary& field = plan.datasets[plan.scene.layers[l].dataset].field();
     for (std::size_t i = 0; i < keys_.size(); ++i)
       if (keys_[i].isovalue && !field.range.contains(*keys_[i].isovalue))
         throw Error(ErrorCode::invalid, concat(keys_place(scene_spec_).at(i).at("isovalue").text(), ": isovalue ",

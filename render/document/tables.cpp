@@ -219,7 +219,7 @@ std::span<const LayerKind> layer_kinds() {
        rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + rows_of_lit_surfaces()},
       {LayerType::mip, "mip", "Maximum intensity projection: the largest value along every ray",
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
-      {LayerType::mesh, "mesh", "Triangles of a packed surface, for example a landmark",
+      {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
        rows_of_data() + slice_rows()}};

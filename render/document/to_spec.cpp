@@ -26,9 +26,9 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     if (scene_spec.data[i].name.empty()) scene_spec.data[i].name = "data";  // of a command line
   scene_spec.data.insert(scene_spec.data.end(), plan.texture_data.begin(), plan.texture_data.end());
   for (const Layer& layer : plan.scene.layers) {
-    LayerSpec spec{.data = scene_spec.data[layer.volume].name};
+    LayerSpec spec{.data = scene_spec.data[layer.dataset].name};
     if (layer.mode != Mode::slice) {
-      const MethodOption method = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh());
+      const MethodOption method = option_of(layer.method, layer.mode, plan.datasets[layer.dataset].is_mesh());
       (method.option == "--accuracy" ? spec.accuracy : spec.method) = method.word;
     }
     if (layer.mode == Mode::slice) {
@@ -40,19 +40,19 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       if (layer.mode == Mode::isosurface)
         spec.isovalues = {concat(layer.isovalue)};
       else
-        spec.type = LayerType::mesh;
-      spec.color = Color{layer.surface.color};
-      spec.normals = word_of(layer.surface.normals, has_flat_normals(plan.volumes[layer.volume]));
-      if (const auto& colors = layer.surface.color_by) {
+        spec.type = LayerType::triangles;
+      spec.color = Color{layer.material.color};
+      spec.normals = word_of(layer.material.normals, has_flat_normals(plan.datasets[layer.dataset]));
+      if (const auto& colors = layer.material.color_by) {
         spec.color_by = colors->field;
         spec.colormap = word_of(colors->map);
         if (colors->range.lo < colors->range.hi) spec.range = colors->range;  // else the field's, as without
       }
-      if (layer.surface.texture) spec.texture = name_of_texture(plan, *layer.surface.texture);
-      spec.ambient = layer.surface.ambient;
-      spec.specular = layer.surface.specular;
-      spec.shininess = layer.surface.shininess;
-      spec.opacity = layer.surface.opacity;
+      if (layer.material.texture) spec.texture = name_of_texture(plan, *layer.material.texture);
+      spec.ambient = layer.material.ambient;
+      spec.specular = layer.material.specular;
+      spec.shininess = layer.material.shininess;
+      spec.opacity = layer.material.opacity;
     }
     if (plan.scene.clip) spec.clip = layer.clipped;
     scene_spec.layers.push_back(std::move(spec));

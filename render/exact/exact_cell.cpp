@@ -58,7 +58,7 @@ CellVerdict exact_crossing(const TrilinearCell& cell, const Vec3& p0, const Vec3
   return exact_crossing_unfiltered(cell, p0, p1, isovalue, starts_inside, width);
 }
 
-std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+std::vector<Enclosure> exact_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
                                    double width) {
   const exact::SignChart chart(polynomial(cell, p0, p1, isovalue).polynomial, 0, 1);
   std::vector<Enclosure> roots;

@@ -46,7 +46,7 @@ MaximumVerdict exact_maximum(const TrilinearCell& cell, const Vec3& p0, const Ve
 
 /// Returns all points in [0, 1] where value = isovalue, in increasing order, each as narrow as for
 /// exact_crossing. Returns none when that holds everywhere. In rational numbers.
-std::vector<Enclosure> judge_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
+std::vector<Enclosure> exact_roots(const TrilinearCell& cell, const Vec3& p0, const Vec3& p1, double isovalue,
                                    double width);
 
 /// The same without the filter, as a reference for tests of the filter.

@@ -37,7 +37,7 @@ bool shows_only_places(const Frame& frame, const FrameLayer& layer) {
 
 bool go_together(const Frame& frame, const AllHitsGroup& group, const FrameLayer& layer) {
   const FrameLayer& first = frame.layers[group.layers.front()];
-  return group.layers.size() < AllHitsQuery::most_surfaces && &first.volume == &layer.volume &&
+  return group.layers.size() < AllHitsQuery::most_surfaces && &first.dataset == &layer.dataset &&
          first.clipped == layer.clipped;
 }
 
@@ -52,7 +52,7 @@ class LightShares {
     for (const std::uint8_t l : of_) {
       AllHitsWork& work = *worker.all_hits.layers[l];
       SharedLayer& layer = layers_.emplace_back();
-      layer.opacity = frame.layers[l].shading.layer.surface.opacity;
+      layer.opacity = frame.layers[l].shading.layer.material.opacity;
       layer.count = work.crossings.count.data();
       for (std::size_t k = 0; k < CrossingList::most; ++k) {
         layer.t[k] = work.crossings.hits(k).t.data();
@@ -202,7 +202,7 @@ void choose_all_hits(const FrameOptions& options, Frame& frame) {
     group.only_places = group.only_places && shows_only_places(frame, layer);
     group.layers.push_back(static_cast<std::uint8_t>(l));
     group.surfaces.push_back(
-        {.isovalue = layer.query.isovalue, .passing = static_cast<float>(1 - layer.shading.layer.surface.opacity)});
+        {.isovalue = layer.query.isovalue, .passing = static_cast<float>(1 - layer.shading.layer.material.opacity)});
     frame.needs.transparent_layers.push_back(static_cast<std::uint8_t>(l));
   }
   frame.needs.all_hits_groups = groups.size();
@@ -217,7 +217,7 @@ void find_all_hits(const Frame& frame, Worker& worker) {
       lists[i] = &worker.all_hits.layers[group.layers[i]]->crossings;
     const FrameLayer& layer = frame.layers[group.layers.front()];
     LayerWork& work = worker.layers[group.layers.front()];
-    group.kernel(layer.volume,
+    group.kernel(layer.dataset,
                  {.surfaces = group.surfaces,
                   .least_light = surely_dark,
                   .time_phases = layer.query.time_phases,

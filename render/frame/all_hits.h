@@ -7,7 +7,7 @@
 namespace rhoray::render {
 
 /// Puts the transparent layers into groups whose crossings one kernel finds, if every one of them
-/// has such a kernel. Call it after their volumes are prepared.
+/// has such a kernel. Call it after their datasets are prepared.
 void choose_all_hits(const FrameOptions& options, Frame& frame);
 
 /// Finds the crossings of the tile's rays with the surfaces of all groups. The first ones become

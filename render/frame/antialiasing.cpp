@@ -176,7 +176,7 @@ void EdgeSamples::trace(Worker& worker, Work& work) const {
   WorkerCounts& counts = worker.counts;
   work.rays.of_layers.clear();
   for (const FrameLayer& layer : frame_.layers)
-    work.rays.of_layers.emplace_back(frame_.camera_rays, layer.volume_from_world, work.across, work.down);
+    work.rays.of_layers.emplace_back(frame_.camera_rays, layer.data_from_world, work.across, work.down);
   if (frame_.needs.world_rays) work.rays.in_world.emplace(frame_.camera_rays, Affine(), work.across, work.down);
   trace_layers(frame_, work.rays, Tile{}, worker);
   if (frame_.needs.spread_directions) std::swap(worker.pixels, work.sample_numbers);

@@ -37,29 +37,29 @@ void for_each_corner(const Box3& box, const Act& act) {
 
 }  // namespace
 
-BoxProjection::BoxProjection(const CameraRays& camera, const Affine& volume_from_world, const Affine& world_from_volume,
+BoxProjection::BoxProjection(const CameraRays& camera, const Affine& data_from_world, const Affine& world_from_data,
                              const Box3& bounds)
-    : eye_(volume_from_world.point(camera.origin(0, 0))), orthographic_(camera.is_orthographic()) {
-  const Vec3 f = volume_from_world.vector(camera.forward()), u = volume_from_world.vector(camera.across()),
-             v = volume_from_world.vector(camera.down());
-  const Vec3 f_terms = terms_of_vector(volume_from_world, camera.forward()),
-             u_terms = terms_of_vector(volume_from_world, camera.across()),
-             v_terms = terms_of_vector(volume_from_world, camera.down());
+    : eye_(data_from_world.point(camera.origin(0, 0))), orthographic_(camera.is_orthographic()) {
+  const Vec3 f = data_from_world.vector(camera.forward()), u = data_from_world.vector(camera.across()),
+             v = data_from_world.vector(camera.down());
+  const Vec3 f_terms = terms_of_vector(data_from_world, camera.forward()),
+             u_terms = terms_of_vector(data_from_world, camera.across()),
+             v_terms = terms_of_vector(data_from_world, camera.down());
 
-  // Magnitudes along the axes: of positions in the volume, and of the eye transformed from world
+  // Magnitudes along the axes: of positions in the dataset, and of the eye transformed from world
   // units.
   Vec3 places =
-      magnitudes(eye_) + magnitudes(volume_from_world.origin) + terms_of_vector(volume_from_world, camera.position());
+      magnitudes(eye_) + magnitudes(data_from_world.origin) + terms_of_vector(data_from_world, camera.position());
   if (orthographic_) places += u_terms + v_terms;
   double reach = orthographic_ ? camera.across().length() + camera.down().length() : 0;
   Vec3 farthest(0, 0, 0);
   double distance = 0;
   for_each_corner(bounds, [&](const Vec3& corner) {
     for (int axis = 0; axis < 3; ++axis) farthest[axis] = std::max(farthest[axis], std::abs(corner[axis]));
-    distance = std::max(distance, world_from_volume.vector(corner - eye_).length());
+    distance = std::max(distance, world_from_data.vector(corner - eye_).length());
   });
   reach += distance;
-  places += farthest + terms_of_vector(volume_from_world, Vec3(reach, reach, reach));
+  places += farthest + terms_of_vector(data_from_world, Vec3(reach, reach, reach));
 
   const double det = f.dot(u.cross(v)), sign = det < 0 ? -1 : 1;
   const auto function = [&](const Vec3& a, const Vec3& b, const Vec3& a_terms, const Vec3& b_terms) {

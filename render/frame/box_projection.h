@@ -16,7 +16,7 @@ struct ProjectedNode {
   double first_column[BoxNode::size], last_column[BoxNode::size], first_row[BoxNode::size], last_row[BoxNode::size];
 };
 
-/// Where a camera sees boxes of a volume's frame.
+/// Where a camera sees boxes of a data's frame.
 ///
 /// Rays are o + s (f + a u + b v), where a and b are picture coordinates from -1 to 1. Rays of an
 /// orthographic camera are o + a u + b v + s f. Take the cross products of the edges, each times
@@ -32,17 +32,17 @@ struct ProjectedNode {
 ///
 /// Every bound is moved outward by more than all rounding: that of these functions, of the rays,
 /// and of the positions that a kernel computes along a ray. Let R be the largest sum of magnitudes
-/// along an axis in any of them: positions in the volume, the eye, the ray's relevant length, in
-/// steps of the volume's frame. The error of a position is a few units of 2^-53 R. The error of a
+/// along an axis in any of them: positions in the dataset, the eye, the ray's relevant length, in
+/// steps of the data's frame. The error of a position is a few units of 2^-53 R. The error of a
 /// function is that times the magnitudes of the cross product's terms. 2^-44 is used for all of
 /// them together: 512 such units.
 class BoxProjection {
  public:
-  /// @param bounds  of the contents of all boxes, volume frame
-  BoxProjection(const CameraRays& camera, const Affine& volume_from_world, const Affine& world_from_volume,
+  /// @param bounds  of the contents of all boxes, data frame
+  BoxProjection(const CameraRays& camera, const Affine& data_from_world, const Affine& world_from_data,
                 const Box3& bounds);
 
-  /// False where rounding hides the orientation of the picture to the volume: then any ray may meet
+  /// False where rounding hides the orientation of the picture to the dataset: then any ray may meet
   /// anything.
   bool is_certain() const { return is_certain_; }
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "formats/base/text.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/intersectors.h"
 #include "render/shade/effects.h"
 
@@ -21,7 +21,7 @@ constexpr const char* no_surface = "a projection shows values, not a lit surface
 constexpr const char* not_lit = "a slice shows its own colours";
 
 bool is_unlit_slice(const Layer& layer) {
-  return layer.mode == Mode::slice && !layer.surface.lit;
+  return layer.mode == Mode::slice && !layer.material.lit;
 }
 
 std::string why_diffuse(const Scene&, const Layer& layer) {
@@ -31,19 +31,19 @@ std::string why_true_colors(const Scene&, const Layer& layer) {
   return layer.mode != Mode::slice ? "used only by slices" : is_unlit_slice(layer) ? not_lit : "the slice is lit";
 }
 std::string why_smooth_normals(const Scene&, const Layer& layer) {
-  return layer.surface.normals == Normals::smooth ? "normals are smooth"
-                                                  : "normals are the exact gradient of the hit's cell";
+  return layer.material.normals == Normals::smooth ? "normals are smooth"
+                                                   : "normals are the exact gradient of the hit's cell";
 }
 std::string why_field_color(const Scene&, const Layer& layer) {
-  return layer.surface.color_by ? concat("coloured by '", layer.surface.color_by->field, "'")
-                                : "no field colours the surface";
+  return layer.material.color_by ? concat("coloured by '", layer.material.color_by->field, "'")
+                                 : "no field colours the surface";
 }
 std::string why_texture(const Scene&, const Layer& layer) {
-  return layer.surface.texture ? concat("covered by the colours in ", layer.surface.texture->file().name())
-                               : "no texture covers the surface";
+  return layer.material.texture ? concat("covered by the colours in ", layer.material.texture->file().name())
+                                : "no texture covers the surface";
 }
 std::string why_specular(const Scene&, const Layer& layer) {
-  return concat("specular is ", layer.surface.specular);
+  return concat("specular is ", layer.material.specular);
 }
 std::string why_intensity(const Scene&, const Layer& layer) {
   return is_projection(layer)
@@ -117,8 +117,8 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
   const EffectSet effects = effects_called_for(scene, layer);
   const bool is_surface = !is_projection(layer);
   std::vector<EffectReason> reasons;
-  reasons.push_back({"transparency", is_surface && layer.surface.opacity < 1,
-                     is_surface ? concat("opacity is ", layer.surface.opacity) : no_surface});
+  reasons.push_back({"transparency", is_surface && layer.material.opacity < 1,
+                     is_surface ? concat("opacity is ", layer.material.opacity) : no_surface});
   reasons.push_back({"clipping", layer.clipped && scene.clip.has_value(), why_clipped(scene, layer)});
   for (const Row& row : rows) {
     const bool is_of_light = row.called_for != &EffectSet::intensity && row.called_for != &EffectSet::true_colors;
@@ -132,11 +132,11 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
   return reasons;
 }
 
-std::string_view machine_for(const Volume& volume, const Layer& layer, const FrameOptions& options) {
+std::string_view machine_for(const Dataset& dataset, const Layer& layer, const FrameOptions& options) {
   if (layer.mode == Mode::slice) return name_of(chosen_machine());
   const Machine machine = chosen_machine();
   const auto kernel = is_projection(layer) ? &Intersectors::largest : &Intersectors::first_hit;
-  const bool is_wide = options.use_hierarchy && answers_wide(volume.implementation(), layer.method, kernel, machine);
+  const bool is_wide = options.use_hierarchy && answers_wide(dataset.implementation(), layer.method, kernel, machine);
   return name_of(is_wide ? machine : Machine::scalar);
 }
 

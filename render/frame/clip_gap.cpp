@@ -37,7 +37,7 @@ void trace_after_clip_gap(const FrameLayer& layer, Kernel kernel, const RayQuery
   }
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size();
-  kernel(layer.volume, query, worker.few_rays, worker.few_hits, work.scratch);
+  kernel(layer.dataset, query, worker.few_rays, worker.few_hits, work.scratch);
   for (std::size_t i = 0; i < worker.few.size(); ++i) {
     const std::size_t r = worker.few[i];
     work.hits.set(r, joined(work.hits[r], worker.few_hits[i], is_projection));

@@ -78,18 +78,18 @@ void ClipRegion::find_kept(const RayBatch& rays, KeptParts& kept) const {
   compiled_for<find_kept_inline>(machine_)(*this, rays, kept);
 }
 
-ClipRegion::InFrame::InFrame(const ClipRegion& region, const Affine& world_from_volume, const SurfaceBoxes& boxes)
+ClipRegion::InFrame::InFrame(const ClipRegion& region, const Affine& world_from_data, const SurfaceBoxes& boxes)
     : margin_(boxes.margin), cuts_away_(region.cuts_away_) {
   constexpr double rounding = 0x1p-40;
-  const Affine& map = world_from_volume;
+  const Affine& map = world_from_data;
   for (const HalfSpace& half : region.halves_) {
     const Vec3 normal = half.normal;
-    const Vec3 in_volume(normal.dot(map.x_axis), normal.dot(map.y_axis), normal.dot(map.z_axis));
+    const Vec3 in_data(normal.dot(map.x_axis), normal.dot(map.y_axis), normal.dot(map.z_axis));
     const double terms = magnitude(normal) * (magnitude(map.origin) + magnitude(half.point)) +
                          magnitude(normal) * (magnitude(map.x_axis) + magnitude(map.y_axis) + magnitude(map.z_axis)) *
                              magnitude(boxes.anchor);
-    functions_.push_back({.factor = in_volume * boxes.unit,
-                          .constant = in_volume.dot(boxes.anchor) + normal.dot(map.origin - half.point),
+    functions_.push_back({.factor = in_data * boxes.unit,
+                          .constant = in_data.dot(boxes.anchor) + normal.dot(map.origin - half.point),
                           .slack = rounding * terms});
   }
 }

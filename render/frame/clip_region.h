@@ -53,7 +53,7 @@ class ClipRegion {
 /// Tests whether the region removes boxes of a tree completely.
 class ClipRegion::InFrame {
  public:
-  InFrame(const ClipRegion& region, const Affine& world_from_volume, const SurfaceBoxes& boxes);
+  InFrame(const ClipRegion& region, const Affine& world_from_data, const SurfaceBoxes& boxes);
 
   /// Returns true only if that is certain, whatever rounding does to rays and boxes.
   bool takes_away(const BoxNode& node, std::size_t child) const;

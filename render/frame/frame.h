@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/frame/clip_region.h"
 #include "render/frame/pixel_rays.h"
 #include "render/frame/pixels.h"
@@ -26,7 +26,7 @@ enum class Blend {
 
 /// One layer: its data, its kernels and its shading.
 struct FrameLayer {
-  const VolumeImplementation& volume;
+  const LoadedDataset& dataset;
   Blend blend;
   RayQuery query;
   Intersectors intersectors;
@@ -35,16 +35,16 @@ struct FrameLayer {
   RayQuery continuation_query;
   std::optional<Intersectors> continuation;  ///< none: there are no such rays
   LayerShading shading;
-  Affine volume_from_world;
+  Affine data_from_world;
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
   bool clipped = false;                       ///< Frame::clip shortens its rays
-  /// For each light, the parts of this layer that may occlude hits on the same volume; null: all of
+  /// For each light, the parts of this layer that may occlude hits on the same dataset; null: all of
   /// it may. Empty for a clipped layer.
   std::vector<std::shared_ptr<const wide::LightOccluders>> occluders{};
 };
 
-/// Transparent surfaces of one volume whose crossings one walk along each ray finds.
+/// Transparent surfaces of one dataset whose crossings one walk along each ray finds.
 struct AllHitsGroup {
   AllHitsKernel kernel;
   std::vector<std::uint8_t> layers;  ///< indices into Frame::layers
@@ -65,7 +65,7 @@ struct Frame {
   bool keeps_channels;  ///< besides the colour
   Occlusion occlusion;
   WorkerNeeds needs;
-  RangeProof range_proof{};  ///< of the volumes with a method that proves its answers
+  RangeProof range_proof{};  ///< of the datasets with a method that proves its answers
   /// For each pixel the layer of its first surface; null: not needed.
   std::uint8_t* first_layers = nullptr;
 

@@ -25,7 +25,7 @@ RHORAY_INLINE std::uint64_t bits_of(const std::uint8_t* bytes) {
   return bits;
 }
 
-/// Dot products of gradients, scaled to avoid overflow and underflow, with vectors of the volume's
+/// Dot products of gradients, scaled to avoid overflow and underflow, with vectors of the dataset's
 /// frame.
 /// @param vectors  (ray of the group)
 template <class Vectors>
@@ -55,9 +55,9 @@ RHORAY_INLINE void find_sides_inline(const LayerWork& work, const Groups& groups
   }
 }
 
-RHORAY_INLINE void ask_before_surfaces_inline(const Affine& volume_from_world, const LayerWork& work,
+RHORAY_INLINE void ask_before_surfaces_inline(const Affine& data_from_world, const LayerWork& work,
                                               const Groups& groups, LightRays& light, bool& any_unknown) {
-  const Affine map = volume_from_world;
+  const Affine map = data_from_world;
   for (std::size_t g = 0; g < groups.count; ++g) {
     const std::size_t first = groups.first[g];
     const double *x = light.direction[0].data() + first, *y = light.direction[1].data() + first,
@@ -111,7 +111,7 @@ RHORAY_INLINE void share_inline(const LightRays& light, const Groups& groups, fl
   }
 }
 
-RHORAY_INLINE void write_inline(const LightRays& light, const GroupToWrite& group, const Affine& volume_from_world,
+RHORAY_INLINE void write_inline(const LightRays& light, const GroupToWrite& group, const Affine& data_from_world,
                                 const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays) {
   const std::size_t first = group.first, place = group.place;
   const double *hit_t = hits.t.data() + first, *t_max = light.t_max.data() + first;
@@ -125,8 +125,8 @@ RHORAY_INLINE void write_inline(const LightRays& light, const GroupToWrite& grou
   const double *x = light.direction[0].data() + first, *y = light.direction[1].data() + first,
                *z = light.direction[2].data() + first;
   for (int axis = 0; axis < 3; ++axis) {
-    const double of_x = volume_from_world.x_axis[axis], of_y = volume_from_world.y_axis[axis],
-                 of_z = volume_from_world.z_axis[axis];
+    const double of_x = data_from_world.x_axis[axis], of_y = data_from_world.y_axis[axis],
+                 of_z = data_from_world.z_axis[axis];
     double* out = rays.direction[axis].data() + place;
     for (std::size_t i = 0; i < group_size; ++i) out[i] = x[i] * of_x + y[i] * of_y + z[i] * of_z;
   }
@@ -165,9 +165,9 @@ void aim_all(const Vec3& direction, LightRays& light) {
   }
 }
 
-bool ask_before_surfaces(Machine machine, const Affine& volume_from_world, const LayerWork& work, LightRays& light) {
+bool ask_before_surfaces(Machine machine, const Affine& data_from_world, const LayerWork& work, LightRays& light) {
   bool any_unknown = false;
-  compiled_for<ask_before_surfaces_inline>(machine)(volume_from_world, work, shown_in(light), light, any_unknown);
+  compiled_for<ask_before_surfaces_inline>(machine)(data_from_world, work, shown_in(light), light, any_unknown);
   return any_unknown;
 }
 
@@ -185,9 +185,9 @@ void share_of_asked(Machine machine, const LightRays& light, float* shares) {
   compiled_for<share_inline>(machine)(light, shown_in(light), shares);
 }
 
-void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group,
-                      const Affine& volume_from_world, const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays) {
-  compiled_for<write_inline>(machine)(light, group, volume_from_world, hits, eye_rays, rays);
+void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group, const Affine& data_from_world,
+                      const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays) {
+  compiled_for<write_inline>(machine)(light, group, data_from_world, hits, eye_rays, rays);
 }
 
 }  // namespace rhoray::render

@@ -25,7 +25,7 @@ void aim_all(const Vec3& direction, LightRays& light);
 /// Selects the rays to be traced: from shown hits to lights in front of the surface, on the side
 /// that the eye sees. LightRays::t_max of the other rays becomes `not_asked`.
 /// @return  true if a shown hit has an unknown side; the rays of such hits are all selected
-bool ask_before_surfaces(Machine machine, const Affine& volume_from_world, const LayerWork& work, LightRays& light);
+bool ask_before_surfaces(Machine machine, const Affine& data_from_world, const LayerWork& work, LightRays& light);
 
 /// Traced rays of a group, one bit each, by the side on which they start.
 using RaysBySide = std::array<std::uint64_t, 3>;
@@ -41,7 +41,7 @@ std::uint64_t asked_count(Machine machine, const LightRays& light);
 /// Writes 1 for each ray of these groups that is still traced, else 0.
 void share_of_asked(Machine machine, const LightRays& light, float* shares);
 
-/// A group whose traced rays are written in the frame of a layer's volume.
+/// A group whose traced rays are written in the frame of a layer's dataset.
 struct GroupToWrite {
   std::size_t first;     ///< first ray of the group in the batch of hits
   std::uint64_t chosen;  ///< bits of the rays that are traced
@@ -50,9 +50,9 @@ struct GroupToWrite {
   std::array<StartSide, 3> side_of;
 };
 /// @param hits      their t is read
-/// @param eye_rays  the rays that made the hits, in the frame of the layer's volume
-void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group,
-                      const Affine& volume_from_world, const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays);
+/// @param eye_rays  the rays that made the hits, in the frame of the layer's dataset
+void write_light_rays(Machine machine, const LightRays& light, const GroupToWrite& group, const Affine& data_from_world,
+                      const HitBatch& hits, const RayBatch& eye_rays, RayBatch& rays);
 
 /// Value of LightRays::t_max for rays that are not traced.
 inline constexpr double not_asked = -1;

@@ -49,7 +49,7 @@ void find_sides(Machine machine, const LayerWork& work, bool is_field, LightRays
 
 /// Unit vector from a ray's hit towards the eye, world axes.
 Vec3 to_eye(const LayerLights& lights, const Ray& ray) {
-  return -lights.world_from_volume.vector(ray.direction).normalized();
+  return -lights.world_from_data.vector(ray.direction).normalized();
 }
 
 /// The unit normal on the side that the eye sees. A hit without a gradient faces the eye.
@@ -62,7 +62,7 @@ Vec3 eye_normal(const LayerShading& shading, const Ray& ray, const Vec3& gradien
 /// Side of a layer's surface on which a hit of another layer lies. At the hit the field has the
 /// hit's isovalue, so the side is known for all surfaces of the same field.
 StartSide side_for(const FrameLayer& layer, const FrameLayer& of_hit, StartSide side) {
-  if (&layer.volume != &of_hit.volume || of_hit.slice) return StartSide::unknown;
+  if (&layer.dataset != &of_hit.dataset || of_hit.slice) return StartSide::unknown;
   const double isovalue = layer.query.isovalue, of_field = of_hit.query.isovalue;
   if (isovalue == of_field) return side;
   return of_field > isovalue ? StartSide::inside : StartSide::outside;
@@ -126,12 +126,13 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occlude
   worker.few_rays.count = light.groups.size() * group_size;
   if (layer.continuation->any_hit != nullptr) {
     std::uint64_t crossed[tile_capacity / group_size];
-    layer.continuation->any_hit(layer.volume, layer.continuation_query, occluders, worker.few_rays, crossed,
+    layer.continuation->any_hit(layer.dataset, layer.continuation_query, occluders, worker.few_rays, crossed,
                                 work.scratch);
     for (std::size_t g = 0; g < light.groups.size(); ++g) end_rays(crossed[g], light.t_max.data() + light.groups[g]);
     return;
   }
-  layer.continuation->first_hit(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
+  layer.continuation->first_hit(layer.dataset, layer.continuation_query, worker.few_rays, worker.few_hits,
+                                work.scratch);
   for (std::size_t g = 0; g < light.groups.size(); ++g) {
     const double* t = worker.few_hits.t.data() + g * group_size;
     double* t_max = light.t_max.data() + light.groups[g];
@@ -171,7 +172,7 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
       any = true;
       if (of_light != nullptr && side != StartSide::unknown) occluders = &of_light->of(side);
       const std::size_t first = light.shown[g], place = light.groups.size() * group_size;
-      write_light_rays(machine, light, {first, chosen, place, sides}, layer.volume_from_world, hit_work.hits, work.rays,
+      write_light_rays(machine, light, {first, chosen, place, sides}, layer.data_from_world, hit_work.hits, work.rays,
                        worker.few_rays);
       if (occluders != nullptr && occluders->heights) {
         const auto [below, in_shadow] = occluders->heights->know(machine, worker.few_rays, place, chosen);
@@ -209,15 +210,15 @@ void drop_blocked(const Frame& frame, const FrameLayer& of_hits, const LayerWork
 void aim_at(const LayerLights::One& light, const LayerShading& shading, const LayerWork& work, LightRays& rays) {
   if (light.kind == Light::Kind::directional) return aim_all(light.place, rays);
   for_each_near_shown(rays, work.rays.count, [&](std::size_t r) {
-    const WayToLight way = way_to_light(light, shading.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    const WayToLight way = way_to_light(light, shading.lights.world_from_data, work.rays[r].at(work.hits.t[r]));
     for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = way.direction[axis];
     rays.t_max[r] = way.distance;
   });
 }
 
-void keep_those_before_surfaces(const LayerShading& shading, const Affine& volume_from_world, const LayerWork& work,
+void keep_those_before_surfaces(const LayerShading& shading, const Affine& data_from_world, const LayerWork& work,
                                 LightRays& light) {
-  if (!ask_before_surfaces(shading.machine, volume_from_world, work, light)) return;
+  if (!ask_before_surfaces(shading.machine, data_from_world, work, light)) return;
   // Without a gradient a hit faces the eye.
   for_each_near_shown(light, work.rays.count, [&](std::size_t r) {
     const Vec3 direction(light.direction[0][r], light.direction[1][r], light.direction[2][r]);
@@ -233,7 +234,7 @@ void aim_at_point_of(const LayerLights::One& light, const LayerShading& shading,
   for (std::size_t r = 0; r < work.rays.count; ++r) {
     rays.t_max[r] = not_asked;
     if (rays.is_lit[r] == 0) continue;
-    const WayToLight way = way_to_light(light, shading.lights.world_from_volume, work.rays[r].at(work.hits.t[r]));
+    const WayToLight way = way_to_light(light, shading.lights.world_from_data, work.rays[r].at(work.hits.t[r]));
     const double cap_height = cap_height_of(light, way.distance);
     const Vec3 direction = pixels[r].within(way.direction, cap_height, sample);
     for (int axis = 0; axis < 3; ++axis) rays.direction[axis][r] = direction[axis];
@@ -254,7 +255,7 @@ void receive_from_points(const Frame& frame, const FrameLayer& layer, const Laye
   for (int sample = 0; sample < of_light.rays; ++sample) {
     std::fill_n(light.t_max.data(), whole_groups(count), not_asked);
     aim_at_point_of(of_light, layer.shading, work, worker.pixels, sample, light);
-    keep_those_before_surfaces(layer.shading, layer.volume_from_world, work, light);
+    keep_those_before_surfaces(layer.shading, layer.data_from_world, work, light);
     worker.counts.shadow_rays += asked_count(layer.shading.machine, light);
     for (std::size_t r = 0; r < count; ++r) light.asked[r] += light.t_max[r] >= 0 ? 1.0F : 0.0F;
     drop_blocked(frame, layer, work, light_index, worker);
@@ -270,7 +271,7 @@ void receive_from(const Frame& frame, std::uint8_t index, std::size_t light_inde
   const LayerLights::One& of_light = layer.shading.lights.lights[light_index];
   LightRays& light = *worker.light_rays;
   aim_at(of_light, layer.shading, work, light);
-  keep_those_before_surfaces(layer.shading, layer.volume_from_world, work, light);
+  keep_those_before_surfaces(layer.shading, layer.data_from_world, work, light);
   if (of_light.extent > 0) return receive_from_points(frame, layer, work, light_index, worker);
   worker.counts.shadow_rays += asked_count(layer.shading.machine, light);
   drop_blocked(frame, layer, work, light_index, worker);

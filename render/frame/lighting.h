@@ -21,7 +21,7 @@ bool asks_for_light(const FrameLayer& layer);
 /// light is traced only if the light is in front of that side of the surface; otherwise no light is
 /// received. The surface's own gradient decides this, even with smooth normals. For an area light,
 /// rays go to points spread over it, as far as they are in front of the surface. The light received
-/// is the share of rays that reach it. Rays are traced at the volume's default accuracy, whatever
+/// is the share of rays that reach it. Rays are traced at the dataset's default accuracy, whatever
 /// the layer's method.
 /// @param shown  the layer that each ray shows; null: all rays with a hit on this layer
 void receive_light(const Frame& frame, std::uint8_t layer, const LayerOfRays* shown, Worker& worker);

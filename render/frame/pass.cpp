@@ -21,12 +21,12 @@ std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice
   BlockMask mask(lattice);
   for (const FrameLayer& layer : frame.layers) {
     if (!layer.boxes) return std::nullopt;
-    const VolumeImplementation& volume = layer.volume;
-    const BoxProjection projection(frame.camera_rays, layer.volume_from_world, volume.world_from_volume,
-                                   volume.bounds_volume);
+    const LoadedDataset& dataset = layer.dataset;
+    const BoxProjection projection(frame.camera_rays, layer.data_from_world, dataset.world_from_data,
+                                   dataset.bounds_data);
     if (!projection.is_certain()) return std::nullopt;
     std::optional<ClipRegion::InFrame> clip;
-    if (layer.clipped) clip.emplace(*frame.clip, volume.world_from_volume, *layer.boxes);
+    if (layer.clipped) clip.emplace(*frame.clip, dataset.world_from_data, *layer.boxes);
     add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask, clip ? &*clip : nullptr);
   }
   return mask;
@@ -141,7 +141,7 @@ void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   }
   LatticeRays& rays = rays_.emplace_back(LatticeRays{lattice, {}});
   for (const FrameLayer& layer : frame.layers)
-    rays.of_layers.emplace_back(frame.camera_rays, layer.volume_from_world, lattice);
+    rays.of_layers.emplace_back(frame.camera_rays, layer.data_from_world, lattice);
   if (frame.needs.world_rays) rays.in_world.emplace(frame.camera_rays, Affine(), lattice);
 }
 

@@ -89,7 +89,8 @@ void go_on(const Frame& frame, std::uint8_t index, const LayerOfRays& shown, Wor
   if (worker.few.empty()) return;
   worker.few_rays.count = worker.few.size() * RayBatch::group_size;
   const std::uint64_t start = ticks_now();
-  layer.continuation->first_hit(layer.volume, layer.continuation_query, worker.few_rays, worker.few_hits, work.scratch);
+  layer.continuation->first_hit(layer.dataset, layer.continuation_query, worker.few_rays, worker.few_hits,
+                                work.scratch);
   // Called during shading, but tracing does not count as shading.
   worker.counts.shading_ticks -= ticks_now() - start;
   const bool may_be_behind_cut = layer.clipped && frame.clip->cuts_away();

@@ -38,10 +38,10 @@ void fill_all(LaneArray<double> (&arrays)[3], const Vec3& vector) {
 
 }  // namespace
 
-PixelRays::PixelRays(const CameraRays& camera, const Affine& volume_from_world, const PixelLattice& lattice,
+PixelRays::PixelRays(const CameraRays& camera, const Affine& data_from_world, const PixelLattice& lattice,
                      Machine machine)
     : camera_(camera),
-      volume_from_world_(volume_from_world),
+      data_from_world_(data_from_world),
       machine_(machine),
       across_(static_cast<std::size_t>(lattice.columns() + block_edge - 1)),
       down_(static_cast<std::size_t>(lattice.rows())) {
@@ -51,10 +51,10 @@ PixelRays::PixelRays(const CameraRays& camera, const Affine& volume_from_world, 
     down_[j] = camera.down_of(lattice.y_first + static_cast<int>(j) * lattice.spacing);
 }
 
-PixelRays::PixelRays(const CameraRays& camera, const Affine& volume_from_world, std::span<const double> across,
+PixelRays::PixelRays(const CameraRays& camera, const Affine& data_from_world, std::span<const double> across,
                      std::span<const double> down)
     : camera_(camera),
-      volume_from_world_(volume_from_world),
+      data_from_world_(data_from_world),
       machine_(Machine::scalar),
       across_places_(across),
       down_places_(down) {}
@@ -63,14 +63,14 @@ void PixelRays::begin(RayBatch& rays) const {
   std::fill_n(rays.t_min.data(), tile_capacity, 0.0);
   std::fill_n(rays.t_max.data(), tile_capacity, std::numeric_limits<double>::infinity());
   if (camera_.is_orthographic())
-    fill_all(rays.direction, volume_from_world_.vector(camera_.direction(0, 0)));
+    fill_all(rays.direction, data_from_world_.vector(camera_.direction(0, 0)));
   else
-    fill_all(rays.origin, volume_from_world_.point(camera_.origin(0, 0)));
+    fill_all(rays.origin, data_from_world_.point(camera_.origin(0, 0)));
 }
 
 RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& tile, RayBatch& rays) {
   const CameraRays camera = pixels.camera_;
-  const Affine volume_from_world = pixels.volume_from_world_;
+  const Affine data_from_world = pixels.data_from_world_;
   std::size_t count = 0;
   // A run writes block_edge rays; the next run overwrites those beyond its own.
   for_each_run(
@@ -80,10 +80,10 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
         count = run.first + static_cast<std::size_t>(run.count);
         if (camera.is_orthographic())
           fill_run(across, at(rays.origin, run.first),
-                   [&](double a) { return volume_from_world.point(camera.origin(a, down)); });
+                   [&](double a) { return data_from_world.point(camera.origin(a, down)); });
         else
           fill_run(across, at(rays.direction, run.first),
-                   [&](double a) { return volume_from_world.vector(camera.direction(a, down)); });
+                   [&](double a) { return data_from_world.vector(camera.direction(a, down)); });
       });
   rays.count = count;
 }
@@ -91,8 +91,8 @@ RHORAY_INLINE void PixelRays::fill_inline(const PixelRays& pixels, const Tile& t
 void PixelRays::fill_places(RayBatch& rays) const {
   for (std::size_t r = 0; r < across_places_.size(); ++r) {
     const double across = across_places_[r], down = down_places_[r];
-    const Vec3 vector = camera_.is_orthographic() ? volume_from_world_.point(camera_.origin(across, down))
-                                                  : volume_from_world_.vector(camera_.direction(across, down));
+    const Vec3 vector = camera_.is_orthographic() ? data_from_world_.point(camera_.origin(across, down))
+                                                  : data_from_world_.vector(camera_.direction(across, down));
     LaneArray<double>(&arrays)[3] = camera_.is_orthographic() ? rays.origin : rays.direction;
     for (int axis = 0; axis < 3; ++axis) arrays[axis][r] = vector[axis];
   }

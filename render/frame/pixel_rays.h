@@ -12,21 +12,21 @@
 
 namespace rhoray::render {
 
-/// The rays of a lattice's pixels, or through given picture positions, in a volume's frame. They
+/// The rays of a lattice's pixels, or through given picture positions, in a data's frame. They
 /// agree with CameraRays to the last bit on every machine.
 class PixelRays {
  public:
-  PixelRays(const CameraRays& camera, const Affine& volume_from_world, const PixelLattice& lattice,
+  PixelRays(const CameraRays& camera, const Affine& data_from_world, const PixelLattice& lattice,
             Machine machine = chosen_machine());
 
   /// Rays through picture positions in the coordinates of CameraRays. `fill` makes all of them,
   /// whatever the tile.
   /// @param across, down  of equal length; they are read when rays are filled
-  PixelRays(const CameraRays& camera, const Affine& volume_from_world, std::span<const double> across,
+  PixelRays(const CameraRays& camera, const Affine& data_from_world, std::span<const double> across,
             std::span<const double> down);
 
   /// Writes the values common to all rays, once for a batch that is filled repeatedly. They depend
-  /// only on the camera and on the volume's frame, so they hold for all rays of a layer in one
+  /// only on the camera and on the data's frame, so they hold for all rays of a layer in one
   /// frame.
   void begin(RayBatch& rays) const;
 
@@ -39,7 +39,7 @@ class PixelRays {
   void fill_places(RayBatch& rays) const;
 
   CameraRays camera_;
-  Affine volume_from_world_;
+  Affine data_from_world_;
   Machine machine_;
   /// By column, plus as many as a run may read beyond the last.
   std::vector<double> across_;

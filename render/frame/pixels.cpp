@@ -104,7 +104,7 @@ RHORAY_INLINE void add_through(const Lanes& color, const Lanes& share, float* ou
 RHORAY_INLINE void shade_clear_inline(const LayerShading& shading, LayerWork& work, const LayerOfRays& next,
                                       std::uint8_t layer, const ReceivedLight& received, WorkerCounts& counts,
                                       TileColors& front) {
-  const auto opacity = static_cast<float>(shading.layer.surface.opacity);
+  const auto opacity = static_cast<float>(shading.layer.material.opacity);
   for_each_shown_group(
       shading, work, received, [&](std::size_t r) { return next.of[r] == layer; }, counts,
       [&](std::size_t first, Lanes share, const Colors& shaded) {

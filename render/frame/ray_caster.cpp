@@ -8,7 +8,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
 #include "formats/intact.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/frame/camera_rays.h"
 #include "render/frame/tile_threads.h"
 
@@ -34,13 +34,13 @@ struct RayCaster::Worker {
   Worker() { rays.has_start_sides = true; }
 };
 
-RayCaster::RayCaster(const Volume& volume, double isovalue, const Method& method, unsigned threads)
-    : volume_(volume.implementation()),
-      query_{.isovalue = finite(isovalue), .field_range = volume.field().range, .method = method},
-      intersectors_(choose_intersectors(volume_, query_)),
+RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads)
+    : dataset_(dataset.implementation()),
+      query_{.isovalue = finite(isovalue), .field_range = dataset.field().range, .method = method},
+      intersectors_(choose_intersectors(dataset_, query_)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
-  if (proves(method)) range_proof_ = volume.prove_ranges(threads);
+  if (proves(method)) range_proof_ = dataset.prove_ranges(threads);
   workers_.front().scratch.queue.reserve(intersectors_.queue_entries);
 }
 
@@ -50,7 +50,7 @@ void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> 
   for (std::size_t first = 0; first < rays.size(); first += batch_size) {
     worker.rays.count = std::min(batch_size, rays.size() - first);
     for (std::size_t r = 0; r < worker.rays.count; ++r) worker.rays.set(r, rays[first + r]);
-    kernel(volume_, query_, worker.rays, worker.hits, worker.scratch);
+    kernel(dataset_, query_, worker.rays, worker.hits, worker.scratch);
     for (std::size_t r = 0; r < worker.rays.count; ++r) hits[first + r] = worker.hits[r];
   }
 }
@@ -60,14 +60,14 @@ void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) 
   RHORAY_CHECK(rays.size() == hits.size());
   if (workers_.size() == 1 || rays.size() <= batch_size) {
     answer(intersectors_.first_hit, rays, hits, workers_.front());
-    return formats::require_intact(volume_.file);
+    return formats::require_intact(dataset_.file);
   }
   const std::size_t batch_count = (rays.size() + batch_size - 1) / batch_size;
   TileThreads(threads_).for_each_tile(batch_count, [&](std::size_t batch, std::size_t worker) {
     const std::size_t first = batch * batch_size, count = std::min(batch_size, rays.size() - first);
     answer(intersectors_.first_hit, rays.subspan(first, count), hits.subspan(first, count), workers_[worker]);
   });
-  formats::require_intact(volume_.file);
+  formats::require_intact(dataset_.file);
 }
 
 Hit RayCaster::first_crossing(const Ray& ray) {
@@ -81,7 +81,7 @@ void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
   answer(intersectors_.largest, rays, hits, workers_.front());
-  formats::require_intact(volume_.file);
+  formats::require_intact(dataset_.file);
 }
 
 KernelCounters RayCaster::counters() const {
@@ -90,21 +90,21 @@ KernelCounters RayCaster::counters() const {
   return sum;
 }
 
-std::vector<Ray> camera_rays(const Volume& volume, const Camera& camera, int width, int height) {
+std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height) {
   const DefaultFloatingPoint default_floating_point;
   const CameraRays through(camera, width, height);
-  const Affine volume_from_world = volume.implementation().world_from_volume.inverse();
+  const Affine data_from_world = dataset.implementation().world_from_data.inverse();
   std::vector<Ray> rays;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Ray ray = through.through_pixel(x, y);
-      rays.push_back({volume_from_world.point(ray.origin), volume_from_world.vector(ray.direction)});
+      rays.push_back({data_from_world.point(ray.origin), data_from_world.vector(ray.direction)});
     }
   return rays;
 }
 
-const Affine& world_from_ray_frame(const Volume& volume) {
-  return volume.implementation().world_from_volume;
+const Affine& world_from_ray_frame(const Dataset& dataset) {
+  return dataset.implementation().world_from_data;
 }
 
 }  // namespace rhoray::render

@@ -36,39 +36,39 @@ void check_slice(const Layer& layer) {
   if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
     throw Error(ErrorCode::usage, concat("a slice through ", text_of(plane.point), " with the normal ",
                                          text_of(plane.normal), "; expected finite numbers and a direction"));
-  if (!layer.surface.color_by) throw Error(ErrorCode::usage, "a slice without colours; expected those of its field");
+  if (!layer.material.color_by) throw Error(ErrorCode::usage, "a slice without colours; expected those of its field");
   if (layer.threshold.is_empty())
     throw Error(ErrorCode::usage, concat("a slice of values from ", layer.threshold.lo, " to ", layer.threshold.hi,
                                          "; expected a range that is not empty"));
 }
 
-void check_layer(std::span<const Volume> volumes, const Layer& layer) {
-  if (layer.volume >= volumes.size())
-    throw Error(ErrorCode::usage, concat("a layer of volume ", layer.volume, " of ", volumes.size()));
-  const Volume& volume = volumes[layer.volume];
-  if (volume.is_surface() != (layer.mode == Mode::triangles))
-    throw Error(ErrorCode::usage, volume.is_surface()
-                                      ? concat(volume.file().name(), ": holds triangles; expected a layer of triangles")
-                                      : concat(volume.file().name(), ": holds no triangles"));
+void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
+  if (layer.dataset >= datasets.size())
+    throw Error(ErrorCode::usage, concat("a layer of dataset ", layer.dataset, " of ", datasets.size()));
+  const Dataset& dataset = datasets[layer.dataset];
+  if (dataset.is_surface() != (layer.mode == Mode::triangles))
+    throw Error(ErrorCode::usage,
+                dataset.is_surface() ? concat(dataset.file().name(), ": holds triangles; expected a layer of triangles")
+                                     : concat(dataset.file().name(), ": holds no triangles"));
   if (layer.mode == Mode::triangles && layer.method.algorithm != Method::Algorithm::direct)
-    throw Error(ErrorCode::usage, concat(volume.file().name(), ": triangles are traced only at float and double"));
-  if (layer.mode == Mode::triangles && layer.surface.color_by)
-    throw Error(ErrorCode::usage, concat(volume.file().name(), ": a surface has no fields to be coloured by"));
+    throw Error(ErrorCode::usage, concat(dataset.file().name(), ": triangles are traced only at float and double"));
+  if (layer.mode == Mode::triangles && layer.material.color_by)
+    throw Error(ErrorCode::usage, concat(dataset.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
   if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
     throw Error(ErrorCode::usage,
                 concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
-  if (!(layer.surface.opacity >= 0 && layer.surface.opacity <= 1))
-    throw Error(ErrorCode::usage, concat("an opacity of ", layer.surface.opacity, "; expected 0 to 1"));
-  if (const auto& colors = layer.surface.color_by;
+  if (!(layer.material.opacity >= 0 && layer.material.opacity <= 1))
+    throw Error(ErrorCode::usage, concat("an opacity of ", layer.material.opacity, "; expected 0 to 1"));
+  if (const auto& colors = layer.material.color_by;
       colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
     throw Error(ErrorCode::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
                                          colors->range.hi, "; expected a finite range"));
   if (layer.mode == Mode::slice) check_slice(layer);
-  if (layer.surface.texture && layer.surface.color_by)
-    throw Error(ErrorCode::usage, concat("a texture, ", layer.surface.texture->file().name(), ", and colours by '",
-                                         layer.surface.color_by->field, "'; expected one of the two"));
+  if (layer.material.texture && layer.material.color_by)
+    throw Error(ErrorCode::usage, concat("a texture, ", layer.material.texture->file().name(), ", and colours by '",
+                                         layer.material.color_by->field, "'; expected one of the two"));
   const Method& method = layer.method;
   if (method.algorithm == Method::Algorithm::sampled && !(method.step >= 1e-4 && method.step <= 1e4))
     throw Error(ErrorCode::usage, concat("steps of ", method.step, " cells; expected 0.0001 to 10000"));
@@ -122,7 +122,7 @@ bool all_prove(const Scene& scene) {
   return std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) { return proves(layer.method); });
 }
 
-void check_request(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
+void check_request(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options) {
   if (options.width < 1 || options.height < 1)
     throw Error(ErrorCode::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
@@ -131,7 +131,7 @@ void check_request(std::span<const Volume> volumes, const Scene& scene, const Fr
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   if (options.antialiasing < 1 || options.antialiasing > most_samples)
     throw Error(ErrorCode::usage, concat(options.antialiasing, " samples of a pixel; expected 1 to ", most_samples));
-  for (const Layer& layer : scene.layers) check_layer(volumes, layer);
+  for (const Layer& layer : scene.layers) check_layer(datasets, layer);
   check_effects(scene);
   if (scene.clip) check_clip(*scene.clip);
   if (options.channels.error && !all_prove(scene))
@@ -147,22 +147,22 @@ void check_refinement(const Refinement& refinement) {
 
 Blend blend_of(const Layer& layer, const Scene& scene) {
   if (layer.mode == Mode::mip) return scene.layers.size() == 1 ? Blend::opaque : Blend::additive;
-  return layer.surface.opacity < 1 ? Blend::transparent : Blend::opaque;
+  return layer.material.opacity < 1 ? Blend::transparent : Blend::opaque;
 }
 
 /// Lookup of the attributes that a layer's effects need besides the hits; null if they need none.
-std::shared_ptr<const HitLookup> choose_lookup(const Volume& volume, const Layer& layer, unsigned threads) {
+std::shared_ptr<const HitLookup> choose_lookup(const Dataset& dataset, const Layer& layer, unsigned threads) {
   const EffectSet effects = effects_called_for(layer);
   HitAttributes attributes{.smooth_gradients = effects.smooth_normals, .field = {}};
-  if (effects.field_color) attributes.field = layer.surface.color_by->field;
+  if (effects.field_color) attributes.field = layer.material.color_by->field;
   if (layer.mode == Mode::slice || attributes.none()) return nullptr;
-  return std::make_shared<const HitLookup>(volume.implementation(), attributes, threads);
+  return std::make_shared<const HitLookup>(dataset.implementation(), attributes, threads);
 }
 
-std::shared_ptr<const TextureLookup> choose_texture(const Volume& volume, const Layer& layer) {
+std::shared_ptr<const TextureLookup> choose_texture(const Dataset& dataset, const Layer& layer) {
   if (!effects_called_for(layer).texture) return nullptr;
-  return std::make_shared<const TextureLookup>(layer.surface.texture->grid(),
-                                               volume.implementation().world_from_volume);
+  return std::make_shared<const TextureLookup>(layer.material.texture->grid(),
+                                               dataset.implementation().world_from_data);
 }
 
 /// True if a layer may occlude light that some layer's effects trace.
@@ -178,9 +178,9 @@ bool meets_rays_from_crossings(const Layer& layer, Blend blend, const Scene& sce
   return layer.mode != Mode::slice && (blend == Blend::transparent || may_shade_others(layer, scene));
 }
 
-FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, const Scene& scene,
+FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend, const Scene& scene,
                         const FrameOptions& options) {
-  const VolumeImplementation& implementation = volume.implementation();
+  const LoadedDataset& implementation = dataset.implementation();
   const bool is_mip = layer.mode == Mode::mip;
   RayQuery query{.isovalue = layer.isovalue,
                  .field_range = implementation.field.range,
@@ -189,13 +189,13 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, c
                  .use_last_t = options.use_last_t,
                  .time_phases = options.time_phases};
   RayQuery continuation_query = query;
-  continuation_query.method = default_method(volume, is_mip ? Mode::isosurface : layer.mode);
+  continuation_query.method = default_method(dataset, is_mip ? Mode::isosurface : layer.mode);
   Intersectors intersectors = choose_intersectors(implementation, query);
   if (is_mip || layer.mode == Mode::slice) intersectors.prepare = nullptr;
   std::optional<Intersectors> continuation;
   if (meets_rays_from_crossings(layer, blend, scene))
     continuation = choose_intersectors(implementation, continuation_query);
-  return {.volume = implementation,
+  return {.dataset = implementation,
           .blend = blend,
           .query = query,
           .intersectors = intersectors,
@@ -204,13 +204,13 @@ FrameLayer choose_layer(const Volume& volume, const Layer& layer, Blend blend, c
           .continuation = continuation,
           .shading = {.layer = layer,
                       .effects = effects_called_for(scene, layer),
-                      .facing = Facing(implementation.world_from_volume),
-                      .lights = lights_of(scene, implementation.world_from_volume),
+                      .facing = Facing(implementation.world_from_data),
+                      .lights = lights_of(scene, implementation.world_from_data),
                       .fog = scene.fog,
                       .proves = proves(layer.method),
-                      .lookup = choose_lookup(volume, layer, options.threads),
-                      .texture = choose_texture(volume, layer)},
-          .volume_from_world = implementation.world_from_volume.inverse()};
+                      .lookup = choose_lookup(dataset, layer, options.threads),
+                      .texture = choose_texture(dataset, layer)},
+          .data_from_world = implementation.world_from_data.inverse()};
 }
 
 void add_needs(const FrameLayer& layer, WorkerNeeds& needs) {
@@ -226,18 +226,18 @@ void add_needs(const FrameLayer& layer, WorkerNeeds& needs) {
 /// Part of a layer that the clip region keeps.
 enum class Left { all, part, nothing };
 
-Left what_is_left_of(const Volume& volume, const Layer& layer, const Scene& scene) {
-  const Box3 whole = layer.mode == Mode::slice ? part_of_plane(layer.plane, volume.bounds()) : volume.bounds();
+Left what_is_left_of(const Dataset& dataset, const Layer& layer, const Scene& scene) {
+  const Box3 whole = layer.mode == Mode::slice ? part_of_plane(layer.plane, dataset.bounds()) : dataset.bounds();
   if (!scene.clip || !layer.clipped || leaves_whole(*scene.clip, whole)) return Left::all;
   return what_is_left(*scene.clip, whole).isEmpty() ? Left::nothing : Left::part;
 }
 
-/// True if no ray through a pixel's centre can hit the volume's box.
-bool lies_outside_view(const Volume& volume, const CameraRays& camera_rays, const FrameOptions& options) {
-  const VolumeImplementation& implementation = volume.implementation();
-  const Affine& world_from_volume = implementation.world_from_volume;
-  const Box3& box = implementation.bounds_volume;
-  const BoxProjection projection(camera_rays, world_from_volume.inverse(), world_from_volume, box);
+/// True if no ray through a pixel's centre can hit the dataset's box.
+bool lies_outside_view(const Dataset& dataset, const CameraRays& camera_rays, const FrameOptions& options) {
+  const LoadedDataset& implementation = dataset.implementation();
+  const Affine& world_from_data = implementation.world_from_data;
+  const Box3& box = implementation.bounds_data;
+  const BoxProjection projection(camera_rays, world_from_data.inverse(), world_from_data, box);
   if (!projection.is_certain()) return false;
   const PixelLattice lattice{.width = options.width, .height = options.height};
   BlockMask met(lattice);
@@ -247,7 +247,7 @@ bool lies_outside_view(const Volume& volume, const CameraRays& camera_rays, cons
 
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
 /// and layers outside the view that shade nothing. Nothing is prepared or read for these.
-Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options) {
+Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options) {
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
               .clip = std::nullopt,
@@ -262,18 +262,18 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
                                         {Blend::additive, false}})
     for (const Layer& layer : scene.layers) {
       if (blend_of(layer, scene) != blend || (layer.mode == Mode::slice) != is_slice) continue;
-      if (layer.mode != Mode::mip && layer.surface.opacity == 0) continue;
-      const Volume& volume = volumes[layer.volume];
-      const Left left = what_is_left_of(volume, layer, scene);
+      if (layer.mode != Mode::mip && layer.material.opacity == 0) continue;
+      const Dataset& dataset = datasets[layer.dataset];
+      const Left left = what_is_left_of(dataset, layer, scene);
       if (left == Left::nothing) continue;
       // Antialiasing samples lie slightly beyond the outermost rays.
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
-          lies_outside_view(volume, frame.camera_rays, options))
+          lies_outside_view(dataset, frame.camera_rays, options))
         continue;
-      if (proves(layer.method)) frame.range_proof += volume.prove_ranges(options.threads);
-      frame.layers.push_back(choose_layer(volume, layer, blend, scene, options));
+      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads);
+      frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options));
       if (is_slice)
-        frame.layers.back().slice = std::make_shared<const SlicePlane>(volume.implementation(), layer, scene.clip);
+        frame.layers.back().slice = std::make_shared<const SlicePlane>(dataset.implementation(), layer, scene.clip);
       if (left == Left::part) {
         frame.layers.back().clipped = true;
         if (!frame.clip) frame.clip.emplace(*scene.clip);
@@ -284,18 +284,18 @@ Frame choose_frame(std::span<const Volume> volumes, const Scene& scene, const Fr
   return frame;
 }
 
-/// Bounds of the part of a layer that is kept, volume frame; the whole volume's bounds where that
+/// Bounds of the part of a layer that is kept, data frame; the whole dataset's bounds where that
 /// part is too small to tell.
 Box3 kept_bounds(const FrameLayer& layer, const std::optional<Clip>& clip) {
-  const Box3& bounds = layer.volume.bounds_volume;
+  const Box3& bounds = layer.dataset.bounds_data;
   if (!layer.clipped) return bounds;
-  Clip in_volume{.cuts_away = clip->cuts_away};
-  const Affine& map = layer.volume.world_from_volume;
+  Clip in_data{.cuts_away = clip->cuts_away};
+  const Affine& map = layer.dataset.world_from_data;
   for (const HalfSpace& half : half_spaces_of(*clip))
-    in_volume.planes.push_back(
-        {.point = layer.volume_from_world.point(half.point),
+    in_data.planes.push_back(
+        {.point = layer.data_from_world.point(half.point),
          .normal = {half.normal.dot(map.x_axis), half.normal.dot(map.y_axis), half.normal.dot(map.z_axis)}});
-  const Box3 kept = what_is_left(in_volume, bounds);
+  const Box3 kept = what_is_left(in_data, bounds);
   return !kept.isEmpty() && kept.size().length() > 0x1p-20 * bounds.size().length() ? kept : bounds;
 }
 
@@ -313,9 +313,9 @@ bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOpti
     return false;
   }
   if (const Preparation prepare = layer.intersectors.prepare)
-    layer.boxes = prepare(layer.volume, layer.query, options.threads);
+    layer.boxes = prepare(layer.dataset, layer.query, options.threads);
   const bool is_wide = layer.boxes.has_value();
-  if (!is_wide && options.use_hierarchy && layer.intersectors.keeps_to_bounds && has_extent(layer.volume.bounds_volume))
+  if (!is_wide && options.use_hierarchy && layer.intersectors.keeps_to_bounds && has_extent(layer.dataset.bounds_data))
     layer.boxes = box_around(kept_bounds(layer, clip));
   return is_wide;
 }
@@ -326,10 +326,10 @@ double longest_stretch(const Affine& map) {
 }
 
 wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light) {
-  const double stretch = longest_stretch(layer.volume_from_world);
+  const double stretch = longest_stretch(layer.data_from_world);
   if (light.kind == Light::Kind::point) return {.is_place = true, .at = light.place, .reach = light.extent * stretch};
   // Distance from the centre of a cap of this height to its rim.
-  return {.at = layer.volume_from_world.vector(light.place), .reach = std::sqrt(2 * light.extent) * stretch};
+  return {.at = layer.data_from_world.vector(light.place), .reach = std::sqrt(2 * light.extent) * stretch};
 }
 
 /// Finds the parts of a layer that may occlude lights that cast shadows.
@@ -342,15 +342,15 @@ void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::Occ
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
     layer.occluders[l] =
-        memory.of(*layer.continuation->occluders, layer.volume, layer.continuation_query, place, options.threads);
+        memory.of(*layer.continuation->occluders, layer.dataset, layer.continuation_query, place, options.threads);
   }
 }
 
 /// Refuses a picture of files that lost bytes while they were read.
-void require_intact(std::span<const Volume> volumes, const Scene& scene) {
-  for (const Volume& volume : volumes) formats::require_intact(volume.file());
+void require_intact(std::span<const Dataset> datasets, const Scene& scene) {
+  for (const Dataset& dataset : datasets) formats::require_intact(dataset.file());
   for (const Layer& layer : scene.layers)
-    if (layer.surface.texture) formats::require_intact(layer.surface.texture->file());
+    if (layer.material.texture) formats::require_intact(layer.material.texture->file());
 }
 
 /// Passes of a picture; the first one traces one pixel of first_spacing x first_spacing.
@@ -424,8 +424,8 @@ FrameStatistics::Phases phases_of(const RenderContext::Implementation& memory, d
 
 }  // namespace
 
-Method default_method(const Volume& volume, Mode mode) {
-  const bool is_wide = mode != Mode::mip && answers_wide(volume.implementation(), method_of(Accuracy::float32),
+Method default_method(const Dataset& dataset, Mode mode) {
+  const bool is_wide = mode != Mode::mip && answers_wide(dataset.implementation(), method_of(Accuracy::float32),
                                                          &Intersectors::first_hit, Machine::baseline);
   return method_of(is_wide ? Accuracy::float32 : Accuracy::float64);
 }
@@ -435,36 +435,36 @@ RenderContext::~RenderContext() = default;
 RenderContext::RenderContext(RenderContext&&) noexcept = default;
 RenderContext& RenderContext::operator=(RenderContext&&) noexcept = default;
 
-FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer) {
   RenderContext memory;
-  return render(volumes, scene, options, framebuffer, memory);
+  return render(datasets, scene, options, framebuffer, memory);
 }
 
-FrameStatistics render(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer, RenderContext& memory) {
-  return refine(volumes, scene, options, {.first_spacing = 1}, framebuffer, memory);
+  return refine(datasets, scene, options, {.first_spacing = 1}, framebuffer, memory);
 }
 
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options,
+FrameStatistics render(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
                        Framebuffer& framebuffer) {
-  return render(std::span(&volume, 1), scene, options, framebuffer);
+  return render(std::span(&dataset, 1), scene, options, framebuffer);
 }
 
-FrameStatistics render(const Volume& volume, const Scene& scene, const FrameOptions& options, Framebuffer& framebuffer,
-                       RenderContext& memory) {
-  return render(std::span(&volume, 1), scene, options, framebuffer, memory);
+FrameStatistics render(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
+                       Framebuffer& framebuffer, RenderContext& memory) {
+  return render(std::span(&dataset, 1), scene, options, framebuffer, memory);
 }
 
-FrameStatistics refine(const Volume& volume, const Scene& scene, const FrameOptions& options,
+FrameStatistics refine(const Dataset& dataset, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory) {
-  return refine(std::span(&volume, 1), scene, options, refinement, framebuffer, memory);
+  return refine(std::span(&dataset, 1), scene, options, refinement, framebuffer, memory);
 }
 
-FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, const FrameOptions& options,
+FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                        const Refinement& refinement, Framebuffer& framebuffer, RenderContext& memory) {
   const DefaultFloatingPoint default_floating_point;
-  check_request(volumes, scene, options);
+  check_request(datasets, scene, options);
   check_refinement(refinement);
   const auto clock_start = std::chrono::steady_clock::now();
   const std::uint64_t ticks_start = ticks_now();
@@ -474,7 +474,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
   };
 
   const auto preparation_start = std::chrono::steady_clock::now();
-  Frame frame = choose_frame(volumes, scene, options);
+  Frame frame = choose_frame(datasets, scene, options);
   bool is_wide = false, prepares = false;
   for (FrameLayer& layer : frame.layers) {
     is_wide |= prepare(layer, scene.clip, options);
@@ -505,7 +505,7 @@ FrameStatistics refine(std::span<const Volume> volumes, const Scene& scene, cons
     if (spacing == 0) edges->add_to(kept, refinement.stop, framebuffer);
     framebuffer.keep(options.channels);
   }
-  require_intact(volumes, scene);
+  require_intact(datasets, scene);
 
   FrameStatistics statistics = statistics_of(kept, scene);
   if (is_wide) statistics.machine = name_of(chosen_machine());

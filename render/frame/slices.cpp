@@ -31,24 +31,24 @@ HalfSpace face_or(const HalfSpace& plane, const std::optional<Clip>& clip) {
 
 }  // namespace
 
-SlicePlane::SlicePlane(const VolumeImplementation& volume, const Layer& layer, const std::optional<Clip>& clip)
-    : volume_(volume), threshold_(layer.threshold), lookup_(volume) {
+SlicePlane::SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip)
+    : dataset_(dataset), threshold_(layer.threshold), lookup_(dataset) {
   const HalfSpace plane = face_or(layer.plane, clip);
   point_ = plane.point, normal_ = plane.normal;
-  const Affine &world_from_volume = volume.world_from_volume, volume_from_world = world_from_volume.inverse();
-  point_volume_ = volume_from_world.point(point_);
-  normal_volume_ = {normal_.dot(world_from_volume.x_axis), normal_.dot(world_from_volume.y_axis),
-                    normal_.dot(world_from_volume.z_axis)};
+  const Affine &world_from_data = dataset.world_from_data, data_from_world = world_from_data.inverse();
+  point_data_ = data_from_world.point(point_);
+  normal_data_ = {normal_.dot(world_from_data.x_axis), normal_.dot(world_from_data.y_axis),
+                  normal_.dot(world_from_data.z_axis)};
   for (int axis = 0; axis < 3; ++axis)
     slack_[axis] =
         rounding *
-        (std::abs(volume_from_world.origin[axis]) + std::abs(volume_from_world.x_axis[axis] * point_.x) +
-         std::abs(volume_from_world.y_axis[axis] * point_.y) + std::abs(volume_from_world.z_axis[axis] * point_.z));
+        (std::abs(data_from_world.origin[axis]) + std::abs(data_from_world.x_axis[axis] * point_.x) +
+         std::abs(data_from_world.y_axis[axis] * point_.y) + std::abs(data_from_world.z_axis[axis] * point_.z));
 }
 
 SurfaceBoxes SlicePlane::boxes() const {
-  const Box3& bounds = volume_.bounds_volume;
-  Box3 part = part_of_plane({.point = point_volume_, .normal = normal_volume_}, bounds);
+  const Box3& bounds = dataset_.bounds_data;
+  Box3 part = part_of_plane({.point = point_data_, .normal = normal_data_}, bounds);
   if (part.isEmpty()) return {};
   const Vec3 more = Vec3(0x1p-20 * bounds.size().length()) + slack_;
   part.min -= more, part.max += more;
@@ -76,7 +76,7 @@ std::uint64_t SlicePlane::ask(const RayBatch& rays, const RayBatch& in_world, co
                               HitBatch& hits) const {
   std::uint64_t asked = 0;
   PlacesInPlane places;
-  places.normal = normal_volume_, places.offset = normal_volume_.dot(point_volume_);
+  places.normal = normal_data_, places.offset = normal_data_.dot(point_data_);
   PlaceAnswers answers;
   for (std::size_t first = 0; first < rays.count; first += group_size) {
     double t[group_size];
@@ -105,7 +105,7 @@ std::uint64_t SlicePlane::ask(const RayBatch& rays, const RayBatch& in_world, co
                            .value = answers.value[i],
                            .cell = is_shown ? answers.cell[i] : 0,
                            .tet = is_shown ? answers.tet[i] : 0,
-                           .gradient = normal_volume_,
+                           .gradient = normal_data_,
                            .cost = answers.cost[i]});
     }
   }

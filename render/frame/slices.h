@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/batch.h"
 #include "render/scene.h"
 #include "render/shade/place_lookup.h"
@@ -11,7 +11,7 @@
 
 namespace rhoray::render {
 
-/// A plane through a volume, on which rays see the volume's own field.
+/// A plane through a dataset, on which rays see the dataset's own field.
 ///
 /// A plane that coincides, up to rounding, with a face of the clip region is treated as that face,
 /// whichever way their normals point. Then a ray meets the plane at exactly the t at which the face
@@ -19,9 +19,9 @@ namespace rhoray::render {
 class SlicePlane {
  public:
   /// @param clip  the region whose faces the plane may be
-  SlicePlane(const VolumeImplementation& volume, const Layer& layer, const std::optional<Clip>& clip);
+  SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip);
 
-  /// Boxes in which the plane may be visible, volume frame.
+  /// Boxes in which the plane may be visible, data frame.
   SurfaceBoxes boxes() const;
 
   /// Second parts of a batch's rays, traced besides the part between t_min and t_max.
@@ -41,10 +41,10 @@ class SlicePlane {
   bool find_times(const RayBatch& rays, const RayBatch& in_world, const SecondParts& parts, std::size_t first,
                   double* t) const;
 
-  const VolumeImplementation& volume_;
-  Vec3 point_, normal_;                ///< world axes
-  Vec3 point_volume_, normal_volume_;  ///< the normal transformed as a gradient
-  /// Error of the plane's position along each axis of the volume's frame.
+  const LoadedDataset& dataset_;
+  Vec3 point_, normal_;            ///< world axes
+  Vec3 point_data_, normal_data_;  ///< the normal transformed as a gradient
+  /// Error of the plane's position along each axis of the data's frame.
   Vec3 slack_;
   Interval<double> threshold_;
   PlaceLookup lookup_;

@@ -51,7 +51,7 @@ void ask_slice(const Frame& frame, const FrameLayer& layer, const double* ends, 
   for (std::size_t r = 0; r < work.rays.count; ++r) work.scratch.counters.cells_visited += work.hits.cost[r];
 }
 
-/// Makes the tile's rays in the frame of a layer's volume.
+/// Makes the tile's rays in the frame of a layer's dataset.
 /// @param ends  end of each ray of the tile; null: the rays do not end
 void make_rays(const FrameLayer& layer, const PixelRays& rays, const Tile& tile, const double* ends,
                const Worker& worker, LayerWork& work) {
@@ -69,7 +69,7 @@ void ask_layer(const Frame& frame, const FrameLayer& layer, const PixelRays& ray
   make_rays(layer, rays, tile, ends, worker, work);
   if (layer.slice) return ask_slice(frame, layer, ends, worker, work);
   work.scratch.last_t.reset();
-  layer.kernel(layer.volume, layer.query, work.rays, work.hits, work.scratch);
+  layer.kernel(layer.dataset, layer.query, work.rays, work.hits, work.scratch);
   if (!layer.clipped || !frame.clip->cuts_away()) return;
   worker.world->cut.clear();
   for (std::uint32_t r = 0; r < work.rays.count; ++r)

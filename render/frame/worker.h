@@ -20,7 +20,7 @@ struct TileColors {
   alignas(64) float red[tile_capacity], green[tile_capacity], blue[tile_capacity], alpha[tile_capacity];
 };
 
-/// A tile's rays in the frame of one layer's volume, and their hits on that layer.
+/// A tile's rays in the frame of one layer's dataset, and their hits on that layer.
 struct LayerWork {
   RayBatch rays{tile_capacity};
   HitBatch hits{tile_capacity};
@@ -163,7 +163,7 @@ struct alignas(128) Worker {
     few_rays.has_start_sides = true;
   }
 
-  /// Resets everything but the memory. Kernels track which volume and isovalue their scratch
+  /// Resets everything but the memory. Kernels track which dataset and isovalue their scratch
   /// belongs to.
   void begin_frame(const WorkerNeeds& needs) {
     layers.resize(needs.layer_count);

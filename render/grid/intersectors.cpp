@@ -10,7 +10,7 @@ namespace rhoray::render::grid {
 
 namespace {
 
-ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& method) {
+ReferenceKernels reference_of(const LoadedDataset& dataset, const Method& method) {
   return std::visit(
       [&]<class View>(const View& view) -> ReferenceKernels {
         if constexpr (wide::is_grid<View>)
@@ -18,24 +18,24 @@ ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& 
         else
           return {};
       },
-      volume.view);
+      dataset.view);
 }
 
 }  // namespace
 
-Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
-  const ReferenceKernels reference = reference_of(volume, query.method);
+Intersectors intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
+  const ReferenceKernels reference = reference_of(dataset, query.method);
   Intersectors found{.first_hit = reference.first_hit,
                      .largest = reference.largest,
                      .queue_entries = reference.queue_entries,
                      .keeps_to_bounds = true};
-  if (const Kernel first_hit = wide::first_crossing_kernel(volume, query.method, machine)) {
+  if (const Kernel first_hit = wide::first_crossing_kernel(dataset, query.method, machine)) {
     found.first_hit = first_hit;
     found.prepare = wide::prepare_occupancy;
     found.occluders = &wide::grid_occluder_search;
   }
-  if (const Kernel largest = wide::largest_value_kernel(volume, query.method, machine)) found.largest = largest;
-  found.all_hits = wide::grid_all_hits_kernel(volume, query, machine);
+  if (const Kernel largest = wide::largest_value_kernel(dataset, query.method, machine)) found.largest = largest;
+  found.all_hits = wide::grid_all_hits_kernel(dataset, query, machine);
   return found;
 }
 

@@ -6,7 +6,7 @@
 
 #include "render/query/kernels.h"
 
-/// All crossings of rays with a few surfaces of one volume, in order along the ray, found by one
+/// All crossings of rays with a few surfaces of one dataset, in order along the ray, found by one
 /// walk along each ray. Without this, each transparent surface that a ray crosses would need
 /// another query behind it.
 namespace rhoray::render {
@@ -54,13 +54,13 @@ struct AllHitsQuery {
   bool only_places = false;
 };
 
-/// Records the crossings of rays given in the volume's frame. The start side of these rays is
+/// Records the crossings of rays given in the data's frame. The start side of these rays is
 /// unknown.
 /// @param lists     one for each surface
 /// @param complete  for each ray: 1, or 0 where crossings behind the last of a full list may be
 ///                  missing, or where the ray must be traced by other kernels; the crossings
 ///                  recorded for it are right in any case
-using AllHitsKernel = void (*)(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+using AllHitsKernel = void (*)(const LoadedDataset& dataset, const AllHitsQuery& query, const RayBatch& rays,
                                std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch,
                                KernelCounters& counters);
 

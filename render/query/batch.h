@@ -19,7 +19,7 @@ struct Hit {
   std::uint64_t cell = 0;                              ///< id of the cell
   /// Index of that tetrahedron; meshes and first_crossing only.
   std::uint32_t tet = 0;
-  /// Field gradient there, volume frame; first_crossing only.
+  /// Field gradient there, data frame; first_crossing only.
   Vec3 gradient{0, 0, 0};
   /// Bound on the distance from the exact answer: from t for a crossing, from the value for a
   /// largest value. NaN where the method proves nothing.
@@ -49,7 +49,7 @@ class LaneArray {
   std::unique_ptr<T[], Free> data_;
 };
 
-/// Rays in one volume's frame. Neighbours in the batch should be neighbours in the picture: SIMD
+/// Rays in one data's frame. Neighbours in the batch should be neighbours in the picture: SIMD
 /// kernels take them in groups of group_size and share what the rays of a group have in common.
 class RayBatch {
  public:

@@ -102,7 +102,7 @@ struct FewRays {
 };
 
 /// Traces the `chosen` rays (bit r: ray first + r) with another kernel and overwrites their hits.
-inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays,
+inline void ask_again(Kernel kernel, const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays,
                       std::size_t first, std::uint64_t chosen, HitBatch& hits, FewRays& few, KernelScratch& scratch) {
   const auto for_each_chosen = [&](auto&& act) {
     std::size_t place = 0;
@@ -113,7 +113,7 @@ inline void ask_again(Kernel kernel, const VolumeImplementation& volume, const R
   few.rays.count = static_cast<std::size_t>(std::popcount(chosen));
   scratch.counters.rays_wide -= few.rays.count;
   for_each_chosen([&](std::size_t r, std::size_t place) { few.rays.set(place, rays[r]); });
-  kernel(volume, query, few.rays, few.hits, scratch);
+  kernel(dataset, query, few.rays, few.hits, scratch);
   for_each_chosen([&](std::size_t r, std::size_t place) { hits.set(r, few.hits[place]); });
 }
 

@@ -19,18 +19,17 @@ struct OccluderSearch;
 /// t_max < t_min keep a clear bit.
 /// @param occluders  null: the whole surface is tested; else all rays have their start side and go
 ///   to their light
-using AnyHitKernel = void (*)(const VolumeImplementation& volume, const RayQuery& query,
-                              const wide::Occluders* occluders, const RayBatch& rays, std::uint64_t* crossed,
-                              KernelScratch& scratch);
+using AnyHitKernel = void (*)(const LoadedDataset& dataset, const RayQuery& query, const wide::Occluders* occluders,
+                              const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch);
 
-/// Prepares what a kernel keeps of a volume for its query, with this many threads (0: all cores).
+/// Prepares what a kernel keeps of a dataset for its query, with this many threads (0: all cores).
 /// @return  boxes outside of which no ray has a hit; nothing where another kernel answers instead
-using Preparation = std::optional<SurfaceBoxes> (*)(const VolumeImplementation& volume, const RayQuery& query,
+using Preparation = std::optional<SurfaceBoxes> (*)(const LoadedDataset& dataset, const RayQuery& query,
                                                     unsigned threads);
 
-/// How one volume answers rays (paper, section 4): the kernels for its kind of data, its type of
+/// How one dataset answers rays (paper, section 4): the kernels for its kind of data, its type of
 /// values, a method and a machine. Chosen once per frame. Each kernel makes its own scratch memory,
-/// so a caller holds a KernelScratch for volumes of any kind.
+/// so a caller holds a KernelScratch for datasets of any kind.
 struct Intersectors {
   /// Where the ray first passes from one side of the isovalue to the other.
   Kernel first_hit;
@@ -44,17 +43,16 @@ struct Intersectors {
   Preparation prepare = nullptr;
   const wide::OccluderSearch* occluders = nullptr;  ///< null: none are known
   std::size_t queue_entries = 0;                    ///< the most that one ray can put into KernelScratch::queue
-  /// Every ray that passes outside the volume's bounds is a miss.
+  /// Every ray that passes outside the dataset's bounds is a miss.
   bool keeps_to_bounds = false;
 };
 
 /// The intersectors of any kind of data.
-Intersectors choose_intersectors(const VolumeImplementation& volume, const RayQuery& query,
+Intersectors choose_intersectors(const LoadedDataset& dataset, const RayQuery& query,
                                  Machine machine = chosen_machine());
 
 /// True where SIMD kernels answer such queries on a machine.
 /// @param kernel  which query: first_hit or largest
-bool answers_wide(const VolumeImplementation& volume, const Method& method, Kernel Intersectors::*kernel,
-                  Machine machine);
+bool answers_wide(const LoadedDataset& dataset, const Method& method, Kernel Intersectors::*kernel, Machine machine);
 
 }  // namespace rhoray::render

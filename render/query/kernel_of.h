@@ -10,9 +10,9 @@ using Answer = Hit (*)(const View& view, const RayQuery& query, const Ray& ray, 
 
 /// The kernel that answers one ray after the other.
 template <class View, Answer<View> answer>
-void kernel_of(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void kernel_of(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                KernelScratch& scratch) {
-  const View& view = std::get<View>(volume.view);
+  const View& view = std::get<View>(dataset.view);
   for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
     Hit hit = answer(view, query, rays[r], scratch);

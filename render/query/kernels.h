@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "formats/base/interval.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/method.h"
 #include "render/query/batch.h"
 #include "render/traverse/maximum_queue.h"
@@ -88,9 +88,9 @@ struct KernelScratch {
   Scratch for_largest;
 };
 
-/// Answers a query for a batch of rays in the volume's frame. `hits` must have room for as many
+/// Answers a query for a batch of rays in the data's frame. `hits` must have room for as many
 /// entries.
-using Kernel = void (*)(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+using Kernel = void (*)(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                         KernelScratch& scratch);
 
 /// The reference kernels of one view: scalar, one ray at a time.
@@ -99,7 +99,7 @@ struct ReferenceKernels {
   std::size_t queue_entries;  ///< the most entries that one ray can put into the queue
 };
 
-/// Defined for every alternative of VolumeImplementation::view.
+/// Defined for every alternative of LoadedDataset::view.
 template <class View>
 ReferenceKernels reference_kernels(const View& view, Method::Algorithm algorithm);
 

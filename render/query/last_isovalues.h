@@ -7,7 +7,7 @@
 
 namespace rhoray::render {
 
-/// Keeps what was prepared of one volume for the isovalues used last. Thread-safe; while one thread
+/// Keeps what was prepared of one dataset for the isovalues used last. Thread-safe; while one thread
 /// prepares, others wait.
 template <class Prepared>
 class LastIsovalues {

@@ -3,7 +3,7 @@
 namespace rhoray::render {
 
 /// The instruction sets that kernels are compiled for. `scalar` means the reference kernels, one
-/// ray at a time. The others mean the SIMD kernels, where there is one for the query, the volume
+/// ray at a time. The others mean the SIMD kernels, where there is one for the query, the dataset
 /// and the method.
 enum class Machine { scalar, baseline, avx2, avx512 };
 

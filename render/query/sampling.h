@@ -12,7 +12,7 @@
 /// the largest sample. Regions are skipped if their values all lie on one side, or not above the
 /// largest sample so far: their samples could not change the answer.
 ///
-/// A Sampler knows one ray in one kind of volume:
+/// A Sampler knows one ray in one kind of dataset:
 ///   lattice(), planes(), ray_lattice()   the part of the ray that samples are taken on
 ///   steps_per_t()                        lattice cells that the ray passes while t grows by 1
 ///   walk(walk, counters, may_hold, region)

@@ -8,7 +8,7 @@ namespace rhoray::render {
 /// Adds Lambert's law for a light at the eye to a constant share of ambient light. Both sides of a
 /// surface are shaded alike.
 /// @param cosines  of the angle between the normal and the direction to the eye, in [0, 1]
-RHORAY_INLINE void add_diffuse(const Surface& surface, const Lanes& cosines, Colors& colors) {
+RHORAY_INLINE void add_diffuse(const Material& surface, const Lanes& cosines, Colors& colors) {
   const auto ambient = static_cast<float>(surface.ambient);
   const Imath::V3f color(surface.color);
   for (std::size_t i = 0; i < cosines.size(); ++i) {
@@ -20,7 +20,7 @@ RHORAY_INLINE void add_diffuse(const Surface& surface, const Lanes& cosines, Col
 }
 
 /// The same for a surface whose colour varies from hit to hit.
-RHORAY_INLINE void add_diffuse(const Surface& surface, const Colors& base, const Lanes& cosines, Colors& colors) {
+RHORAY_INLINE void add_diffuse(const Material& surface, const Colors& base, const Lanes& cosines, Colors& colors) {
   const auto ambient = static_cast<float>(surface.ambient);
   for (std::size_t i = 0; i < cosines.size(); ++i) {
     const float light = ambient + (1 - ambient) * cosines[i];

@@ -18,7 +18,7 @@ bool has_opaque_surface(const Scene& scene) {
 }
 
 /// Lights do not affect a surface that has ambient light only.
-bool shows_lights(const Surface& surface) {
+bool shows_lights(const Material& surface) {
   return surface.ambient < 1 || surface.specular > 0;
 }
 
@@ -42,12 +42,12 @@ double extent_of(const Light& light) {
 }  // namespace
 
 bool holds_light_back(const Layer& layer) {
-  return (layer.mode == Mode::isosurface || layer.mode == Mode::triangles) && layer.surface.opacity == 1;
+  return (layer.mode == Mode::isosurface || layer.mode == Mode::triangles) && layer.material.opacity == 1;
 }
 
 EffectSet effects_called_for(const Layer& layer) {
   const bool is_slice = layer.mode == Mode::slice, is_mip = layer.mode == Mode::mip;
-  const Surface& surface = layer.surface;
+  const Material& surface = layer.material;
   const bool is_lit = !is_mip && (!is_slice || surface.lit);
   return {.diffuse = is_lit,
           .smooth_normals = is_lit && !is_slice && surface.normals == Normals::smooth,
@@ -62,26 +62,26 @@ EffectSet effects_called_for(const Scene& scene, const Layer& layer) {
   EffectSet effects = effects_called_for(layer);
   effects.fog = scene.fog.has_value() && layer.mode != Mode::mip;
   if (!effects.diffuse) return effects;
-  effects.shadows = shows_lights(layer.surface) && has_opaque_surface(scene) &&
+  effects.shadows = shows_lights(layer.material) && has_opaque_surface(scene) &&
                     std::any_of(scene.lights.begin(), scene.lights.end(), casts_visible_shadows);
   effects.soft_shadows =
       effects.shadows && std::any_of(scene.lights.begin(), scene.lights.end(),
                                      [](const Light& light) { return casts_visible_shadows(light) && is_wide(light); });
-  effects.occlusion = scene.occlusion.samples > 0 && scene.occlusion.radius > 0 && layer.surface.ambient > 0 &&
+  effects.occlusion = scene.occlusion.samples > 0 && scene.occlusion.radius > 0 && layer.material.ambient > 0 &&
                       has_opaque_surface(scene);
   effects.lights = effects.occlusion || !is_lit_from_the_eye_alone(scene);
   return effects;
 }
 
-LayerLights lights_of(const Scene& scene, const Affine& world_from_volume) {
-  LayerLights of_layer{.lights = {}, .world_from_volume = world_from_volume};
-  const Affine volume_from_world = world_from_volume.inverse();
+LayerLights lights_of(const Scene& scene, const Affine& world_from_data) {
+  LayerLights of_layer{.lights = {}, .world_from_data = world_from_data};
+  const Affine data_from_world = world_from_data.inverse();
   for (const Light& light : scene.lights) {
     if (!shines(light)) continue;
     const bool is_point = light.kind == Light::Kind::point;
     of_layer.lights.push_back({.kind = light.kind,
                                .casts_shadows = casts_visible_shadows(light),
-                               .place = is_point ? volume_from_world.point(light.place) : light.place.normalized(),
+                               .place = is_point ? data_from_world.point(light.place) : light.place.normalized(),
                                .color = Imath::V3f(light.color),
                                .extent = extent_of(light),
                                .rays = is_wide(light) ? light.samples : 1});

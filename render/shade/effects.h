@@ -55,12 +55,12 @@ struct Surroundings {
 
 /// Computes the colours of a surface under several lights.
 /// @param base  the surface's own colours
-RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& effects, const Facing& facing,
+RHORAY_INLINE void shade_under_lights(const Material& surface, const EffectSet& effects, const Facing& facing,
                                       const Surroundings& surroundings, const RayBatch& rays, const HitBatch& hits,
                                       std::size_t first, const Colors& base, Colors& colors) {
   const LayerLights& of_layer = *surroundings.lights;
   Directions to_eye, normal, to_light;
-  find_directions_to_eye(of_layer.world_from_volume, rays, first, to_eye);
+  find_directions_to_eye(of_layer.world_from_data, rays, first, to_eye);
   facing.normals(rays, hits, first, to_eye, normal);
   Lanes ambient, shares, cosines;
   ambient.fill(static_cast<float>(surface.ambient));
@@ -70,7 +70,7 @@ RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& e
     const LayerLights::One& light = of_layer.lights[l];
     shares.fill(1);
     if (effects.shadows && light.casts_shadows) surroundings.received->find_shares(l, first, shares);
-    find_directions_to_light(light, of_layer.world_from_volume, rays, hits, first, to_eye, to_light);
+    find_directions_to_light(light, of_layer.world_from_data, rays, hits, first, to_eye, to_light);
     find_cosines(normal, to_light, cosines);
     add_arriving(light.color * static_cast<float>(1 - surface.ambient), shares, cosines, arriving);
     if (effects.specular) add_specular(surface, light.color, shares, cosines, normal, to_light, to_eye, colors);
@@ -79,7 +79,7 @@ RHORAY_INLINE void shade_under_lights(const Surface& surface, const EffectSet& e
 }
 
 /// Finds the surface's own colours, as seen under white light.
-RHORAY_INLINE void find_own_colors(const Surface& surface, const EffectSet& effects, const double* field_values,
+RHORAY_INLINE void find_own_colors(const Material& surface, const EffectSet& effects, const double* field_values,
                                    const CoveringColors* texture, Colors& base) {
   if (effects.field_color)
     find_field_colors(surface, field_values, base);
@@ -98,22 +98,22 @@ RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Fac
                          const Surroundings& surroundings = {}, const CoveringColors* texture = nullptr) {
   colors = {};
   if (effects.intensity) add_intensity(layer.window, hits.value.data() + first, colors);
-  if (effects.true_colors) find_field_colors(layer.surface, field_values, colors);
+  if (effects.true_colors) find_field_colors(layer.material, field_values, colors);
   if (effects.diffuse && effects.lights) {
     Colors base;
-    find_own_colors(layer.surface, effects, field_values, texture, base);
-    shade_under_lights(layer.surface, effects, facing, surroundings, rays, hits, first, base, colors);
+    find_own_colors(layer.material, effects, field_values, texture, base);
+    shade_under_lights(layer.material, effects, facing, surroundings, rays, hits, first, base, colors);
   } else if (effects.diffuse) {
     Lanes cosines;
     facing.cosines(rays, hits, first, cosines);
     if (effects.field_color || effects.texture) {
       Colors base;
-      find_own_colors(layer.surface, effects, field_values, texture, base);
-      add_diffuse(layer.surface, base, cosines, colors);
+      find_own_colors(layer.material, effects, field_values, texture, base);
+      add_diffuse(layer.material, base, cosines, colors);
     } else {
-      add_diffuse(layer.surface, cosines, colors);
+      add_diffuse(layer.material, cosines, colors);
     }
-    if (effects.specular) add_specular(layer.surface, cosines, colors);
+    if (effects.specular) add_specular(layer.material, cosines, colors);
   }
   if (effects.fog) mix_fog(*surroundings.fog, hits.t.data() + first, colors);
 }

@@ -14,14 +14,14 @@ namespace rhoray::render {
 /// Orientation of a surface towards the eye; both of its sides are shaded alike.
 ///
 /// Gradients are transformed to world axes, where angles are measured. The product of gradient and
-/// ray is the same number there and in the volume's frame, so the ray need not be transformed.
+/// ray is the same number there and in the data's frame, so the ray need not be transformed.
 /// Gradients are scaled by powers of 2, so that squares of very large or very small gradients
 /// neither overflow nor vanish.
 class Facing {
  public:
-  explicit Facing(const Affine& world_from_volume) {
-    const Vec3 x = world_from_volume.gradient({1, 0, 0}), y = world_from_volume.gradient({0, 1, 0}),
-               z = world_from_volume.gradient({0, 0, 1});
+  explicit Facing(const Affine& world_from_data) {
+    const Vec3 x = world_from_data.gradient({1, 0, 0}), y = world_from_data.gradient({0, 1, 0}),
+               z = world_from_data.gradient({0, 0, 1});
     double largest = 0;
     for (const Vec3& v : {x, y, z})
       for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(v[axis]));
@@ -70,12 +70,12 @@ class Facing {
   }
 
   /// Unit normal towards the eye, world axes; zero where the gradient is zero or not finite.
-  Vec3 normal(const Vec3& gradient_volume, const Vec3& direction_volume) const {
-    const Vec3 gradient = scaled(gradient_volume);
+  Vec3 normal(const Vec3& gradient_data, const Vec3& direction_data) const {
+    const Vec3 gradient = scaled(gradient_data);
     const Vec3 normal = world_from_gradient_.vector(gradient);
     const double length = std::sqrt(normal.dot(normal));
     if (!(length > 0)) return {0, 0, 0};
-    return normal * ((gradient.dot(direction_volume) > 0 ? -1 : 1) / length);
+    return normal * ((gradient.dot(direction_data) > 0 ? -1 : 1) / length);
   }
 
   /// Scales a gradient so that its products with vectors neither overflow nor vanish.

@@ -8,7 +8,7 @@ namespace rhoray::render {
 
 /// Colours a surface by a field's values at the hits. Where a value is NaN, the surface's own
 /// colour is used.
-RHORAY_INLINE void find_field_colors(const Surface& surface, const double* values, Colors& colors) {
+RHORAY_INLINE void find_field_colors(const Material& surface, const double* values, Colors& colors) {
   ColorTable::of(surface.color_by->map).look_up(values, surface.color_by->range, colors);
   const Imath::V3f own(surface.color);
   for (std::size_t i = 0; i < colors.red.size(); ++i) {

@@ -31,7 +31,7 @@ struct alignas(64) Numbers {
   RHORAY_INLINE double operator[](std::size_t i) const { return of[i]; }
 };
 
-/// Positions of a group's hits in the volume's frame.
+/// Positions of a group's hits in the data's frame.
 RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::size_t first, Numbers* place) {
   const double* t = hits.t.data() + first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -45,7 +45,7 @@ RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::
 /// Data looked up in a mesh besides its own field.
 template <class T>
 struct MeshLookup {
-  const TetVolume<T>* view;
+  const TetData<T>* view;
   std::shared_ptr<const PointGradients> gradients{};  ///< null: not needed
   std::variant<std::monostate, std::span<const float>, std::span<const double>> field{};
 };
@@ -107,7 +107,7 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
 
 /// Misses get an arbitrary cell.
 template <class T>
-RHORAY_INLINE void find_cells(const TetVolume<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+RHORAY_INLINE void find_cells(const TetData<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
   Numbers place[3], away[4][3], field[4];
   find_places(rays, hits, first, place);
@@ -183,7 +183,7 @@ std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place
 }
 
 /// Keeps the triangle's own normal where the smooth one is zero or not finite.
-void replace_by_smooth(const SurfaceVolume& view, const PointGradients& normals, const Ray& ray, std::size_t r,
+void replace_by_smooth(const TriangleData& view, const PointGradients& normals, const Ray& ray, std::size_t r,
                        HitBatch& hits) {
   const auto vertices = view.vertices(hits.tet[r]);
   const std::array<double, 3> weight = weights_at(view.points_at(vertices), ray.at(hits.t[r]));
@@ -238,10 +238,10 @@ LookUp in_grid(Grid grid, Machine machine) {
 }
 
 template <class T>
-LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume, const HitAttributes& attributes,
+LookUp look_up_for(const TetData<T>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
                    unsigned threads, Machine machine) {
   MeshLookup<T> lookup{.view = &view};
-  if (attributes.smooth_gradients) lookup.gradients = volume.point_gradients->of(view, threads);
+  if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads);
   if (attributes.field) {
     const std::size_t field = *view.mesh().find_field(*attributes.field);
     if (view.description().fields[field].type == formats::ElementType::F32)
@@ -256,52 +256,51 @@ LookUp look_up_for(const TetVolume<T>& view, const VolumeImplementation& volume,
 }
 
 template <class T, template <class> class Samples, class Geometry>
-LookUp look_up_for(const GridVolume<T, Samples<T>, Geometry>& view, const VolumeImplementation& volume,
+LookUp look_up_for(const GridData<T, Samples<T>, Geometry>& view, const LoadedDataset& dataset,
                    const HitAttributes& attributes, unsigned, Machine machine) {
   const std::size_t field = *view.grid().find_field(*attributes.field);
   return formats::with_element_type(view.description().fields[field].type, [&](auto sample) -> LookUp {
     using Other = decltype(sample);
     constexpr bool is_sparse = std::is_same_v<Samples<Other>, SparseSamples<Other>>;
     if constexpr (std::is_floating_point_v<Other> || (sizeof(Other) < 8 && !is_sparse))
-      return in_grid(GridVolume<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
+      return in_grid(GridData<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
     else
-      formats::refuse(volume.file.name(), concat("field '", *attributes.field, "'"),
+      formats::refuse(dataset.file.name(), concat("field '", *attributes.field, "'"),
                       formats::element_name(view.description().fields[field].type),
                       is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
   });
 }
 
-LookUp look_up_for(const SurfaceVolume& view, const VolumeImplementation& volume, const HitAttributes& attributes,
+LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
                    unsigned threads, Machine) {
-  if (attributes.field) throw Error(ErrorCode::usage, concat(volume.file.name(), ": a surface has no fields"));
-  return [&view, normals = volume.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
-                                                                      std::size_t first, double*) {
+  if (attributes.field) throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no fields"));
+  return [&view, normals = dataset.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
+                                                                       std::size_t first, double*) {
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
   };
 }
 
-LookUp look_up_for(const NanoVdbVolume& view, const VolumeImplementation& volume, const HitAttributes& attributes,
-                   unsigned, Machine machine) {
-  if (*attributes.field != volume.field.name)
+LookUp look_up_for(const NanoVdbData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned,
+                   Machine machine) {
+  if (*attributes.field != dataset.field.name)
     throw Error(ErrorCode::unsupported,
-                concat(volume.file.name(), ": field '", *attributes.field,
+                concat(dataset.file.name(), ": field '", *attributes.field,
                        "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
-                       volume.field.name, "'"));
+                       dataset.field.name, "'"));
   return in_grid(view, machine);
 }
 
 }  // namespace
 
-HitLookup::HitLookup(const VolumeImplementation& volume, const HitAttributes& attributes, unsigned threads,
-                     Machine machine) {
+HitLookup::HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads, Machine machine) {
   RHORAY_CHECK(!attributes.none());
-  if (attributes.smooth_gradients && !volume.point_gradients)
-    throw Error(ErrorCode::usage, concat(volume.file.name(), ": only meshes have smooth normals"),
+  if (attributes.smooth_gradients && !dataset.point_gradients)
+    throw Error(ErrorCode::usage, concat(dataset.file.name(), ": only meshes have smooth normals"),
                 "the normals of a grid are the exact gradients of its trilinear field");
-  if (attributes.field) check_field_name(volume.file, *attributes.field, volume.field_names);
-  look_up_ = std::visit([&](const auto& view) { return look_up_for(view, volume, attributes, threads, machine); },
-                        volume.view);
+  if (attributes.field) check_field_name(dataset.file, *attributes.field, dataset.field_names);
+  look_up_ = std::visit([&](const auto& view) { return look_up_for(view, dataset, attributes, threads, machine); },
+                        dataset.view);
 }
 
 }  // namespace rhoray::render

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/batch.h"
 #include "render/query/machine.h"
 
@@ -16,26 +16,26 @@ struct HitAttributes {
   /// In meshes: linear in the hit cell between gradients at its points; in surfaces: between
   /// normals.
   bool smooth_gradients = false;
-  std::optional<std::string> field;  ///< a field of the same file, including the volume's own
+  std::optional<std::string> field;  ///< a field of the same file, including the dataset's own
 
   bool none() const { return !smooth_gradients && !field; }
 };
 
-/// Looks up attributes of a frame's hits in their cells; chosen once per frame. The volume must
+/// Looks up attributes of a frame's hits in their cells; chosen once per frame. The dataset must
 /// outlive it.
 ///
 /// In a mesh, the hit's barycentric weights belong to its position, moved along the surface's
-/// gradient to where the volume's own field has the hit's value. Where rounding or a cell without
+/// gradient to where the dataset's own field has the hit's value. Where rounding or a cell without
 /// volume leaves the position undefined, they belong to some position in the cell where the field
 /// has that value. So the own field's value at a hit equals the hit's, up to rounding. Every other
 /// value lies between those of the cell's points. In a grid, fields are trilinear at the hit, which
 /// is moved into its cell where rounding has put it outside.
 class HitLookup {
  public:
-  /// Computes the data kept with the volume (point_gradients.h) with `threads` threads (0: all
+  /// Computes the data kept with the dataset (point_gradients.h) with `threads` threads (0: all
   /// cores). Refuses smooth gradients in grids and an unknown field (ErrorCode::usage), and another
   /// grid of an OpenVDB file (ErrorCode::unsupported). The numbers are the same on every machine.
-  HitLookup(const VolumeImplementation& volume, const HitAttributes& attributes, unsigned threads,
+  HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
             Machine machine = chosen_machine());
 
   /// Handles the group of first crossings that begins at `first`. Writes the field's values, NaN

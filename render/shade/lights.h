@@ -15,7 +15,7 @@ struct LayerLights {
   struct One {
     Light::Kind kind;
     bool casts_shadows;
-    /// Directional: the unit vector towards it, world axes; point: its position, volume frame.
+    /// Directional: the unit vector towards it, world axes; point: its position, data frame.
     Vec3 place;
     Imath::V3f color;
     /// Half the size of a light that casts shadows. Directional: 1 - the cosine of half its angle;
@@ -25,25 +25,25 @@ struct LayerLights {
   };
 
   std::vector<One> lights;
-  Affine world_from_volume;
+  Affine world_from_data;
 };
 
 /// Returns the lights in the scene's order, without those of zero intensity.
-LayerLights lights_of(const Scene& scene, const Affine& world_from_volume);
+LayerLights lights_of(const Scene& scene, const Affine& world_from_data);
 
 /// True if the only light is one white light at the eye.
 bool is_lit_from_the_eye_alone(const Scene& scene);
 
-/// Direction from a point of the volume frame towards a light: a unit vector, world axes.
+/// Direction from a point of the data frame towards a light: a unit vector, world axes.
 struct WayToLight {
   Vec3 direction;
   double distance;  ///< world units; infinity for lights without a position
 };
 
 /// For a directional light or a point light.
-inline WayToLight way_to_light(const LayerLights::One& light, const Affine& world_from_volume, const Vec3& place) {
+inline WayToLight way_to_light(const LayerLights::One& light, const Affine& world_from_data, const Vec3& place) {
   if (light.kind == Light::Kind::directional) return {light.place, std::numeric_limits<double>::infinity()};
-  const Vec3 way = world_from_volume.vector(light.place - place);
+  const Vec3 way = world_from_data.vector(light.place - place);
   const double distance = way.length();
   return {way / distance, distance};
 }
@@ -58,9 +58,9 @@ inline double cap_height_of(const LayerLights::One& light, double distance) {
 }
 
 /// Finds the directions to the eye from the hits of the rays from `first` on.
-RHORAY_INLINE void find_directions_to_eye(const Affine& world_from_volume, const RayBatch& rays, std::size_t first,
+RHORAY_INLINE void find_directions_to_eye(const Affine& world_from_data, const RayBatch& rays, std::size_t first,
                                           Directions& to_eye) {
-  const Affine world_from = world_from_volume;
+  const Affine world_from = world_from_data;
   const double *dx = rays.direction[0].data() + first, *dy = rays.direction[1].data() + first,
                *dz = rays.direction[2].data() + first;
   for (std::size_t i = 0; i < to_eye.x.size(); ++i) {
@@ -72,9 +72,9 @@ RHORAY_INLINE void find_directions_to_eye(const Affine& world_from_volume, const
 }
 
 /// Finds the directions to a point light; NaN from the light's own position.
-RHORAY_INLINE void find_directions_to_point(const Vec3& point, const Affine& world_from_volume, const RayBatch& rays,
+RHORAY_INLINE void find_directions_to_point(const Vec3& point, const Affine& world_from_data, const RayBatch& rays,
                                             const HitBatch& hits, std::size_t first, Directions& to_point) {
-  const Affine world_from = world_from_volume;
+  const Affine world_from = world_from_data;
   const double* t = hits.t.data() + first;
   double way[3][RayBatch::group_size];
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -91,13 +91,13 @@ RHORAY_INLINE void find_directions_to_point(const Vec3& point, const Affine& wor
   }
 }
 
-RHORAY_INLINE void find_directions_to_light(const LayerLights::One& light, const Affine& world_from_volume,
+RHORAY_INLINE void find_directions_to_light(const LayerLights::One& light, const Affine& world_from_data,
                                             const RayBatch& rays, const HitBatch& hits, std::size_t first,
                                             const Directions& to_eye, Directions& to_light) {
   if (light.kind == Light::Kind::head) {
     to_light = to_eye;
   } else if (light.kind == Light::Kind::point) {
-    find_directions_to_point(light.place, world_from_volume, rays, hits, first, to_light);
+    find_directions_to_point(light.place, world_from_data, rays, hits, first, to_light);
   } else {
     const Imath::V3f direction(light.place);
     to_light.x.fill(direction.x), to_light.y.fill(direction.y), to_light.z.fill(direction.z);

@@ -304,20 +304,20 @@ LookUp answered_by(const View& view, Function function) {
 
 /// Positions are looked up one by one, because no machine makes it faster.
 template <class Grid>
-LookUp look_up_for(const Grid& grid, const VolumeImplementation&, Machine) {
+LookUp look_up_for(const Grid& grid, const LoadedDataset&, Machine) {
   return answered_by(grid, look_up_in_grid<Grid>);
 }
 template <class T>
-LookUp look_up_for(const TetVolume<T>& mesh, const VolumeImplementation&, Machine machine) {
-  return answered_by(mesh, compiled_for<look_up_in_mesh<TetVolume<T>>>(machine));
+LookUp look_up_for(const TetData<T>& mesh, const LoadedDataset&, Machine machine) {
+  return answered_by(mesh, compiled_for<look_up_in_mesh<TetData<T>>>(machine));
 }
-LookUp look_up_for(const SurfaceVolume&, const VolumeImplementation& volume, Machine) {
-  throw Error(ErrorCode::usage, concat(volume.file.name(), ": a surface has no field to be sliced"));
+LookUp look_up_for(const TriangleData&, const LoadedDataset& dataset, Machine) {
+  throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no field to be sliced"));
 }
 
 }  // namespace
 
-PlaceLookup::PlaceLookup(const VolumeImplementation& volume, Machine machine)
-    : look_up_(std::visit([&](const auto& view) { return look_up_for(view, volume, machine); }, volume.view)) {}
+PlaceLookup::PlaceLookup(const LoadedDataset& dataset, Machine machine)
+    : look_up_(std::visit([&](const auto& view) { return look_up_for(view, dataset, machine); }, dataset.view)) {}
 
 }  // namespace rhoray::render

@@ -5,13 +5,13 @@
 #include <functional>
 
 #include "formats/base/vector.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/batch.h"
 #include "render/query/machine.h"
 
 namespace rhoray::render {
 
-/// Positions in a plane of a volume's frame, side by side.
+/// Positions in a plane of a data's frame, side by side.
 struct PlacesInPlane {
   static constexpr std::size_t size = RayBatch::group_size;
 
@@ -32,7 +32,7 @@ struct PlaceAnswers {
   std::uint32_t cost[size];  ///< cells examined
 };
 
-/// Evaluates a volume's own field at positions; chosen once per frame. The volume must outlive it.
+/// Evaluates a dataset's own field at positions; chosen once per frame. The dataset must outlive it.
 ///
 /// The field is trilinear in the cells of a grid, and linear in those of a mesh. A position on a
 /// face between cells has data if any of these cells has data, up to slack. So neither the border
@@ -44,9 +44,9 @@ struct PlaceAnswers {
 /// positions of a query.
 class PlaceLookup {
  public:
-  /// Refuses a volume without a field (ErrorCode::usage). The numbers are the same on every
+  /// Refuses a dataset without a field (ErrorCode::usage). The numbers are the same on every
   /// machine.
-  explicit PlaceLookup(const VolumeImplementation& volume, Machine machine = chosen_machine());
+  explicit PlaceLookup(const LoadedDataset& dataset, Machine machine = chosen_machine());
 
   void operator()(const PlacesInPlane& places, PlaceAnswers& answers) const { look_up_(places, answers); }
 

@@ -11,7 +11,7 @@ namespace rhoray::render {
 /// Adds the Blinn-Phong highlight of a white light at the eye. There the half vector is the
 /// direction to the eye itself.
 /// @param cosines  of the angle between the normal and the direction to the eye, in [0, 1]
-RHORAY_INLINE void add_specular(const Surface& surface, const Lanes& cosines, Colors& colors) {
+RHORAY_INLINE void add_specular(const Material& surface, const Lanes& cosines, Colors& colors) {
   const auto strength = static_cast<float>(surface.specular);
   Lanes powers;
   raise(cosines, surface.shininess, powers);
@@ -28,7 +28,7 @@ RHORAY_INLINE void add_specular(const Surface& surface, const Lanes& cosines, Co
 /// @param shares   of the light that reach the hits
 /// @param cosines  of the angle between the normal and the direction to the light; no highlight
 ///                 unless above 0
-RHORAY_INLINE void add_specular(const Surface& surface, const Imath::V3f& color, const Lanes& shares,
+RHORAY_INLINE void add_specular(const Material& surface, const Imath::V3f& color, const Lanes& shares,
                                 const Lanes& cosines, const Directions& normal, const Directions& to_light,
                                 const Directions& to_eye, Colors& colors) {
   const auto strength = static_cast<float>(surface.specular);

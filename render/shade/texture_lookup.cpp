@@ -40,8 +40,8 @@ RHORAY_INLINE void find_places(const View& view, const RayBatch& rays, const Hit
                *dz = rays.direction[2].data() + first;
   for (std::size_t i = 0; i < group_size; ++i) places.is_read[i] = shown[i] > 0 ? 1 : 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double of_x = view.grid_from_volume.x_axis[axis], of_y = view.grid_from_volume.y_axis[axis],
-                 of_z = view.grid_from_volume.z_axis[axis], origin = view.grid_from_volume.origin[axis];
+    const double of_x = view.grid_from_data.x_axis[axis], of_y = view.grid_from_data.y_axis[axis],
+                 of_z = view.grid_from_data.z_axis[axis], origin = view.grid_from_data.origin[axis];
     const auto last = static_cast<double>(view.last[axis]);
     std::int32_t* before = places.before[axis];
     float* weight = places.weight[axis];
@@ -116,7 +116,7 @@ Affine composed(const Affine& a, const Affine& b) {
 
 }  // namespace
 
-TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_volume, Machine machine) {
+TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_data, Machine machine) {
   static const std::array<float, 256> linear = srgb_decoded();
   const formats::ColorGridDescription& description = grid.description();
   const formats::AxisTables& tables = grid.tables();
@@ -127,7 +127,7 @@ TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& world
       .y = tables.y.data(),
       .z = tables.z.data(),
       .last = {static_cast<std::int32_t>(last.x), static_cast<std::int32_t>(last.y), static_cast<std::int32_t>(last.z)},
-      .grid_from_volume = composed(description.world_from_grid.inverse(), world_from_volume),
+      .grid_from_data = composed(description.world_from_grid.inverse(), world_from_data),
       .linear = linear.data()};
   look_up_ = description.has_alpha() ? compiled_for<look_up<4>>(machine) : compiled_for<look_up<3>>(machine);
 }

@@ -23,8 +23,8 @@ struct alignas(64) CoveringColors {
 /// are used. Outside the grid nothing is covered.
 class TextureLookup {
  public:
-  /// @param world_from_volume  of the volume that the hits belong to
-  TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_volume, Machine machine = chosen_machine());
+  /// @param world_from_data  of the dataset that the hits belong to
+  TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_data, Machine machine = chosen_machine());
 
   /// Handles the group of hits that begins at `first`. Reads texels only for shown hits inside the
   /// grid. The numbers are the same on every machine.
@@ -42,7 +42,7 @@ class TextureLookup {
     const std::uint8_t* texels;
     const std::uint64_t *x, *y, *z;  ///< parts of addresses, in texels, of positions along the axes
     std::int32_t last[3];            ///< index of the last texel
-    Affine grid_from_volume;
+    Affine grid_from_data;
     const float* linear;  ///< linear value of each 8-bit sRGB component
   };
 

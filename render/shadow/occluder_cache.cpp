@@ -26,15 +26,15 @@ Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
 
 }  // namespace
 
-std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& search,
-                                                        const VolumeImplementation& volume, const RayQuery& query,
-                                                        const LightPlace& light, unsigned threads) {
-  const std::shared_ptr<const void> source = search.source(volume, query, light, threads);
+std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& search, const LoadedDataset& dataset,
+                                                        const RayQuery& query, const LightPlace& light,
+                                                        unsigned threads) {
+  const std::shared_ptr<const void> source = search.source(dataset, query, light, threads);
   if (!source) return nullptr;
   OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.source == source; });
   const Shadows shadows = kept != nullptr ? Shadows::known : Shadows::unknown;
   if (kept == nullptr)
-    kept = &put_in_front(kept_, {source, search.surface(volume, query, source, threads), {}}, most_kept);
+    kept = &put_in_front(kept_, {source, search.surface(dataset, query, source, threads), {}}, most_kept);
   const OccludingSurface& surface = *kept->surface;
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
     if (of->shadows != shadows)

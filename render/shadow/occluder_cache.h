@@ -8,13 +8,13 @@
 namespace rhoray::render::wide {
 
 /// Keeps occluders from frame to frame: they depend on the isovalue and on the light's position in
-/// the volume's frame, not on the camera. The certain shadows of a surface are computed from the
+/// the data's frame, not on the camera. The certain shadows of a surface are computed from the
 /// second request on, whatever the light. Their cost arises once per surface, and an isovalue that
 /// is shown for one frame does not pay for it. Not thread-safe.
 class OccluderCache {
  public:
   /// @return  null where OccluderSearch::source is
-  std::shared_ptr<const LightOccluders> of(const OccluderSearch& search, const VolumeImplementation& volume,
+  std::shared_ptr<const LightOccluders> of(const OccluderSearch& search, const LoadedDataset& dataset,
                                            const RayQuery& query, const LightPlace& light, unsigned threads);
 
  private:

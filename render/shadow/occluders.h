@@ -14,7 +14,7 @@
 /// height fields of directional lights are common to all.
 namespace rhoray::render::wide {
 
-/// The target of rays to a light, in a volume's frame: a direction, or a position. Each ray ends no
+/// The target of rays to a light, in a data's frame: a direction, or a position. Each ray ends no
 /// farther from it than `reach`.
 struct LightPlace {
   bool is_place = false;
@@ -75,9 +75,9 @@ class OccludingSurface {
 struct OccluderSearch {
   /// The object that stands for the surface as long as it is in use. Null where the occluders of
   /// this light are not known to be less than the whole surface.
-  std::shared_ptr<const void> (*source)(const VolumeImplementation& volume, const RayQuery& query,
-                                        const LightPlace& light, unsigned threads);
-  std::shared_ptr<const OccludingSurface> (*surface)(const VolumeImplementation& volume, const RayQuery& query,
+  std::shared_ptr<const void> (*source)(const LoadedDataset& dataset, const RayQuery& query, const LightPlace& light,
+                                        unsigned threads);
+  std::shared_ptr<const OccludingSurface> (*surface)(const LoadedDataset& dataset, const RayQuery& query,
                                                      std::shared_ptr<const void> source, unsigned threads);
 };
 

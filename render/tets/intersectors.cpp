@@ -8,7 +8,7 @@ namespace rhoray::render::tets {
 
 namespace {
 
-ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& method) {
+ReferenceKernels reference_of(const LoadedDataset& dataset, const Method& method) {
   return std::visit(
       [&]<class View>(const View& view) -> ReferenceKernels {
         if constexpr (wide::is_mesh<View>)
@@ -16,7 +16,7 @@ ReferenceKernels reference_of(const VolumeImplementation& volume, const Method& 
         else
           return {};
       },
-      volume.view);
+      dataset.view);
 }
 
 /// Methods that find a tetrahedron by its barycentric coordinates promise nothing for flat ones.
@@ -37,14 +37,15 @@ bool keeps_to_bounds(Method::Algorithm algorithm) {
 
 }  // namespace
 
-Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
-  const ReferenceKernels reference = reference_of(volume, query.method);
+Intersectors intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
+  const ReferenceKernels reference = reference_of(dataset, query.method);
   Intersectors found{.first_hit = reference.first_hit,
                      .largest = reference.largest,
                      .queue_entries = reference.queue_entries,
                      .keeps_to_bounds = keeps_to_bounds(query.method.algorithm)};
-  wide::use_facets(volume, query, machine, found);
-  if (const Kernel largest = wide::largest_value_in_tets_kernel(volume, query.method, machine)) found.largest = largest;
+  wide::use_facets(dataset, query, machine, found);
+  if (const Kernel largest = wide::largest_value_in_tets_kernel(dataset, query.method, machine))
+    found.largest = largest;
   return found;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/tets/tet_volume.h"
+#include "render/tets/tet_data.h"
 
 namespace rhoray::render::wide {
 
@@ -8,6 +8,6 @@ namespace rhoray::render::wide {
 template <class View>
 inline constexpr bool is_mesh = false;
 template <class T>
-inline constexpr bool is_mesh<TetVolume<T>> = true;
+inline constexpr bool is_mesh<TetData<T>> = true;
 
 }  // namespace rhoray::render::wide

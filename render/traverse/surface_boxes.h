@@ -28,7 +28,7 @@ void add_upper_levels(BoxLevels& levels);
 
 /// A tree of boxes that together contain every point where a query of a volume can have a hit.
 ///
-/// A box (low, high) of the tree stands for the points anchor + unit * p in the volume's frame,
+/// A box (low, high) of the tree stands for the points anchor + unit * p in the data's frame,
 /// with p from low - margin to high + margin. The margin covers how far outside an item's box a
 /// kernel may still see it, in addition to the rounding of rays.
 struct SurfaceBoxes {

@@ -26,7 +26,7 @@ struct Candidates {
 };
 
 template <class T>
-std::vector<Candidates> candidates_of(const TetVolume<T>& view, double isovalue) {
+std::vector<Candidates> candidates_of(const TetData<T>& view, double isovalue) {
   std::vector<Candidates> all;
   for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) { all.push_back({first, bits}); });
   return all;
@@ -52,7 +52,7 @@ struct ActiveList {
 /// Finds the active ones of 64 cells that are in clusters: each vertex of a cluster is evaluated
 /// once.
 template <class T>
-void find_active_in_clusters(const TetVolume<T>& view, const Candidates& candidates, double isovalue,
+void find_active_in_clusters(const TetData<T>& view, const Candidates& candidates, double isovalue,
                              ActiveList& active) {
   const formats::CellClustersView& clusters = view.clusters();
   for (std::uint64_t bits = candidates.bits; bits != 0;) {
@@ -72,7 +72,7 @@ void find_active_in_clusters(const TetVolume<T>& view, const Candidates& candida
 }
 
 template <class T>
-void find_active(const TetVolume<T>& view, const Candidates& candidates, double isovalue, ActiveList& active) {
+void find_active(const TetData<T>& view, const Candidates& candidates, double isovalue, ActiveList& active) {
   if (view.has_clusters()) return find_active_in_clusters(view, candidates, isovalue, active);
   for (std::uint64_t bits = candidates.bits; bits != 0; bits &= bits - 1) {
     const std::uint32_t cell = candidates.first + static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -84,7 +84,7 @@ void find_active(const TetVolume<T>& view, const Candidates& candidates, double 
 
 /// Returns the cells with data that have values on both sides, in order.
 template <class T>
-std::vector<std::uint32_t> active_cells_of(const TetVolume<T>& view, double isovalue, unsigned threads) {
+std::vector<std::uint32_t> active_cells_of(const TetData<T>& view, double isovalue, unsigned threads) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
   std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
   for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
@@ -181,7 +181,7 @@ struct BlockCells {
 
 /// Gathers the cells; unused lanes repeat the last one.
 template <class T>
-void gather(const TetVolume<T>& view, std::span<const PlacedCell> placed, BlockCells& cells) {
+void gather(const TetData<T>& view, std::span<const PlacedCell> placed, BlockCells& cells) {
   for (std::size_t f = 0; f < BlockCells::size; ++f) {
     const auto vertices = view.sorted_vertices(placed[std::min(f, placed.size() - 1)].cell);
     const auto points = view.points_at(vertices);
@@ -339,7 +339,7 @@ Vec3 Facets::in_frame(const std::array<double, 3>& p) const {
   return (Vec3(p[0], p[1], p[2]) - anchor_) * scale_;
 }
 
-Facets::Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads) {
+Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads) {
   set_frame(bounds);
   std::vector<PlacedCell> placed(view.triangle_count());
   for_each_range(placed.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
@@ -374,7 +374,7 @@ Facets::Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads) 
 }
 
 template <class T>
-Facets::Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+Facets::Facets(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
   set_frame(bounds);
   const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
   std::vector<PlacedCell> placed(active.size());
@@ -455,7 +455,7 @@ std::size_t Facets::size_bytes() const {
   return bytes;
 }
 
-template Facets::Facets(const TetVolume<float>&, const Box3&, double, unsigned);
-template Facets::Facets(const TetVolume<double>&, const Box3&, double, unsigned);
+template Facets::Facets(const TetData<float>&, const Box3&, double, unsigned);
+template Facets::Facets(const TetData<double>&, const Box3&, double, unsigned);
 
 }  // namespace rhoray::render

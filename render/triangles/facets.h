@@ -8,11 +8,11 @@
 
 #include "formats/base/vector.h"
 #include "render/query/last_isovalues.h"
-#include "render/tets/tet_volume.h"
+#include "render/tets/tet_data.h"
 #include "render/traverse/surface_boxes.h"
 #include "render/triangles/facet_block.h"
 #include "render/triangles/facet_neighbours.h"
-#include "render/triangles/surface_volume.h"
+#include "render/triangles/triangle_data.h"
 
 namespace rhoray::render {
 
@@ -37,10 +37,10 @@ class Facets {
   /// @param bounds   of all points of the mesh, in its frame
   /// @param threads  0 = all cores; the result is the same for any number
   template <class T>
-  Facets(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads);
+  Facets(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads);
 
   /// Prepares the triangles of a surface. A point has the same bits in all triangles that share it.
-  Facets(const SurfaceVolume& view, const Box3& bounds, unsigned threads);
+  Facets(const TriangleData& view, const Box3& bounds, unsigned threads);
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.get(); }
@@ -81,11 +81,11 @@ class Facets {
 class FacetsCache {
  public:
   template <class T>
-  std::shared_ptr<const Facets> of(const TetVolume<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+  std::shared_ptr<const Facets> of(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
     return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
   }
   /// Ignores the isovalue: a surface has none.
-  std::shared_ptr<const Facets> of(const SurfaceVolume& view, const Box3& bounds, double, unsigned threads) {
+  std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads) {
     return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads); });
   }
 

@@ -5,6 +5,6 @@
 namespace rhoray::render::triangles {
 
 /// For surfaces of triangles.
-Intersectors intersectors(const VolumeImplementation& volume, const RayQuery& query, Machine machine);
+Intersectors intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine);
 
 }  // namespace rhoray::render::triangles

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "render/tets/tet_volume.h"
-#include "render/triangles/surface_volume.h"
+#include "render/tets/tet_data.h"
+#include "render/triangles/triangle_data.h"
 
 namespace rhoray::render {
 
@@ -26,8 +26,8 @@ class PointGradients {
  public:
   /// @param threads  0 = all cores; the result is the same for any number
   template <class T>
-  PointGradients(const TetVolume<T>& view, unsigned threads);
-  PointGradients(const SurfaceVolume& view, unsigned threads);
+  PointGradients(const TetData<T>& view, unsigned threads);
+  PointGradients(const TriangleData& view, unsigned threads);
 
   /// Gradients in the mesh's frame.
   std::span<const std::array<double, 3>> of_points() const { return gradients_; }

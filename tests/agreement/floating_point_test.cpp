@@ -75,7 +75,7 @@ std::vector<Asked> queries() {
 
 /// Loads the file and renders it, as a host program does.
 render::Framebuffer picture_of(const Data& data, const Asked& asked, unsigned threads) {
-  const render::Volume volume = render::Volume::load(data.path);
+  const render::Dataset volume = render::Dataset::load(data.path);
   render::Scene scene = oblique_scene(volume, data.isovalue);
   scene.layers[0].mode = asked.mode;
   scene.layers[0].method = render::method_of(asked.accuracy);
@@ -133,7 +133,7 @@ TEST(FloatingPoint, of_threads_that_began_in_the_hosts_does_not_change_pictures)
   for (const HostFloatingPoint& environment : host_environments()) {
     render::RenderContext memory;
     for (const Data& data : all) {
-      const render::Volume volume = render::Volume::load(data.path);
+      const render::Dataset volume = render::Dataset::load(data.path);
       render::Scene scene = oblique_scene(volume, data.isovalue);
       scene.layers[0].method = render::method_of(render::Accuracy::certified);
       render::FrameOptions options{.width = 96, .height = 96, .channels = all_channels, .threads = 4};
@@ -154,7 +154,7 @@ TEST(FloatingPoint, of_the_host_does_not_change_answers_to_rays_and_is_kept) {
   const TemporaryFolder folder;
   for (const Data& data : data_in(folder)) {
     const auto answers = [&](render::Accuracy accuracy, bool is_largest) {
-      const render::Volume volume = render::Volume::load(data.path);
+      const render::Dataset volume = render::Dataset::load(data.path);
       const render::Camera camera = oblique_scene(volume, data.isovalue).camera;
       const std::vector<render::Ray> rays = render::camera_rays(volume, camera, 24, 24);
       std::vector<render::Hit> hits(rays.size());

@@ -12,7 +12,7 @@ float two_balls(const Index3& at) {
   return distance > 9 ? nan : static_cast<float>(9 - distance);
 }
 
-void expect_same_pictures(const render::Volume& a, const render::Volume& b, double isovalue, std::size_t least_hits) {
+void expect_same_pictures(const render::Dataset& a, const render::Dataset& b, double isovalue, std::size_t least_hits) {
   for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip})
     for (const bool straight : {false, true}) {
       render::Scene scene = straight ? straight_scene(a, isovalue) : oblique_scene(a, isovalue);
@@ -28,11 +28,11 @@ void expect_same_pictures(const render::Volume& a, const render::Volume& b, doub
 // Bricks that are not stored are equivalent to bricks full of NaN.
 TEST(SparseBricks, give_the_same_bits_as_the_whole_grid_and_take_less_room) {
   const TemporaryFolder folder;
-  const auto volume = volume_of<float>({60, 44, 52}, two_balls);
-  const render::Volume dense = packed(folder, "dense.rho", volume);
+  const auto dataset = volume_of<float>({60, 44, 52}, two_balls);
+  const render::Dataset dense = packed(folder, "dense.rho", dataset);
   for (const std::int64_t edge : {2, 4, 8}) {
-    const render::Volume sparse = packed(folder, concat("sparse", edge, ".rho"), volume,
-                                         {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
+    const render::Dataset sparse = packed(folder, concat("sparse", edge, ".rho"), dataset,
+                                          {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
     EXPECT_LT(2 * sparse.file().file_bytes(), dense.file().file_bytes());
     EXPECT_EQ(sparse.field().no_data_count, dense.field().no_data_count);
     EXPECT_EQ(sparse.field().histogram, dense.field().histogram);
@@ -51,13 +51,13 @@ TEST(SeveralFields, are_seen_each_as_if_it_were_alone) {
   for (std::size_t f = 0; f < 3; ++f) fields[f].field_name = names[f];
   preprocess::pack_grid(fields, folder / "all.rho");
   for (std::size_t f = 0; f < 3; ++f) {
-    const render::Volume alone = packed(folder, concat(names[f], ".rho"), fields[f]);
-    const render::Volume of_all = render::Volume::load(folder / "all.rho", names[f]);
+    const render::Dataset alone = packed(folder, concat(names[f], ".rho"), fields[f]);
+    const render::Dataset of_all = render::Dataset::load(folder / "all.rho", names[f]);
     EXPECT_EQ(of_all.field().name, names[f]);
     EXPECT_EQ(of_all.field_names(), (std::vector<std::string>{"density", "pressure", "speed"}));
     expect_same_pictures(alone, of_all, 4.5, 3000);
   }
-  EXPECT_EQ(render::Volume::load(folder / "all.rho").field().name, "density");
+  EXPECT_EQ(render::Dataset::load(folder / "all.rho").field().name, "density");
 }
 
 // The positions of the samples change, the field in the world does not. Depth and normals refer to
@@ -82,8 +82,8 @@ TEST(PositionsAlongAxes, give_the_picture_of_the_same_plane_on_a_uniform_grid) {
       },
       map);
   uneven.axes = axes;
-  const render::Volume rectilinear = packed(folder, "rectilinear.rho", uneven);
-  const render::Volume uniform = packed(folder, "uniform.rho", sampled_volume<double>(count, map, field));
+  const render::Dataset rectilinear = packed(folder, "rectilinear.rho", uneven);
+  const render::Dataset uniform = packed(folder, "uniform.rho", sampled_volume<double>(count, map, field));
   EXPECT_LT((rectilinear.bounds().max - uniform.bounds().max).length(), 1e-12);
   const render::Scene scene = oblique_scene(uniform, field(map.point({12, 9, 11})));
   const render::FrameOptions size{.width = 192, .height = 192};

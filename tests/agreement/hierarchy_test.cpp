@@ -4,10 +4,10 @@ namespace rhoray::tests {
 
 namespace {
 
-void expect_hierarchy_changes_nothing(const render::Volume& volume, const render::Scene& scene) {
-  const render::Framebuffer with = picture(volume, scene, {.use_hierarchy = true});
+void expect_hierarchy_changes_nothing(const render::Dataset& dataset, const render::Scene& scene) {
+  const render::Framebuffer with = picture(dataset, scene, {.use_hierarchy = true});
   EXPECT_GT(hit_count(with), 500u);
-  expect_same_bits(with, picture(volume, scene, {.use_hierarchy = false}));
+  expect_same_bits(with, picture(dataset, scene, {.use_hierarchy = false}));
 }
 
 }  // namespace
@@ -22,8 +22,8 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_grids_for_any_factor_and_num
     for (const int levels : {1, 3, 6}) {
       const std::string name = concat(factor, "-", levels);
       const preprocess::PackVolumeOptions options{.macro_factor = factor, .macro_level_count = levels};
-      const render::Volume a = packed(folder, "smooth" + name, smooth, options);
-      const render::Volume b = packed(folder, "noise" + name, noise, options);
+      const render::Dataset a = packed(folder, "smooth" + name, smooth, options);
+      const render::Dataset b = packed(folder, "noise" + name, noise, options);
       for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
         render::Scene scene = oblique_scene(a, 0.5);
         scene.layers[0].mode = mode;
@@ -39,8 +39,8 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_grids_for_any_factor_and_num
 // and along edges.
 TEST(Hierarchy, changes_nothing_where_rays_run_in_faces_and_the_isovalue_equals_samples) {
   const TemporaryFolder folder;
-  const render::Volume volume = packed(folder, "v.rho", noise_volume<std::uint8_t>({25, 25, 25}, 4, 21));
-  render::Scene scene = straight_scene(volume, 3);
+  const render::Dataset dataset = packed(folder, "v.rho", noise_volume<std::uint8_t>({25, 25, 25}, 4, 21));
+  render::Scene scene = straight_scene(dataset, 3);
   // 24 cells in 48 pixels: rays pass at a quarter and three quarters of a cell. A shift by 0.25 of
   // a cell puts every second ray into a lattice plane.
   scene.camera.orthographic_height = 24;
@@ -48,9 +48,9 @@ TEST(Hierarchy, changes_nothing_where_rays_run_in_faces_and_the_isovalue_equals_
     render::Scene shifted = scene;
     shifted.camera.position += Vec3(shift, 0, shift);
     shifted.camera.target += Vec3(shift, 0, shift);
-    const render::Framebuffer with = picture(volume, shifted, {.width = 48, .height = 48});
+    const render::Framebuffer with = picture(dataset, shifted, {.width = 48, .height = 48});
     EXPECT_GT(hit_count(with), 1500u);
-    expect_same_bits(with, picture(volume, shifted, {.width = 48, .height = 48, .use_hierarchy = false}));
+    expect_same_bits(with, picture(dataset, shifted, {.width = 48, .height = 48, .use_hierarchy = false}));
   }
 }
 
@@ -58,13 +58,13 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_meshes) {
   const TemporaryFolder folder;
   const auto mesh = box_mesh({.cells = {9, 8, 7}, .jitter = 0.15, .grading = 6}, distance_field({0.3, 0.4, 0.5}));
   for (const double leaves : {0.1, 1.0, 8.0}) {
-    const render::Volume volume =
+    const render::Dataset dataset =
         packed(folder, concat("m", leaves), mesh,
                {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves});
     for (const render::Mode mode : {render::Mode::isosurface, render::Mode::mip}) {
-      render::Scene scene = oblique_scene(volume, 0.31);
+      render::Scene scene = oblique_scene(dataset, 0.31);
       scene.layers[0].mode = mode;
-      expect_hierarchy_changes_nothing(volume, scene);
+      expect_hierarchy_changes_nothing(dataset, scene);
     }
   }
 }
@@ -72,7 +72,7 @@ TEST(Hierarchy, on_and_off_give_the_same_picture_of_meshes) {
 TEST(Hierarchy, leaf_lattices_of_any_resolution_give_the_same_picture_of_a_mesh) {
   const TemporaryFolder folder;
   const auto mesh = box_mesh({.cells = {9, 8, 7}, .jitter = 0.15, .grading = 6}, distance_field({0.3, 0.4, 0.5}));
-  const render::Volume coarse =
+  const render::Dataset coarse =
       packed(folder, "coarse", mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cell_count = 1});
   const render::Scene scene = oblique_scene(coarse, 0.31);
   const render::Framebuffer expected = picture(coarse, scene);

@@ -38,9 +38,9 @@ TEST(LinearField, looks_the_same_in_tetrahedra_in_a_grid_and_in_closed_form) {
   int planes = 0;
   for (const Vec3& slope : {Vec3(1, 0, 0), Vec3(0, -2, 0), Vec3(0.3, 0.4, 0.9), Vec3(-5, 0.01, 2)}) {
     const Field field = linear_field(slope, 0.7);
-    const render::Volume grid =
+    const render::Dataset grid =
         packed(folder, concat("g", planes), sampled_volume<double>(count, lattice_over(box, count), field));
-    const render::Volume mesh =
+    const render::Dataset mesh =
         packed(folder, concat("m", planes), box_mesh({.cells = {7, 6, 5}, .box = box, .jitter = 0.15}, field));
     ++planes;
     const double isovalue = field(box.center()) + 0.01;
@@ -65,8 +65,8 @@ TEST(LinearField, has_its_maximum_where_the_ray_enters_or_leaves_the_box) {
   const Box3 box({0, 0, 0}, {1, 1, 1});
   const Field field = linear_field({0.3, -0.4, 0.9}, 2);
   const Index3 count(9, 9, 9);
-  const render::Volume grid = packed(folder, "g", sampled_volume<double>(count, lattice_over(box, count), field));
-  const render::Volume mesh = packed(folder, "m", box_mesh({.cells = {4, 4, 4}, .jitter = 0.15}, field));
+  const render::Dataset grid = packed(folder, "g", sampled_volume<double>(count, lattice_over(box, count), field));
+  const render::Dataset mesh = packed(folder, "m", box_mesh({.cells = {4, 4, 4}, .jitter = 0.15}, field));
   render::Scene scene = oblique_scene(grid, 0, true);
   scene.layers[0].mode = render::Mode::mip;
   const render::Framebuffer from_grid = picture(grid, scene), from_mesh = picture(mesh, scene);

@@ -18,7 +18,7 @@
 #include "render/render.h"
 #include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -40,7 +40,7 @@ double waves(const Vec3& p) {
 
 struct Data {
   std::string name;
-  std::unique_ptr<TracedVolume> traced;
+  std::unique_ptr<TracedDataset> traced;
   std::vector<double> isovalues;
   Vec3 size;
 };
@@ -49,17 +49,17 @@ template <class T>
 Data grid_of(const std::string& name, double scale, double offset, const preprocess::PackVolumeOptions& options = {},
              const Field& field = waves) {
   const Index3 count(29, 26, 33);
-  const auto volume = sampled_volume<T>(count, lattice_over({{0, 0, 0}, {1, 1, 1}}, count),
-                                        [=](const Vec3& p) { return offset + scale * field(p); });
+  const auto dataset = sampled_volume<T>(count, lattice_over({{0, 0, 0}, {1, 1, 1}}, count),
+                                         [=](const Vec3& p) { return offset + scale * field(p); });
   return {name,
-          std::make_unique<TracedVolume>(volume, options),
+          std::make_unique<TracedDataset>(dataset, options),
           {offset + 0.21 * scale, offset - 0.7 * scale},
           Vec3(count - Index3(1, 1, 1))};
 }
 
 Data mesh_of(const std::string& name, double scale, const preprocess::PackMeshOptions& options = {}) {
   const auto mesh = box_mesh({.cells = {8, 8, 8}, .jitter = 0.12}, [=](const Vec3& p) { return scale * waves(p); });
-  return {name, std::make_unique<TracedVolume>(mesh, options), {0.21 * scale, -0.7 * scale}, Vec3(1, 1, 1)};
+  return {name, std::make_unique<TracedDataset>(mesh, options), {0.21 * scale, -0.7 * scale}, Vec3(1, 1, 1)};
 }
 
 std::vector<Data> all_data() {
@@ -88,10 +88,10 @@ std::vector<Data> all_data() {
 
 /// Squares of 8 x 8 neighbouring rays from a camera, then rays in all directions and special ones.
 std::vector<Ray> rays_through(const Data& data) {
-  const render::Volume& volume = data.traced->volume();
+  const render::Dataset& dataset = data.traced->dataset();
   const render::Camera camera =
-      render::fit_camera(volume.bounds(), {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1}, 1);
-  const std::vector<Ray> rows = render::camera_rays(volume, camera, 64, 64);
+      render::fit_camera(dataset.bounds(), {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1}, 1);
+  const std::vector<Ray> rows = render::camera_rays(dataset, camera, 64, 64);
   std::vector<Ray> rays;
   for (std::size_t block = 0; block < 64; ++block)
     for (std::size_t i = 0; i < 64; ++i) rays.push_back(rows[(block / 8 * 8 + i / 8) * 64 + block % 8 * 8 + i % 8]);
@@ -103,13 +103,13 @@ enum class Asked { crossing, largest };
 
 std::vector<Hit> answers(const Data& data, Asked asked, const render::Method& method, double isovalue, Machine machine,
                          const std::vector<Ray>& rays) {
-  const render::VolumeImplementation& volume = data.traced->volume().implementation();
-  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
+  const render::LoadedDataset& dataset = data.traced->dataset().implementation();
+  const render::Intersectors kernels = render::choose_intersectors(dataset, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   std::vector<Hit> hits(rays.size());
-  ask(asked == Asked::crossing ? kernels.first_hit : kernels.largest, volume,
-      {.isovalue = isovalue, .field_range = volume.field.range, .method = method}, rays, hits, scratch);
+  ask(asked == Asked::crossing ? kernels.first_hit : kernels.largest, dataset,
+      {.isovalue = isovalue, .field_range = dataset.field.range, .method = method}, rays, hits, scratch);
   return hits;
 }
 
@@ -170,9 +170,9 @@ std::vector<Agreement> agreements() {
 /// The first three crossings of each ray with transparent surfaces, the number that float32 finds
 /// in one traversal.
 std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine machine, const std::vector<Ray>& rays) {
-  const render::VolumeImplementation& volume = data.traced->volume().implementation();
+  const render::LoadedDataset& dataset = data.traced->dataset().implementation();
   const render::AllHitsKernel kernel =
-      render::choose_intersectors(volume, {.isovalue = isovalue, .method = render::method_of(Accuracy::float32)},
+      render::choose_intersectors(dataset, {.isovalue = isovalue, .method = render::method_of(Accuracy::float32)},
                                   machine)
           .all_hits;
   if (kernel == nullptr) return {};
@@ -188,7 +188,7 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
   render::KernelCounters counters;
   const render::TransparentSurface surface{.isovalue = isovalue, .passing = 0.9F};
   render::CrossingList* const lists[] = {&list};
-  kernel(volume, {.surfaces = std::span(&surface, 1)}, batch, std::span(lists), complete.data(), memory, counters);
+  kernel(dataset, {.surfaces = std::span(&surface, 1)}, batch, std::span(lists), complete.data(), memory, counters);
   std::vector<Hit> hits;
   for (std::size_t r = 0; r < rays.size(); ++r)
     for (std::size_t k = 0; k < first_ones; ++k) {
@@ -201,7 +201,7 @@ std::vector<Hit> clear_crossings(const Data& data, double isovalue, Machine mach
 
 struct Shown {
   std::string name;
-  render::Volume volume;
+  render::Dataset dataset;
   render::Scene scene;
   int antialiasing = 1;
   bool asks_from_crossings = false;  ///< traces rays that begin on surfaces, for which every level
@@ -210,30 +210,30 @@ struct Shown {
 
 /// Every effect, for a grid and for a mesh, at one level.
 std::vector<Shown> pictures_of(const Data& data, Accuracy accuracy) {
-  const render::Volume& volume = data.traced->volume();
+  const render::Dataset& dataset = data.traced->dataset();
   render::Scene plain;
   plain.layers[0].isovalue = data.isovalues[0];
-  plain.layers[0].window = volume.field().range;
+  plain.layers[0].window = dataset.field().range;
   plain.layers[0].method = render::method_of(accuracy);
-  plain.camera = render::fit_camera(volume.bounds(), {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1}, 1);
+  plain.camera = render::fit_camera(dataset.bounds(), {.azimuth_deg = 33, .elevation_deg = 21, .zoom = 1.1}, 1);
   std::vector<Shown> shown;
   const auto add = [&](const std::string& name) -> Shown& {
-    return shown.emplace_back(Shown{data.name + ", " + name, volume, plain});
+    return shown.emplace_back(Shown{data.name + ", " + name, dataset, plain});
   };
-  add("highlight").scene.layers[0].surface.specular = 0.5;
+  add("highlight").scene.layers[0].material.specular = 0.5;
   Shown& lit = add("shadows and occlusion");
   lit.asks_from_crossings = true;
   lit.scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, 0.4, 0.3}, .casts_shadows = true},
                       {.kind = render::Light::Kind::point, .place = {-3, 2, 5}, .casts_shadows = true, .size = 0.2}};
   lit.scene.occlusion = {.samples = 8, .radius = 0.2};
   Shown& colored = add("colours, samples at edges");
-  colored.scene.layers[0].surface.color_by = {.field = volume.field().name, .range = volume.field().range};
+  colored.scene.layers[0].material.color_by = {.field = dataset.field().name, .range = dataset.field().range};
   colored.antialiasing = 16;
   Shown& clear = add("clear surfaces");
   clear.asks_from_crossings = true;
   clear.scene.layers.push_back(plain.layers[0]);
   clear.scene.layers[1].isovalue = data.isovalues[1];
-  for (render::Layer& layer : clear.scene.layers) layer.surface.opacity = 0.5;
+  for (render::Layer& layer : clear.scene.layers) layer.material.opacity = 0.5;
   add("largest values").scene.layers[0].mode = render::Mode::mip;
   return shown;
 }
@@ -251,7 +251,7 @@ Pictures picture_bytes(Accuracy accuracy, bool from_crossings) {
     for (const Shown& shown : pictures_of(of, accuracy)) {
       if (shown.asks_from_crossings && !from_crossings) continue;
       render::Framebuffer picture;
-      render::render(shown.volume, shown.scene,
+      render::render(shown.dataset, shown.scene,
                      {.width = 80,
                       .height = 64,
                       .channels = {.depth = true, .normal = true, .cell = true, .value = true},
@@ -334,7 +334,7 @@ TEST(Machines, answer_rays_with_the_same_bits_as_far_as_is_promised) {
       // In meshes, exact arithmetic answers these queries on every instruction set. This takes
       // long.
       const bool is_judged = agreement.asked == Asked::largest && agreement.accuracy == Accuracy::certified;
-      if (is_judged && data.traced->volume().is_mesh()) continue;
+      if (is_judged && data.traced->dataset().is_mesh()) continue;
       if (agreement.asked == Asked::largest && isovalue != data.isovalues.front()) continue;
       std::vector<Hit> expected;
       for (const Machine machine : agreement.machines) {
@@ -354,7 +354,7 @@ TEST(Machines, answer_rays_with_the_same_bits_as_far_as_is_promised) {
 TEST(Machines, leave_exact_answers_to_one_judge) {
   for (const Data& data : all_data()) {
     const auto of = [&](Machine machine) {
-      return render::choose_intersectors(data.traced->volume().implementation(),
+      return render::choose_intersectors(data.traced->dataset().implementation(),
                                          {.method = render::method_of(Accuracy::exact)}, machine);
     };
     for (const Machine machine : wide_machines()) {

@@ -125,7 +125,7 @@ TEST(Maximum, of_packed_grids_equals_brute_force_by_both_rules) {
   const Index3 count(22, 17, 26);
   for (const int largest : {3, 1000}) {
     const auto neutral = noise_volume<float>(count, largest, 17);
-    const render::Volume volume = packed(folder, concat(largest), neutral);
+    const render::Dataset volume = packed(folder, concat(largest), neutral);
     render::Scene scene = oblique_scene(volume, 0);
     scene.layers[0].mode = render::Mode::mip;
     double deficit = 0;
@@ -161,7 +161,7 @@ TEST(Maximum, of_packed_meshes_equals_brute_force) {
   auto neutral = box_mesh({.cells = {5, 6, 4}, .jitter = 0.15, .grading = 4});
   std::mt19937_64 random(4);
   add_point_field(neutral, "noise", [&](const Vec3&) { return static_cast<double>(random() % 1000); });
-  const render::Volume volume = packed(folder, "m", neutral);
+  const render::Dataset volume = packed(folder, "m", neutral);
   render::Scene scene = oblique_scene(volume, 0);
   scene.layers[0].mode = render::Mode::mip;
   const render::Framebuffer found = picture(volume, scene);
@@ -186,7 +186,7 @@ TEST(Maximum, of_packed_meshes_equals_brute_force) {
 TEST(Maximum, does_not_depend_on_the_last_t) {
   const TemporaryFolder folder;
   const Index3 count(40, 40, 40);
-  const render::Volume volume =
+  const render::Dataset volume =
       packed(folder, "v",
              sampled_volume<float>(count, lattice_over({{-1, -1, -1}, {1, 1, 1}}, count), marschner_lobb_field(3)));
   render::Scene scene = oblique_scene(volume, 0);

@@ -53,8 +53,8 @@ TEST(Mirror, a_volume_with_a_mirrored_axis_gives_the_mirrored_picture) {
     return static_cast<float>(std::sin(0.3 * static_cast<double>(at.x)) + std::cos(0.2 * static_cast<double>(at.y)) +
                               0.1 * static_cast<double>(at.z));
   };
-  const render::Volume plain = packed(folder, "plain", volume_of<float>(count, sample, map));
-  const render::Volume mirrored = packed(folder, "mirrored", volume_of<float>(count, sample, mirrored_in_x(map)));
+  const render::Dataset plain = packed(folder, "plain", volume_of<float>(count, sample, map));
+  const render::Dataset mirrored = packed(folder, "mirrored", volume_of<float>(count, sample, mirrored_in_x(map)));
   render::Scene scene = oblique_scene(plain, 1.0);
   const render::Framebuffer expected = picture(plain, scene);
   scene.camera = mirrored_in_x(scene.camera);
@@ -71,13 +71,13 @@ TEST(Mirror, reversed_samples_on_a_reversed_axis_give_the_same_picture) {
     return std::sin(0.3 * static_cast<double>(i)) + std::cos(0.2 * static_cast<double>(j)) +
            0.1 * static_cast<double>(k);
   };
-  const render::Volume plain = packed(folder, "plain",
-                                      volume_of<double>(
-                                          count, [&](const Index3& at) { return value(at.x, at.y, at.z); }, map));
+  const render::Dataset plain = packed(folder, "plain",
+                                       volume_of<double>(
+                                           count, [&](const Index3& at) { return value(at.x, at.y, at.z); }, map));
   Affine reversed = map;
   reversed.origin += static_cast<double>(count.x - 1) * map.x_axis;
   reversed.x_axis = -map.x_axis;
-  const render::Volume other =
+  const render::Dataset other =
       packed(folder, "reversed",
              volume_of<double>(
                  count, [&](const Index3& at) { return value(count.x - 1 - at.x, at.y, at.z); }, reversed));
@@ -100,7 +100,7 @@ TEST(Mirror, a_mirrored_mesh_gives_the_mirrored_picture) {
   const auto mesh = box_mesh({.cells = {6, 7, 8}, .jitter = 0.15, .grading = 3}, distance_field({0.4, 0.5, 0.6}));
   auto other = mesh;
   for (auto& p : other.points) p[0] = -p[0];
-  const render::Volume plain = packed(folder, "plain", mesh), mirrored = packed(folder, "mirrored", other);
+  const render::Dataset plain = packed(folder, "plain", mesh), mirrored = packed(folder, "mirrored", other);
   render::Scene scene = oblique_scene(plain, 0.3);
   const render::Framebuffer expected = picture(plain, scene);
   scene.camera = mirrored_in_x(scene.camera);

@@ -18,21 +18,21 @@ namespace rhoray::tests {
 
 constexpr render::ChannelSet all_channels{.depth = true, .normal = true, .cell = true, .value = true};
 
-inline render::Volume packed(const TemporaryFolder& folder, std::string_view name,
-                             const preprocess::NeutralVolume& volume,
-                             const preprocess::PackVolumeOptions& options = {}) {
+inline render::Dataset packed(const TemporaryFolder& folder, std::string_view name,
+                              const preprocess::NeutralVolume& volume,
+                              const preprocess::PackVolumeOptions& options = {}) {
   preprocess::pack_volume(volume, folder / name, options);
-  return render::Volume::load(folder / name);
+  return render::Dataset::load(folder / name);
 }
 
-inline render::Volume packed(const TemporaryFolder& folder, std::string_view name, const preprocess::NeutralMesh& mesh,
-                             const preprocess::PackMeshOptions& options = {}) {
+inline render::Dataset packed(const TemporaryFolder& folder, std::string_view name, const preprocess::NeutralMesh& mesh,
+                              const preprocess::PackMeshOptions& options = {}) {
   preprocess::pack_mesh(mesh, folder / name, options);
-  return render::Volume::load(folder / name);
+  return render::Dataset::load(folder / name);
 }
 
 /// A scene of the whole volume, seen from a direction that is parallel to nothing in it.
-inline render::Scene oblique_scene(const render::Volume& volume, double isovalue, bool orthographic = false) {
+inline render::Scene oblique_scene(const render::Dataset& volume, double isovalue, bool orthographic = false) {
   render::Scene scene;
   scene.layers[0].isovalue = isovalue;
   scene.layers[0].window = volume.field().range;
@@ -43,13 +43,13 @@ inline render::Scene oblique_scene(const render::Volume& volume, double isovalue
 
 /// The same scene, seen straight along y. Rays run in faces and along edges of the lattice where
 /// the size of the picture makes them do so.
-inline render::Scene straight_scene(const render::Volume& volume, double isovalue) {
+inline render::Scene straight_scene(const render::Dataset& volume, double isovalue) {
   render::Scene scene = oblique_scene(volume, isovalue);
   scene.camera = render::fit_camera(volume.bounds(), {.azimuth_deg = 0, .elevation_deg = 0, .orthographic = true}, 1);
   return scene;
 }
 
-inline render::Framebuffer picture(const render::Volume& volume, const render::Scene& scene,
+inline render::Framebuffer picture(const render::Dataset& volume, const render::Scene& scene,
                                    render::FrameOptions options = {}) {
   if (options.width == render::FrameOptions{}.width) options.width = options.height = 96;
   options.channels = all_channels;

@@ -18,7 +18,7 @@ struct Scenes {
 };
 
 /// Every kind of frame for which something is kept from one frame to the next.
-std::vector<Scenes> scenes_of(const render::Volume& volume, double isovalue) {
+std::vector<Scenes> scenes_of(const render::Dataset& volume, double isovalue) {
   std::vector<Scenes> scenes(5);
   for (Scenes& of : scenes) {
     of.scene = oblique_scene(volume, isovalue);
@@ -34,7 +34,7 @@ std::vector<Scenes> scenes_of(const render::Volume& volume, double isovalue) {
   scenes[3].scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, 0.4, 0.3}, .casts_shadows = true},
                             {.kind = render::Light::Kind::point, .place = {-3, 2, 5}, .casts_shadows = true}};
   scenes[4].name = "clear surfaces";
-  scenes[4].scene.layers[0].surface.opacity = 0.5;
+  scenes[4].scene.layers[0].material.opacity = 0.5;
   scenes[4].scene.layers.push_back(scenes[4].scene.layers[0]);
   scenes[4].scene.layers[1].isovalue = 1.1 * isovalue;
   return scenes;
@@ -42,7 +42,7 @@ std::vector<Scenes> scenes_of(const render::Volume& volume, double isovalue) {
 
 constexpr render::FrameOptions options{.width = 160, .height = 120, .channels = all_channels, .threads = 1};
 
-void expect_memory_changes_nothing(const render::Volume& volume, double isovalue, render::RenderContext& memory,
+void expect_memory_changes_nothing(const render::Dataset& volume, double isovalue, render::RenderContext& memory,
                                    const std::string& where) {
   // Each scene is rendered twice: a mesh's shadow data are known from the second frame on.
   for (int frame = 0; frame < 2; ++frame)
@@ -112,7 +112,7 @@ TEST(RenderContext, does_not_take_a_volume_for_another_that_lies_at_the_same_add
     const char* const names[] = {"the first", "the second in its place", "the first again"};
     for (const std::size_t at : {0U, 1U, 2U}) {
       bytes.put(0, at == 1 ? pair.second : pair.first);
-      const render::Volume volume = render::Volume::load(file);
+      const render::Dataset volume = render::Dataset::load(file);
       expect_memory_changes_nothing(volume, shown, memory, pair.name + ", " + names[at]);
     }
   }
@@ -126,7 +126,7 @@ TEST(RenderContext, does_not_take_a_volume_for_one_that_is_gone) {
     std::optional<MemoryFile> bytes;
     for (int round = 0; round < 6; ++round) {
       bytes.emplace(round % 2 == 0 ? pair.first : pair.second);
-      const auto volume = render::Volume::load(formats::PackedFile::from_descriptor(bytes->descriptor(), pair.name));
+      const auto volume = render::Dataset::load(formats::PackedFile::from_descriptor(bytes->descriptor(), pair.name));
       expect_memory_changes_nothing(volume, shown, memory, pair.name + ", round " + std::to_string(round));
     }
   }
@@ -141,7 +141,7 @@ TEST(RenderContext, does_not_take_a_field_for_another_of_the_same_mesh) {
   const auto file = formats::PackedFile::open(folder / "mesh.rho");
   render::RenderContext memory;
   for (const char* field : {"value", "mirrored", "value"})
-    expect_memory_changes_nothing(render::Volume::load(file, field), shown, memory, field);
+    expect_memory_changes_nothing(render::Dataset::load(file, field), shown, memory, field);
 }
 
 }  // namespace rhoray::tests

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -85,13 +85,13 @@ void expect_same(const Hit& a, const Hit& b, const std::string& of) {
   ASSERT_TRUE(a.error == b.error || (std::isnan(a.error) && std::isnan(b.error))) << of;
 }
 
-using Ask = Hit (*)(TracedVolume& volume, const Ray& ray, double isovalue, const Method& method, bool use_hierarchy);
+using Ask = Hit (*)(TracedDataset& dataset, const Ray& ray, double isovalue, const Method& method, bool use_hierarchy);
 
-Hit first_crossing(TracedVolume& volume, const Ray& ray, double isovalue, const Method& method, bool use_hierarchy) {
-  return volume.first_crossing(ray, isovalue, method, use_hierarchy);
+Hit first_crossing(TracedDataset& dataset, const Ray& ray, double isovalue, const Method& method, bool use_hierarchy) {
+  return dataset.first_crossing(ray, isovalue, method, use_hierarchy);
 }
-Hit largest_value(TracedVolume& volume, const Ray& ray, double, const Method& method, bool use_hierarchy) {
-  return volume.largest_value(ray, method, use_hierarchy);
+Hit largest_value(TracedDataset& dataset, const Ray& ray, double, const Method& method, bool use_hierarchy) {
+  return dataset.largest_value(ray, method, use_hierarchy);
 }
 
 /// Returns the number of hits, and checks that they are the same in leaf lists, clusters and small
@@ -99,8 +99,8 @@ Hit largest_value(TracedVolume& volume, const Ray& ray, double, const Method& me
 /// without.
 int expect_same_everywhere(const MeshCase& one, Ask ask, const std::vector<Method>& methods,
                            const std::vector<Ray>& rays) {
-  TracedVolume leaves(one.mesh, {.structure = preprocess::MeshStructure::leaves});
-  TracedVolume clusters(one.mesh), small(one.mesh, {.cluster_size = 4});
+  TracedDataset leaves(one.mesh, {.structure = preprocess::MeshStructure::leaves});
+  TracedDataset clusters(one.mesh), small(one.mesh, {.cluster_size = 4});
   int hits = 0;
   for (std::size_t m = 0; m < methods.size(); ++m)
     for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -154,7 +154,7 @@ TEST(Structures, give_the_same_hits_of_ordinary_rays_by_published_methods) {
 
 TEST(Structures, of_clusters_look_into_each_cell_once_and_far_fewer_than_there_are) {
   const auto mesh = box_mesh({.cells = {20, 20, 20}, .jitter = 0.1}, distance_field({0.5, 0.5, 0.5}));
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   traced.first_crossing({.origin = {-1, 0.41, 0.43}, .direction = {1, 0, 0}}, 0.3);
   const render::KernelCounters& counters = traced.scratch.counters;
   EXPECT_GT(counters.cells_solved, 0U);

@@ -3,8 +3,8 @@
 
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 
 // Files written by released versions. They stay here for ever, and every later version opens them.
 namespace rhoray::formats {
@@ -118,9 +118,9 @@ TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
 }
 
 TEST(ReleasedFiles, surface_of_version_1_3_is_read) {
-  const SurfaceMesh surface(released("1.3-surface.rho"));
+  const TriangleMesh surface(released("1.3-surface.rho"));
   expect_sound(surface, "1.3");
-  const SurfaceMeshDescription& d = surface.description();
+  const TriangleMeshDescription& d = surface.description();
   EXPECT_EQ(d.point_type, ElementType::F32);
   EXPECT_EQ(d.point_count, 5U);
   EXPECT_EQ(d.bounds, Box3(Vec3(0, 0, 0), Vec3(2, 1, 4)));

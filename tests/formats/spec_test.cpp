@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "formats/brick_grid.h"
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "tests/support/made_grid.h"
 #include "tests/support/memory_file.h"
 #include "tests/support/packed_samples.h"
@@ -113,20 +113,20 @@ TEST(Spec, example_is_read_as_the_text_says) {
 
 /// The surface described in SPEC.md: one triangle.
 std::string surface_written_now() {
-  const SurfaceMeshDescription description{.length_unit = "mm",
-                                           .point_type = ElementType::F32,
-                                           .point_count = 3,
-                                           .triangle_count = 1,
-                                           .bounds = Box3(Vec3(0, 0, 0), Vec3(1, 2, 0)),
-                                           .has_source_order = true,
-                                           .flat_triangle_count = 0,
-                                           .dropped_facet_count = 0,
-                                           .unused_point_count = 0,
-                                           .provenance = {}};
+  const TriangleMeshDescription description{.length_unit = "mm",
+                                            .point_type = ElementType::F32,
+                                            .point_count = 3,
+                                            .triangle_count = 1,
+                                            .bounds = Box3(Vec3(0, 0, 0), Vec3(1, 2, 0)),
+                                            .has_source_order = true,
+                                            .flat_triangle_count = 0,
+                                            .dropped_facet_count = 0,
+                                            .unused_point_count = 0,
+                                            .provenance = {}};
   const std::array<float, 9> points{0, 0, 0, 1, 0, 0, 0, 2, 0};
   const std::array<std::uint32_t, 3> triangle{0, 1, 2};
   const MemoryFile memory;
-  PackedFileWriter writer(memory.descriptor(), describe(description), surface_mesh_arrays(description));
+  PackedFileWriter writer(memory.descriptor(), describe(description), triangle_mesh_arrays(description));
   writer.write("points", 0, std::as_bytes(std::span(points)));
   writer.write("triangles", 0, std::as_bytes(std::span(triangle)));
   writer.commit();
@@ -136,7 +136,7 @@ std::string surface_written_now() {
 TEST(Spec, prints_the_bytes_of_a_surface) {
   EXPECT_EQ(code_block(spec(), "hexdump-surface"), dump(surface_written_now()));
   const MemoryFile memory(undump(code_block(spec(), "hexdump-surface")));
-  const SurfaceMesh surface(PackedFile::from_descriptor(memory.descriptor(), "example.rho"));
+  const TriangleMesh surface(PackedFile::from_descriptor(memory.descriptor(), "example.rho"));
   EXPECT_EQ(surface.point(2), (std::array<double, 3>{0, 2, 0}));
   EXPECT_THAT(surface.triangles(), testing::ElementsAre(std::array<std::uint32_t, 3>{0, 1, 2}));
   EXPECT_THAT(deep_findings(surface), testing::IsEmpty());

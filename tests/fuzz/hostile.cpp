@@ -11,8 +11,8 @@
 #include "formats/base/checks.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
 #include "preprocess/subdivide.h"
@@ -51,8 +51,8 @@ Interval<double> window_of(const formats::FieldSummary& field) {
 /// Renders one file in several ways.
 class Pictures {
  public:
-  Pictures(const render::Volume& volume, render::RenderContext& memory) : volume_(volume), memory_(memory) {
-    const Box3 box = volume.bounds();
+  Pictures(const render::Dataset& dataset, render::RenderContext& memory) : dataset_(dataset), memory_(memory) {
+    const Box3 box = dataset.bounds();
     if (!box.isEmpty()) {
       base_.camera = render::fit_camera(box, render::named_view("iso"), 1);
       size_ = (box.max - box.min).length();
@@ -61,11 +61,11 @@ class Pictures {
   }
 
   void draw() {
-    if (volume_.is_surface()) return draw_triangles();
-    const formats::FieldSummary& field = volume_.field();
+    if (dataset_.is_surface()) return draw_triangles();
+    const formats::FieldSummary& field = dataset_.field();
     render::Layer surface;
     surface.isovalue = value_at(field, 0.5);
-    surface.method = render::default_method(volume_, render::Mode::isosurface);
+    surface.method = render::default_method(dataset_, render::Mode::isosurface);
 
     frame(surface, 16, [&](render::Scene& scene) { light(scene); });
     frame(mip(field), 8);
@@ -83,7 +83,7 @@ class Pictures {
 
     clear(surface, field);
     colored(surface, field);
-    attempt([&] { (void)volume_.isosurface_bounds(surface.isovalue); });
+    attempt([&] { (void)dataset_.isosurface_bounds(surface.isovalue); });
   }
 
  private:
@@ -103,7 +103,7 @@ class Pictures {
       options_.channels = channels;
       options_.threads = 1;
       render::Framebuffer framebuffer;
-      render::render(volume_, scene, options_, framebuffer, memory_);
+      render::render(dataset_, scene, options_, framebuffer, memory_);
       RHORAY_CHECK(framebuffer.color.size() == 4 * framebuffer.pixel_count());
     });
   }
@@ -123,7 +123,7 @@ class Pictures {
   render::Layer mip(const formats::FieldSummary& field) const {
     render::Layer layer;
     layer.mode = render::Mode::mip;
-    layer.method = render::default_method(volume_, layer.mode);
+    layer.method = render::default_method(dataset_, layer.mode);
     layer.window = window_of(field);
     return layer;
   }
@@ -132,7 +132,7 @@ class Pictures {
     render::Layer layer;
     layer.mode = render::Mode::slice;
     layer.plane = {middle_, {0.2, 1, 0.3}};
-    layer.surface.color_by = render::FieldColors{.field = field.name, .range = window_of(field)};
+    layer.material.color_by = render::FieldColors{.field = field.name, .range = window_of(field)};
     return layer;
   }
 
@@ -141,7 +141,7 @@ class Pictures {
     render::Layer outer = surface, inner = surface;
     outer.isovalue = value_at(field, 0.25);
     inner.isovalue = value_at(field, 0.75);
-    outer.surface.opacity = inner.surface.opacity = 0.4;
+    outer.material.opacity = inner.material.opacity = 0.4;
     frame(outer, 8, [&](render::Scene& scene) {
       scene.layers.push_back(inner);
       scene.clip = render::Clip{.planes = {{middle_, {1, 0.1, 0}}}, .cuts_away = true};
@@ -150,24 +150,24 @@ class Pictures {
 
   /// Renders a surface coloured by the last field, with smooth normals where there are any.
   void colored(render::Layer surface, const formats::FieldSummary& field) {
-    const std::vector<std::string> names = volume_.field_names();
-    surface.surface.color_by = render::FieldColors{.field = names.back(), .range = window_of(field)};
-    if (volume_.is_mesh()) surface.surface.normals = render::Normals::smooth;
+    const std::vector<std::string> names = dataset_.field_names();
+    surface.material.color_by = render::FieldColors{.field = names.back(), .range = window_of(field)};
+    if (dataset_.is_mesh()) surface.material.normals = render::Normals::smooth;
     frame(surface, 8, [](render::Scene& scene) { scene.camera.orthographic = true; });
   }
 
   void draw_triangles() {
     render::Layer layer;
     layer.mode = render::Mode::triangles;
-    layer.method = render::default_method(volume_, layer.mode);
+    layer.method = render::default_method(dataset_, layer.mode);
     frame(layer, 16, [&](render::Scene& scene) { light(scene); });
     frame(with_method(layer, {}), 8, {}, {.depth = true, .normal = true, .cell = true});
-    layer.surface.opacity = 0.4;
-    layer.surface.normals = render::Normals::smooth;
+    layer.material.opacity = 0.4;
+    layer.material.normals = render::Normals::smooth;
     frame(layer, 8);
   }
 
-  const render::Volume& volume_;
+  const render::Dataset& dataset_;
   render::RenderContext& memory_;
   render::Scene base_;
   render::FrameOptions options_;
@@ -178,24 +178,24 @@ class Pictures {
 /// Renders every field twice, with the RenderContext of the last frame.
 void draw(const formats::PackedFile& file) {
   render::RenderContext memory;
-  const render::Volume first = render::Volume::load(file);
+  const render::Dataset first = render::Dataset::load(file);
   Pictures(first, memory).draw();
   const std::vector<std::string> names = first.field_names();
   if (names.size() > 1)
     attempt([&] {
-      const render::Volume last = render::Volume::load(file, names.back());
+      const render::Dataset last = render::Dataset::load(file, names.back());
       Pictures(last, memory).draw();
     });
 }
 
 /// Uses the data as colours on a sound surface.
 void cover(const formats::PackedFile& file) {
-  static const render::Volume surface =
-      render::Volume::load(std::filesystem::path(RHORAY_RELEASED_FILES) / "1.3-surface.rho");
+  static const render::Dataset surface =
+      render::Dataset::load(std::filesystem::path(RHORAY_RELEASED_FILES) / "1.3-surface.rho");
   render::Scene scene;
   scene.layers.front().mode = render::Mode::triangles;
   scene.layers.front().method = {};
-  scene.layers.front().surface.texture = render::Texture::load(file);
+  scene.layers.front().material.texture = render::Texture::load(file);
   scene.camera = render::fit_camera(surface.bounds(), render::named_view("iso"), 1);
   render::Framebuffer framebuffer;
   render::render(surface, scene, {.width = 16, .height = 16, .threads = 1}, framebuffer);
@@ -241,8 +241,8 @@ void look_into(const formats::PackedFile& file, const std::string& path) {
       (void)formats::deep_findings(mesh);
       export_tets(path, mesh);
     });
-  } else if (kind == formats::SurfaceMesh::kind) {
-    attempt([&] { (void)formats::deep_findings(formats::SurfaceMesh(file)); });
+  } else if (kind == formats::TriangleMesh::kind) {
+    attempt([&] { (void)formats::deep_findings(formats::TriangleMesh(file)); });
   } else if (kind == formats::ColorGrid::kind) {
     attempt([&] { (void)formats::ColorGrid(file); });
   }

@@ -12,8 +12,8 @@
 #include "formats/base/checks.h"
 #include "formats/base/parallel.h"
 #include "formats/brick_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_surface.h"
 #include "preprocess/pack_volume.h"
@@ -127,7 +127,7 @@ void check_sound(const Path& path) {
   else if (kind == "tets")
     findings = deep_findings(formats::TetMesh(file));
   else
-    findings = deep_findings(formats::SurfaceMesh(file));
+    findings = deep_findings(formats::TriangleMesh(file));
   for (const std::string& finding : findings) std::fprintf(stderr, "%s\n", finding.c_str());
   RHORAY_CHECK(findings.empty());
 }

@@ -34,7 +34,7 @@ void draw(render::ResolvedScene& plan) {
   constexpr std::size_t most_shown = 8;
   if (plan.scene.layers.size() > most_shown) plan.scene.layers.resize(most_shown);
   render::Framebuffer framebuffer;
-  render::render(plan.volumes, plan.scene, plan.frame, framebuffer);
+  render::render(plan.datasets, plan.scene, plan.frame, framebuffer);
 }
 
 void show(const render::SceneSpec& scene_spec) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -19,8 +19,8 @@ float rough(const Index3& at) {
 }
 
 TEST(AxisParallelRays, hit_alike_with_zero_minus_zero_and_denormal_components) {
-  TracedVolume grid(volume_of<float>({10, 9, 11}, rough));
-  TracedVolume mesh(box_mesh({.cells = {4, 4, 4}, .box = Box3({0, 0, 0}, {9, 8, 10})}, distance_field({4, 4, 4})));
+  TracedDataset grid(volume_of<float>({10, 9, 11}, rough));
+  TracedDataset mesh(box_mesh({.cells = {4, 4, 4}, .box = Box3({0, 0, 0}, {9, 8, 10})}, distance_field({4, 4, 4})));
   Dice dice(1);
   int hits = 0, nan_in_slabs = 0;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -33,7 +33,7 @@ TEST(AxisParallelRays, hit_alike_with_zero_minus_zero_and_denormal_components) {
     for (int axis = 0; axis < 3; ++axis)
       for (const double plane : {0.0, 9.0, 8.0, 10.0})
         nan_in_slabs += std::isnan((plane - ray.origin[axis]) * (1 / ray.direction[axis]));
-    for (TracedVolume* traced : {&grid, &mesh}) {
+    for (TracedDataset* traced : {&grid, &mesh}) {
       const double iso = traced == &grid ? 0.0 : 2.5;
       const render::Hit hit = traced->first_crossing(ray, iso);
       hits += !hit.is_miss();
@@ -51,7 +51,7 @@ TEST(AxisParallelRays, hit_alike_with_zero_minus_zero_and_denormal_components) {
 }
 
 TEST(AxisParallelRays, and_others_need_no_direction_of_unit_length) {
-  TracedVolume traced(volume_of<float>({10, 9, 11}, rough));
+  TracedDataset traced(volume_of<float>({10, 9, 11}, rough));
   Dice dice(2);
   for (int trial = 0; trial < 500; ++trial) {
     const Vec3 direction = dice.direction();

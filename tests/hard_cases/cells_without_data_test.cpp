@@ -8,7 +8,7 @@
 
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -26,14 +26,14 @@ TEST(CellsWithoutData, have_no_skin_and_hide_nothing) {
       return (hash >> 40) % 150 == 0;
     };
     const auto field = distance_field({8, 8, 8});
-    TracedVolume traced(volume_of<float>(count,
-                                         [&](const Index3& at) {
-                                           const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y),
-                                                        static_cast<double>(at.z));
-                                           return is_hole(at) ? hole : static_cast<float>(field(p));
-                                         }),
-                        {.macro_factor = 2});
-    EXPECT_GT(traced.volume().field().no_data_count, 5U);
+    TracedDataset traced(volume_of<float>(count,
+                                          [&](const Index3& at) {
+                                            const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y),
+                                                         static_cast<double>(at.z));
+                                            return is_hole(at) ? hole : static_cast<float>(field(p));
+                                          }),
+                         {.macro_factor = 2});
+    EXPECT_GT(traced.dataset().field().no_data_count, 5U);
     const auto touches_hole = [&](const Vec3& p) {
       const Index3 cell = cell_of(p, cells);
       for (int c = 0; c < 8; ++c)
@@ -75,10 +75,10 @@ TEST(CellsWithoutData, may_fill_whole_bricks) {
     const Vec3 p(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z));
     return is_empty_brick(at) ? nan : static_cast<float>(std::sin(p.x) + std::cos(0.7 * p.y) + std::sin(1.3 * p.z));
   });
-  TracedVolume whole(samples, {.macro_factor = 2});
-  TracedVolume sparse(samples, {.order = preprocess::SampleOrder::sparse, .brick_edge = 4, .macro_factor = 2});
-  EXPECT_GT(whole.volume().field().no_data_count, 1'000U);
-  EXPECT_EQ(sparse.volume().field().no_data_count, whole.volume().field().no_data_count);
+  TracedDataset whole(samples, {.macro_factor = 2});
+  TracedDataset sparse(samples, {.order = preprocess::SampleOrder::sparse, .brick_edge = 4, .macro_factor = 2});
+  EXPECT_GT(whole.dataset().field().no_data_count, 1'000U);
+  EXPECT_EQ(sparse.dataset().field().no_data_count, whole.dataset().field().no_data_count);
   int hits = 0, behind = 0;
   for (const render::Ray& ray : stressful_rays({20, 17, 18}, 1'000, 1)) {
     const render::Hit judged = whole.first_crossing(ray, 0.5, {.algorithm = render::Method::Algorithm::exact});

@@ -9,7 +9,7 @@
 #include "render/traverse/ray_box.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -22,7 +22,7 @@ TEST(ClosedSurfaces, are_hit_exactly_when_the_field_on_the_ray_reaches_the_isova
     const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
     return static_cast<double>((hash >> 33) % 2000) - 1000;
   };
-  TracedVolume traced(volume_of<double>(count, samples), {.macro_factor = 2});
+  TracedDataset traced(volume_of<double>(count, samples), {.macro_factor = 2});
   int hits = 0, misses = 0, too_close = 0, missed_by_ends = 0;
   for (render::Ray ray : stressful_rays({7, 7, 7}, 20000, 1)) {
     if (std::abs(ray.direction.length() - 1) > 0.5 || ray.origin.length() > 1e4) continue;

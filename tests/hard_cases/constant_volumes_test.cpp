@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -14,7 +14,7 @@ namespace {
 
 template <class T>
 void expect_nothing(int& boxes_of_the_naive) {
-  TracedVolume traced(volume_of<T>({7, 6, 5}, [](const Index3&) { return T{7}; }));
+  TracedDataset traced(volume_of<T>({7, 6, 5}, [](const Index3&) { return T{7}; }));
   for (const double isovalue : {7.0, std::nextafter(7.0, 0.0), std::nextafter(7.0, 8.0), 0.0, 8.0})
     for (const render::Method::Algorithm algorithm :
          {render::Method::Algorithm::preview, render::Method::Algorithm::direct, render::Method::Algorithm::certified,

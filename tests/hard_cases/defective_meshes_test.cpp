@@ -11,7 +11,7 @@
 
 #include "render/exact/exact_tets.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::tests {
@@ -23,9 +23,9 @@ using render::Ray;
 
 /// The first change inside any one cell of a mesh. Exact arithmetic decides each cell as if it were
 /// alone.
-Hit judged_cell_by_cell(TracedVolume& traced, const Ray& ray_world, double isovalue) {
-  const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
-  const Ray ray = traced.ray_volume(ray_world);
+Hit judged_cell_by_cell(TracedDataset& traced, const Ray& ray_world, double isovalue) {
+  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+  const Ray ray = traced.ray_data(ray_world);
   Hit first;
   for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.sorted_vertices(cell);
@@ -49,7 +49,7 @@ Interval<double> values_around(const preprocess::NeutralMesh& mesh, const Vec3& 
   for (const auto& cell : mesh.cells) {
     std::array<Vec3, 4> v;
     for (std::size_t i = 0; i < 4; ++i) v[i] = to_vec3(mesh.points[cell[i]]);
-    const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); };
+    const auto dataset = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); };
     const double whole = volume(v[1] - v[0], v[2] - v[0], v[3] - v[0]);
     const std::array<double, 4> w{
         volume(v[1] - p, v[2] - p, v[3] - p) / whole, -volume(v[0] - p, v[2] - p, v[3] - p) / whole,
@@ -66,7 +66,7 @@ Interval<double> values_around(const preprocess::NeutralMesh& mesh, const Vec3& 
 TEST(DefectiveMeshes, are_crossed_first_where_a_cell_is_and_nowhere_without_both_sides) {
   preprocess::NeutralMesh mesh = strewn_mesh(300, 0.2, 1, 18);
   add_point_field(mesh, "value", [](const Vec3& p) { return std::sin(17 * p.x) + std::cos(23 * p.y + 5 * p.z); });
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   constexpr double iso = 0.2;
   Dice dice(1);
   int hits = 0, at_jumps = 0;

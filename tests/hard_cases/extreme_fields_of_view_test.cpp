@@ -35,15 +35,15 @@ TEST(ExtremeFieldsOfView, show_every_pixel_in_its_own_direction) {
   // within the data.
   const TemporaryFolder folder;
   const Vec3 slope(0.01, 1, 0.02);
-  const render::Volume volume = packed(
+  const render::Dataset dataset = packed(
       folder, "plane.rho",
       sampled_volume<double>({17, 17, 17}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-8, -8, -8}}, linear_field(slope)));
   constexpr double isovalue = 0.25;
   for (const View& view : {View{0.001, 1e4, 3, 2049}, {0.001, 20, 3, 2049}, {179, 1, 257, 257}}) {
     const auto [fov_deg, distance, width, height] = view;
     const render::Camera camera{.position = {0, -distance, 0}, .target = {0, 0, 0}, .vertical_fov_deg = fov_deg};
-    const std::vector<render::Ray> rays = render::camera_rays(volume, camera, width, height);
-    render::RayCaster queries(volume, isovalue, {});
+    const std::vector<render::Ray> rays = render::camera_rays(dataset, camera, width, height);
+    render::RayCaster queries(dataset, isovalue, {});
     // Relative to half the diagonal of the picture. The rounding of the angle itself grows by the
     // condition of its tangent.
     const double angle = fov_deg * std::numbers::pi / 180, condition = angle / std::sin(angle);

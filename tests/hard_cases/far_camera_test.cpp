@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -36,7 +36,7 @@ double about_the_camera(const std::array<double, 8>& corner, const Vec3& low, do
 
 TEST(FarCamera, finds_the_same_surface) {
   const auto field = [](const Vec3& p) { return (p - Vec3(8, 9, 7)).length() + 0.4 * std::sin(2 * p.x + p.z); };
-  TracedVolume traced(sampled_volume<double>({17, 18, 16}, {}, field));
+  TracedDataset traced(sampled_volume<double>({17, 18, 16}, {}, field));
   Dice dice(1);
   int hits = 0, digits_lost = 0;
   for (int trial = 0; trial < 1500; ++trial) {

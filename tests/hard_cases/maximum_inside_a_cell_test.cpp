@@ -6,7 +6,7 @@
 
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -18,7 +18,7 @@ TEST(MaximumInsideACell, is_found_by_the_exact_method_and_missed_by_the_face_rul
     const auto hash = static_cast<std::uint64_t>((at.z * 101 + at.y) * 103 + at.x) * 0x9e3779b97f4a7c15U;
     return static_cast<double>((hash >> 33) % 1000);
   };
-  TracedVolume traced(volume_of<double>(count, samples));
+  TracedDataset traced(volume_of<double>(count, samples));
   Dice dice(1);
   int rays = 0, too_low = 0;
   double furthest = 0;

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -25,7 +25,7 @@ TEST(MeshFarFromOrigin, is_hit_where_the_same_mesh_is_hit_at_the_origin) {
     p = to_array(to_vec3(p) + far);
     in_single_precision.insert({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
-  TracedVolume near(near_mesh), moved(far_mesh);
+  TracedDataset near(near_mesh), moved(far_mesh);
   Dice dice(1);
   int hits = 0;
   for (int trial = 0; trial < 2000; ++trial) {

@@ -85,7 +85,7 @@ TEST(MoreThan32Bits, of_samples_are_told_apart) {
   ASSERT_GT(volume(sample_count), std::int64_t{1} << 32);
   const TemporaryFolder folder;
   write_file(folder / "sum.rho", packed_file());
-  const render::Volume volume = render::Volume::load(folder / "sum.rho");
+  const render::Dataset dataset = render::Dataset::load(folder / "sum.rho");
   int beyond = 0;
   for (const Index3& brick : stored) {
     const Vec3 low(static_cast<double>(brick.x * brick_edge), static_cast<double>(brick.y * brick_edge),
@@ -94,7 +94,7 @@ TEST(MoreThan32Bits, of_samples_are_told_apart) {
     const double isovalue = slope.dot((low + high) / 2.0);
     for (const render::Method::Algorithm algorithm :
          {render::Method::Algorithm::direct, render::Method::Algorithm::certified, render::Method::Algorithm::exact}) {
-      render::RayCaster queries(volume, isovalue, {.algorithm = algorithm});
+      render::RayCaster queries(dataset, isovalue, {.algorithm = algorithm});
       Dice dice(1);
       for (int trial = 0; trial < 100; ++trial) {
         // Upwards through a point of the plane in the brick, starting outside the brick's lower

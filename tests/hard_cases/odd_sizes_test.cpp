@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -19,9 +19,9 @@ TEST(OddSizes, show_the_volume_and_nothing_of_its_padding) {
     const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
                     static_cast<double>(count.z - 1));
     const Vec3 slope(1, 1.5, -0.5);
-    TracedVolume traced(sampled_volume<double>(count, {}, linear_field(slope)));
+    TracedDataset traced(sampled_volume<double>(count, {}, linear_field(slope)));
     const auto& layout =
-        std::get<render::GridVolume<double>>(traced.volume().implementation().view).description().layout;
+        std::get<render::GridData<double>>(traced.dataset().implementation().view).description().layout;
     padded += volume(layout.padded_count()) > volume(count);
     Dice dice(1);
     for (int trial = 0; trial < 1000; ++trial) {

@@ -8,7 +8,7 @@
 #include "render/traverse/lattice_walk.h"
 #include "render/traverse/ray_box.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -22,7 +22,7 @@ double noise(const Index3& at) {
 }
 
 TEST(RaysInFacesAndEdges, along_an_edge_see_the_line_between_its_samples) {
-  TracedVolume traced(volume_of<double>({n, n, n}, noise));
+  TracedDataset traced(volume_of<double>({n, n, n}, noise));
   int hits = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (int a = 0; a < n; ++a)
@@ -53,7 +53,7 @@ TEST(RaysInFacesAndEdges, along_an_edge_see_the_line_between_its_samples) {
 }
 
 TEST(RaysInFacesAndEdges, in_a_face_see_the_bilinear_field_in_it) {
-  TracedVolume traced(volume_of<double>({n, n, n}, noise));
+  TracedDataset traced(volume_of<double>({n, n, n}, noise));
   Dice dice(1);
   int hits = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -77,7 +77,7 @@ TEST(RaysInFacesAndEdges, in_a_face_see_the_bilinear_field_in_it) {
 
 TEST(RaysInFacesAndEdges, along_diagonals_pass_several_planes_at_once_and_lose_nothing) {
   // Along the body diagonal, x y z is the cube of the position, in every cell.
-  TracedVolume traced(sampled_volume<double>({n, n, n}, {}, product_field()));
+  TracedDataset traced(sampled_volume<double>({n, n, n}, {}, product_field()));
   int ties = 0;
   for (double root = 0.125; root < 8; root += 0.125) {
     const render::Ray ray{.origin = {-3, -3, -3}, .direction = {1, 1, 1}};
@@ -98,7 +98,7 @@ TEST(RaysInFacesAndEdges, along_diagonals_pass_several_planes_at_once_and_lose_n
 TEST(RaysInFacesAndEdges, through_lattice_points_hit_whenever_the_sample_there_is_inside) {
   // One sample inside, the rest outside: the surface around it resembles an octahedron.
   const Index3 place(4, 4, 4);
-  TracedVolume traced(volume_of<double>({n, n, n}, [&](const Index3& at) { return at == place ? 1.0 : -1.0; }));
+  TracedDataset traced(volume_of<double>({n, n, n}, [&](const Index3& at) { return at == place ? 1.0 : -1.0; }));
   Dice dice(2);
   constexpr std::array<double, 5> steps{-2, -1, 0, 1, 2};
   for (int trial = 0; trial < 2000; ++trial) {

@@ -5,7 +5,7 @@
 
 #include "tests/hard_cases/mesh_crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 
 namespace rhoray::tests {
 namespace {
@@ -78,7 +78,7 @@ TEST(SharedEdgesAndVertices, on_the_surface_change_the_side_in_pairs) {
 
 TEST(SharedEdgesAndVertices, are_no_holes_in_a_packed_mesh) {
   const auto mesh = ball_in_a_box(0.12);
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   int missed = 0;
   for (const render::Ray& ray : rays_at_edges_and_vertices(mesh)) missed += traced.first_crossing(ray, 0).is_miss();
   EXPECT_EQ(missed, 0);

@@ -10,7 +10,7 @@
 
 #include "tests/hard_cases/mesh_crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 
 namespace rhoray::tests {
 namespace {
@@ -33,7 +33,7 @@ TEST(FlatTets, carry_the_surface_from_face_to_face) {
     const auto mesh = two_roofs(bump);
     auto without_flat = mesh;
     without_flat.cells.pop_back();
-    TracedVolume traced(mesh);
+    TracedDataset traced(mesh);
     Dice dice(3);
     for (int trial = 0; trial < 1000; ++trial) {
       const Vec3 target = dice.point({0.1, 0.1, 0}, {0.9, 0.9, 0});
@@ -65,7 +65,7 @@ TEST(FlatTets, give_finite_answers_at_any_flatness) {
   for (const double flatness : {0.0, 1e-16, 1e-12, 1e-6, 1.0}) {
     auto mesh = strewn_mesh(300, 0.4, flatness, 4);
     add_point_field(mesh, "value", linear_field({1, 1, 1}, -1.5));
-    TracedVolume traced(mesh);
+    TracedDataset traced(mesh);
     Dice dice(5);
     for (int trial = 0; trial < 500; ++trial) {
       const Vec3 direction = dice.direction();

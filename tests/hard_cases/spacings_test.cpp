@@ -39,16 +39,16 @@ TEST(Spacings, without_an_inverse_are_refused) {
 
 TEST(Spacings, small_and_large_and_negative_ones_show_the_same) {
   const TemporaryFolder folder;
-  const render::Volume unit = packed(folder, "unit.rho", ball_with_spacing(Vec3(1)));
+  const render::Dataset unit = packed(folder, "unit.rho", ball_with_spacing(Vec3(1)));
   const render::Framebuffer expected = picture(unit, oblique_scene(unit, 4));
   EXPECT_GT(hit_count(expected), 1000U);
   for (const int power : {-300, -100, 100, 300}) {
     const double scale = std::ldexp(1.0, power);
-    const render::Volume scaled = packed(folder, concat("scaled", power, ".rho"), ball_with_spacing(Vec3(scale)));
+    const render::Dataset scaled = packed(folder, concat("scaled", power, ".rho"), ball_with_spacing(Vec3(scale)));
     const render::Framebuffer made = picture(scaled, oblique_scene(scaled, 4));
     EXPECT_EQ(made.cell, expected.cell) << power;
   }
-  const render::Volume mirrored = packed(folder, "mirrored.rho", ball_with_spacing({1, -1, 1}));
+  const render::Dataset mirrored = packed(folder, "mirrored.rho", ball_with_spacing({1, -1, 1}));
   const std::size_t hits = hit_count(picture(mirrored, oblique_scene(mirrored, 4)));
   EXPECT_NEAR(static_cast<double>(hits), static_cast<double>(hit_count(expected)), 60);
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -14,7 +14,7 @@ namespace {
 
 TEST(TangentRoots, are_found_as_long_as_the_values_tell_them_apart) {
   // The field in the middle cell is u v. Along u + v = 1 it is s (1 - s), at most 1/4.
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<double>({4, 4, 4}, [](const Index3& at) { return at.x >= 2 && at.y >= 2 ? 1.0 : 0.0; }));
   const render::Ray ray{.origin = {0.5, 2.5, 1.3}, .direction = {1, -1, 0}};
   int dips = 0, lost_by_ends = 0;
@@ -35,7 +35,7 @@ TEST(TangentRoots, are_found_as_long_as_the_values_tell_them_apart) {
 }
 
 TEST(TangentRoots, are_found_on_rays_at_every_distance_from_a_ridge) {
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<double>({4, 4, 4}, [](const Index3& at) { return at.x >= 2 && at.y >= 2 ? 1.0 : 0.0; }));
   Dice dice(1);
   int hits = 0, lost_by_ends = 0;

@@ -8,7 +8,7 @@
 #include "render/traverse/lattice_walk.h"
 #include "render/traverse/ray_box.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 /// The nearest crossing among the tetrahedra of the first leaf cell that has any. This is wrong: it
 /// may lie beyond that leaf.
-double from_the_first_leaf(const render::TetVolume<double>& view, const render::Ray& ray, double iso) {
+double from_the_first_leaf(const render::TetData<double>& view, const render::Ray& ray, double iso) {
   const render::Ray on_lattice = view.on_lattice(ray);
   const render::PlaneTimes planes(on_lattice);
   const render::WalkLattice lattice = view.lattice();
@@ -51,15 +51,15 @@ TEST(TetsOverManyLeaves, do_not_hide_a_nearer_crossing) {
   int hits = 0, hidden_by_the_first_leaf = 0;
   for (const auto& [mesh, leaves_per_cell] :
        {std::pair(&graded, 0.01), {&graded, 1.0}, {&graded, 50.0}, {&strewn, 1.0}, {&strewn, 50.0}}) {
-    TracedVolume traced(
+    TracedDataset traced(
         *mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves_per_cell});
-    const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
+    const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
     Dice dice(1);
     for (int trial = 0; trial < 400; ++trial) {
       const Vec3 direction = dice.direction();
       const render::Ray ray{.origin = dice.point({0, 0, 0}, {1, 1, 1}) - 3.0 * direction, .direction = direction};
-      const render::Ray in_volume = traced.ray_volume(ray);
-      const render::RayShear shear(in_volume);
+      const render::Ray in_data = traced.ray_data(ray);
+      const render::RayShear shear(in_data);
       double truth = HUGE_VAL;
       for (std::uint32_t cell = 0; cell < mesh->cells.size(); ++cell) {
         const auto vertices = view.sorted_vertices(cell);
@@ -73,7 +73,7 @@ TEST(TetsOverManyLeaves, do_not_hide_a_nearer_crossing) {
       ASSERT_EQ(hit.t, truth);
       ASSERT_EQ(traced.first_crossing(ray, 0.1, false).t, truth);
       hits += !hit.is_miss();
-      hidden_by_the_first_leaf += from_the_first_leaf(view, in_volume, 0.1) > truth;
+      hidden_by_the_first_leaf += from_the_first_leaf(view, in_data, 0.1) > truth;
     }
   }
   EXPECT_GT(hits, 1000);

@@ -5,7 +5,7 @@
 
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -14,7 +14,7 @@ namespace {
 TEST(ThinPlate, is_hit_by_every_ray_through_it) {
   const Index3 count(24, 24, 24), cells(23, 23, 23);
   const Samples samples = [](const Index3& at) { return at.y == 11 ? 100.0 : 0.0; };
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<std::uint8_t>(count, [&](const Index3& at) { return static_cast<std::uint8_t>(samples(at)); }));
   Dice dice(1);
   int missed = 0, missed_by_steps = 0, rays = 0;

@@ -12,7 +12,7 @@
 #include <functional>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -47,9 +47,9 @@ struct Change {
   Vec3 point(const Vec3& p) const { return vector(p) + shift; }
 };
 
-TracedVolume changed_grid(const Change& change) {
+TracedDataset changed_grid(const Change& change) {
   const Affine map{{change.stretch.x, 0, 0}, {0, change.stretch.y, 0}, {0, 0, change.stretch.z}, change.shift};
-  return TracedVolume(volume_of<double>(
+  return TracedDataset(volume_of<double>(
       Index3(cells + 1),
       [&](const Index3& at) {
         return change.value(
@@ -58,13 +58,13 @@ TracedVolume changed_grid(const Change& change) {
       map));
 }
 
-TracedVolume changed_mesh(const Change& change) {
+TracedDataset changed_mesh(const Change& change) {
   const BoxMesh shape{.cells = Index3(cells), .box = Box3(Vec3(0), Vec3(cells)), .jitter = 0.15};
   preprocess::NeutralMesh mesh = box_mesh(shape);
   for (auto& point : mesh.points) point = to_array(on_a_grid(to_vec3(point)));
   add_point_field(mesh, "value", [&](const Vec3& p) { return change.value(field_at(p)); });
   for (auto& point : mesh.points) point = to_array(change.point(to_vec3(point)));
-  return TracedVolume(mesh);
+  return TracedDataset(mesh);
 }
 
 std::vector<Ray> rays_at_the_scene() {
@@ -85,11 +85,11 @@ struct Comparison {
   double farthest_apart = 0;  ///< largest difference of two hits beyond their bounds, in cells
 };
 
-using Make = std::function<TracedVolume(const Change&)>;
+using Make = std::function<TracedDataset(const Change&)>;
 
 /// Directions change together with the points, so that t stays.
 Comparison compare(const Make& make, const Change& change, const Method& method) {
-  TracedVolume plain = make({}), changed = make(change);
+  TracedDataset plain = make({}), changed = make(change);
   Comparison result;
   for (const Ray& ray : rays_at_the_scene()) {
     const Ray moved{.origin = change.point(ray.origin), .direction = change.vector(ray.direction)};

@@ -6,7 +6,7 @@
 #include "tests/hard_cases/mesh_crossings.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 
 namespace rhoray::tests {
 namespace {
@@ -19,7 +19,7 @@ TEST(ValuesEqualToIsovalue, in_a_mesh_change_the_side_in_pairs) {
     const bool on_box = p.x == 0 || p.y == 0 || p.z == 0 || p.x == 5 || p.y == 5 || p.z == 5;
     return on_box ? 0.0 : static_cast<double>(values.below(3));
   });
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   Dice dice(2);
   int odd = 0, hits = 0, wrong = 0, wrong_by_product = 0;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -56,7 +56,7 @@ TEST(ValuesEqualToIsovalue, in_a_whole_face_or_cell_give_one_hit_where_the_ray_g
   // Layers of a mesh at x = 0..6: 0 0 1 1 1 0 0.
   const auto mesh = box_mesh({.cells = {6, 2, 2}, .box = Box3({0, 0, 0}, {6, 2, 2})},
                              [](const Vec3& p) { return p.x >= 2 && p.x <= 4 ? 1.0 : 0.0; });
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   Dice dice(3);
   for (int trial = 0; trial < 500; ++trial) {
     const Vec3 target = dice.point({3, 0.6, 0.6}, {3, 1.4, 1.4});
@@ -68,7 +68,7 @@ TEST(ValuesEqualToIsovalue, in_a_whole_face_or_cell_give_one_hit_where_the_ray_g
 }
 
 TEST(ValuesEqualToIsovalue, in_a_plateau_of_a_grid_give_one_hit_where_the_ray_gets_in) {
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<std::uint8_t>({7, 5, 5}, [](const Index3& at) { return at.x >= 2 && at.x <= 4 ? 1 : 0; }));
   Dice dice(4);
   int lost_by_product = 0;
@@ -92,7 +92,7 @@ TEST(ValuesEqualToIsovalue, in_noise_of_whole_numbers_hit_exactly_when_a_value_r
     const auto hash = static_cast<std::uint64_t>((at.z * 31 + at.y) * 37 + at.x) * 0x9e3779b97f4a7c15U;
     return static_cast<double>((hash >> 40) % 3);
   };
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<std::uint8_t>({7, 7, 7}, [&](const Index3& at) { return static_cast<std::uint8_t>(samples(at)); }));
   Dice dice(5);
   int hits = 0, misses = 0, too_close = 0;

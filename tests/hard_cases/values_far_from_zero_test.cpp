@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -24,8 +24,8 @@ std::vector<render::Ray> some_rays() {
 }
 
 TEST(ValuesFarFromZero, give_the_hits_of_the_same_values_near_zero_bit_for_bit) {
-  TracedVolume near(volume_of<float>({11, 10, 12}, rough));
-  TracedVolume far(volume_of<float>({11, 10, 12}, [](const Index3& at) { return rough(at) + 1e6F; }));
+  TracedDataset near(volume_of<float>({11, 10, 12}, rough));
+  TracedDataset far(volume_of<float>({11, 10, 12}, [](const Index3& at) { return rough(at) + 1e6F; }));
   int hits = 0, changed_without_subtraction = 0;
   for (const render::Ray& ray : some_rays()) {
     const render::Hit a = near.first_crossing(ray, 0.3125), b = far.first_crossing(ray, 1e6 + 0.3125);
@@ -47,9 +47,9 @@ TEST(ValuesFarFromZero, give_the_hits_of_the_same_values_near_zero_bit_for_bit) 
 }
 
 TEST(ValuesFarFromZero, scaled_by_a_power_of_two_give_the_same_hits_bit_for_bit) {
-  TracedVolume plain(volume_of<double>({11, 10, 12}, rough));
+  TracedDataset plain(volume_of<double>({11, 10, 12}, rough));
   for (const int power : {-900, -100, -1, 3, 100, 900}) {
-    TracedVolume scaled(volume_of<double>(
+    TracedDataset scaled(volume_of<double>(
         {11, 10, 12}, [=](const Index3& at) { return std::ldexp(static_cast<double>(rough(at)), power); }));
     for (const render::Ray& ray : some_rays()) {
       const render::Hit a = plain.first_crossing(ray, 0.3), b = scaled.first_crossing(ray, std::ldexp(0.3, power));
@@ -63,10 +63,10 @@ TEST(ValuesFarFromZero, scaled_by_a_power_of_two_give_the_same_hits_bit_for_bit)
 }
 
 TEST(ValuesFarFromZero, in_space_scaled_by_a_power_of_two_scale_t_exactly) {
-  TracedVolume plain(volume_of<float>({11, 10, 12}, rough));
+  TracedDataset plain(volume_of<float>({11, 10, 12}, rough));
   Affine map;
   map.x_axis = {0x1p-20, 0, 0}, map.y_axis = {0, 0x1p-20, 0}, map.z_axis = {0, 0, 0x1p-20};
-  TracedVolume small(volume_of<float>({11, 10, 12}, rough, map));
+  TracedDataset small(volume_of<float>({11, 10, 12}, rough, map));
   for (const render::Ray& ray : some_rays()) {
     const double smallest = std::min({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
     if (smallest != 0 && smallest < 1e-200) continue;  // denormal components do not scale

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "formats/base/text.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/method.h"
 #include "render/query/all_hits.h"
 #include "render/query/intersectors.h"
@@ -44,11 +44,11 @@ struct Asked {
   Rounding rounding;
 };
 
-std::array<Asked, WatertightTally::method_count> asked_methods(const render::Volume& volume) {
+std::array<Asked, WatertightTally::method_count> asked_methods(const render::Dataset& dataset) {
   const Machine machine = render::chosen_machine();
   constexpr Method certified = render::method_of(Accuracy::certified), single = render::method_of(Accuracy::float32);
   return {{{"certified", certified, machine, {}},
-           {"default", render::default_method(volume, render::Mode::isosurface), machine, of_float},
+           {"default", render::default_method(dataset, render::Mode::isosurface), machine, of_float},
            {"double", render::method_of(Accuracy::float64), Machine::scalar, of_double},
            {"scalar float", single, Machine::scalar, of_float},
            {"scalar certified", certified, Machine::scalar, {}}}};
@@ -57,8 +57,8 @@ std::array<Asked, WatertightTally::method_count> asked_methods(const render::Vol
 /// A kernel for queries of one volume.
 class Caster {
  public:
-  Caster(const render::Volume& volume, const Method& method, Machine machine)
-      : volume_(volume.implementation()),
+  Caster(const render::Dataset& dataset, const Method& method, Machine machine)
+      : volume_(dataset.implementation()),
         method_(method),
         kernels_(choose_intersectors(volume_, {.method = method}, machine)) {
     scratch_.queue.reserve(kernels_.queue_entries);
@@ -74,7 +74,7 @@ class Caster {
   const render::KernelCounters& counters() const { return scratch_.counters; }
 
  private:
-  const render::VolumeImplementation& volume_;
+  const render::LoadedDataset& volume_;
   Method method_;
   render::Intersectors kernels_;
   render::KernelScratch scratch_;
@@ -110,9 +110,9 @@ class Inquiry {
         method_count_(is_thorough ? WatertightTally::method_count : WatertightTally::wide_count),
         is_thorough_(is_thorough),
         sample_every_(sample_every),
-        asked_(asked_methods(scene.volume)),
-        judge_(scene.volume, render::method_of(Accuracy::exact), Machine::scalar) {
-    for (const Asked& asked : asked_) casters_.emplace_back(scene.volume, asked.method, asked.machine);
+        asked_(asked_methods(scene.dataset)),
+        judge_(scene.dataset, render::method_of(Accuracy::exact), Machine::scalar) {
+    for (const Asked& asked : asked_) casters_.emplace_back(scene.dataset, asked.method, asked.machine);
     for (const auto& [a, b] : scene.edges)
       largest_step_ = std::max(largest_step_, std::abs(scene.values[a] - scene.values[b]));
   }
@@ -311,9 +311,10 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
 
 /// Finds all crossings in one traversal of each ray, as for pictures with transparent surfaces.
 void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const std::vector<bool>& sampled) {
-  const render::VolumeImplementation& volume = scene_.volume.implementation();
+  const render::LoadedDataset& dataset = scene_.dataset.implementation();
   const render::AllHitsKernel kernel =
-      render::choose_intersectors(volume, {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)})
+      render::choose_intersectors(dataset,
+                                  {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)})
           .all_hits;
   if (kernel == nullptr) return;
   const render::TransparentSurface surface{.isovalue = scene_.isovalue};
@@ -326,7 +327,7 @@ void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const
   batch.count = rays.size();
   for (std::size_t r = 0; r < rays.size(); ++r) batch.set(r, rays[r]);
   render::KernelCounters counters;
-  kernel(volume, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), all_hits_scratch_, counters);
+  kernel(dataset, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), all_hits_scratch_, counters);
 
   for (std::size_t r = 0; r < rays.size(); ++r) {
     if (complete[r] == 0) continue;

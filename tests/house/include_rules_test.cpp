@@ -30,8 +30,8 @@ class PlantedHouse {
     plant("render/traverse/ray.h", "#include \"formats/base/box.h\"\n");
     plant("render/cell/cubic.h", "#include \"render/traverse/ray.h\"\n");
     plant("render/grid/grid.h", "#include \"formats/grid.h\"\n#include \"render/traverse/ray.h\"\n");
-    plant("render/dataset/volume.h", "#include \"render/grid/grid.h\"\n");
-    plant("render/query/kernels.h", "#include \"render/dataset/volume.h\"\n#include \"render/method.h\"\n");
+    plant("render/dataset/loaded_dataset.h", "#include \"render/grid/grid.h\"\n");
+    plant("render/query/kernels.h", "#include \"render/dataset/loaded_dataset.h\"\n#include \"render/method.h\"\n");
     plant("render/grid/intersectors.h", "#include \"render/query/kernels.h\"\n");
     plant("render/shade/diffuse.h", "#include \"render/scene.h\"\n");
     plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/shade/diffuse.h\"\n");

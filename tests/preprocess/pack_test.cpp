@@ -45,7 +45,7 @@ TEST_F(Pack, takes_every_kind_of_input_and_describes_what_it_wrote) {
   EXPECT_EQ(std::get<formats::ColorGridDescription>(colors.description).component_count, 3);
   EXPECT_EQ(colors.raw_bytes, 24U);
   const PackReport surface = packed("a.off");
-  EXPECT_EQ(std::get<formats::SurfaceMeshDescription>(surface.description).triangle_count, 1U);
+  EXPECT_EQ(std::get<formats::TriangleMeshDescription>(surface.description).triangle_count, 1U);
   const PackReport mesh = packed("a.vtu");
   const auto& tets = std::get<formats::TetMeshDescription>(mesh.description);
   EXPECT_EQ(tets.cell_count, 2U);

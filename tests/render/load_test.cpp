@@ -3,28 +3,28 @@
 #include <gtest/gtest.h>
 
 #include "formats/base/error.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::tests {
 namespace {
 
-using render::Volume;
+using render::Dataset;
 
 TEST(VolumeLoad, takes_the_named_field_or_the_first_and_refuses_others_with_the_names_there_are) {
   TemporaryFolder folder;
   auto mesh = box_mesh({.cells = {2, 2, 2}}, linear_field({1, 0, 0}));
   add_point_field(mesh, "other", linear_field({0, 5, 0}));
   preprocess::pack_mesh(mesh, folder / "mesh.rho");
-  const Volume first = Volume::load(folder / "mesh.rho"), other = Volume::load(folder / "mesh.rho", "other");
+  const Dataset first = Dataset::load(folder / "mesh.rho"), other = Dataset::load(folder / "mesh.rho", "other");
   EXPECT_EQ(first.field().name, "value");
   EXPECT_EQ(other.field().name, "other");
   EXPECT_EQ(other.field().range.hi, 5);
   EXPECT_EQ(first.field_names(), (std::vector<std::string>{"value", "other"}));
   EXPECT_TRUE(first.is_mesh());
   try {
-    Volume::load(folder / "mesh.rho", "pressure");
+    Dataset::load(folder / "mesh.rho", "pressure");
     FAIL() << "not refused";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::usage);
@@ -35,36 +35,36 @@ TEST(VolumeLoad, takes_the_named_field_or_the_first_and_refuses_others_with_the_
 
 TEST(VolumeLoad, refuses_a_missing_file) {
   TemporaryFolder folder;
-  EXPECT_THROW(Volume::load(folder / "nothing.rho"), Error);
+  EXPECT_THROW(Dataset::load(folder / "nothing.rho"), Error);
 }
 
 TEST(VolumeBounds, are_those_of_the_cells_in_the_world) {
   Affine map{{0, 2, 0}, {-3, 0, 0}, {0, 0, 0.5}, {10, 20, 30}};
-  const TracedVolume grid(volume_of<std::uint8_t>(
+  const TracedDataset grid(volume_of<std::uint8_t>(
       {5, 3, 4}, [](const Index3&) { return 1; }, map));
-  EXPECT_EQ(grid.volume().bounds().min, Vec3(10 - 6, 20, 30));
-  EXPECT_EQ(grid.volume().bounds().max, Vec3(10, 20 + 8, 30 + 1.5));
-  EXPECT_FALSE(grid.volume().is_mesh());
+  EXPECT_EQ(grid.dataset().bounds().min, Vec3(10 - 6, 20, 30));
+  EXPECT_EQ(grid.dataset().bounds().max, Vec3(10, 20 + 8, 30 + 1.5));
+  EXPECT_FALSE(grid.dataset().is_mesh());
   const Box3 box({-1, 5, 100}, {3, 6, 108});
-  const TracedVolume mesh(box_mesh({.cells = {2, 2, 2}, .box = box}, linear_field({1, 0, 0})));
-  EXPECT_LT((mesh.volume().bounds().min - box.min).length(), 1e-12);
-  EXPECT_LT((mesh.volume().bounds().max - box.max).length(), 1e-12);
+  const TracedDataset mesh(box_mesh({.cells = {2, 2, 2}, .box = box}, linear_field({1, 0, 0})));
+  EXPECT_LT((mesh.dataset().bounds().min - box.min).length(), 1e-12);
+  EXPECT_LT((mesh.dataset().bounds().max - box.max).length(), 1e-12);
 }
 
 TEST(IsosurfaceBounds, hold_the_surface_and_little_more) {
   const auto field = distance_field({20, 20, 20});
-  const TracedVolume grid(sampled_volume<float>({41, 41, 41}, {}, field));
-  const TracedVolume mesh(box_mesh({.cells = {10, 10, 10}, .box = Box3({0, 0, 0}, {40, 40, 40})}, field));
-  for (const TracedVolume* traced : {&grid, &mesh}) {
-    const Box3 box = traced->volume().isosurface_bounds(8);
+  const TracedDataset grid(sampled_volume<float>({41, 41, 41}, {}, field));
+  const TracedDataset mesh(box_mesh({.cells = {10, 10, 10}, .box = Box3({0, 0, 0}, {40, 40, 40})}, field));
+  for (const TracedDataset* traced : {&grid, &mesh}) {
+    const Box3 box = traced->dataset().isosurface_bounds(8);
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_LE(box.min[axis], 12);
       EXPECT_GE(box.min[axis], 4);
       EXPECT_GE(box.max[axis], 28);
       EXPECT_LE(box.max[axis], 36);
     }
-    EXPECT_TRUE(traced->volume().isosurface_bounds(1000).isEmpty());
-    EXPECT_TRUE(traced->volume().isosurface_bounds(-1).isEmpty());
+    EXPECT_TRUE(traced->dataset().isosurface_bounds(1000).isEmpty());
+    EXPECT_TRUE(traced->dataset().isosurface_bounds(-1).isEmpty());
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "render/ray_caster.h"
 #include "render/render.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -26,22 +26,22 @@ using render::Scene;
 
 constexpr FrameOptions small{.width = 48, .height = 36};
 
-std::string file_of(const TracedVolume& traced) {
-  return read_file(traced.volume().file().name());
+std::string file_of(const TracedDataset& traced) {
+  return read_file(traced.dataset().file().name());
 }
 std::string grid_file() {
-  return file_of(TracedVolume(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13}))));
+  return file_of(TracedDataset(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13}))));
 }
 std::string mesh_file(bool has_clusters) {
   preprocess::PackMeshOptions options;
   options.structure = has_clusters ? preprocess::MeshStructure::clusters : preprocess::MeshStructure::leaves;
-  return file_of(TracedVolume(box_mesh({.cells = {6, 6, 6}}, distance_field({0.5, 0.5, 0.5})), options));
+  return file_of(TracedDataset(box_mesh({.cells = {6, 6, 6}}, distance_field({0.5, 0.5, 0.5})), options));
 }
 
-Scene scene_of(const render::Volume& volume, const render::Method& method, Mode mode = Mode::isosurface) {
+Scene scene_of(const render::Dataset& dataset, const render::Method& method, Mode mode = Mode::isosurface) {
   Scene scene;
-  const Interval<double> range = volume.field().range;
-  scene.camera = fit_camera(volume.bounds(), render::named_view("iso"), 4.0 / 3);
+  const Interval<double> range = dataset.field().range;
+  scene.camera = fit_camera(dataset.bounds(), render::named_view("iso"), 4.0 / 3);
   scene.layers[0].mode = mode;
   scene.layers[0].isovalue = range.lo / 2 + range.hi / 2;
   scene.layers[0].window = range;
@@ -65,24 +65,24 @@ std::vector<Sound> sound_files() {
 TEST(RangeProof, is_made_once_before_the_first_frame_that_proves_and_never_for_others) {
   for (const Sound& sound : sound_files()) {
     SCOPED_TRACE(sound.name);
-    const TracedVolume traced(sound.file);
-    const render::Volume& volume = traced.volume();
+    const TracedDataset traced(sound.file);
+    const render::Dataset& dataset = traced.dataset();
     Framebuffer picture;
     render::RenderContext memory;
-    const auto proven_bytes = [&](const render::Volume& of, Accuracy accuracy, Mode mode = Mode::isosurface) {
+    const auto proven_bytes = [&](const render::Dataset& of, Accuracy accuracy, Mode mode = Mode::isosurface) {
       return render::render(of, scene_of(of, method_of(accuracy), mode), small, picture, memory).range_proof.bytes;
     };
     for (const Accuracy accuracy : {Accuracy::preview, Accuracy::float32, Accuracy::float64})
-      EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
-    EXPECT_EQ(render::RayCaster(volume, 1, method_of(Accuracy::float64)).range_proof().bytes, 0U);
-    EXPECT_GT(proven_bytes(volume, Accuracy::certified), sound.file.size() / 4);
+      EXPECT_EQ(proven_bytes(dataset, accuracy), 0U);
+    EXPECT_EQ(render::RayCaster(dataset, 1, method_of(Accuracy::float64)).range_proof().bytes, 0U);
+    EXPECT_GT(proven_bytes(dataset, Accuracy::certified), sound.file.size() / 4);
     for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact, Accuracy::float32})
-      EXPECT_EQ(proven_bytes(volume, accuracy), 0U);
-    EXPECT_EQ(proven_bytes(volume, Accuracy::certified, Mode::mip), 0U);
-    const render::Volume copy = volume;
+      EXPECT_EQ(proven_bytes(dataset, accuracy), 0U);
+    EXPECT_EQ(proven_bytes(dataset, Accuracy::certified, Mode::mip), 0U);
+    const render::Dataset copy = dataset;
     EXPECT_EQ(proven_bytes(copy, Accuracy::exact), 0U) << "copies share the proof";
     EXPECT_EQ(render::RayCaster(copy, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U);
-    const render::Volume again = render::Volume::load(volume.file().name());
+    const render::Dataset again = render::Dataset::load(dataset.file().name());
     EXPECT_GT(render::RayCaster(again, 1, method_of(Accuracy::exact)).range_proof().bytes, 0U) << "mapped anew";
     EXPECT_EQ(proven_bytes(again, Accuracy::certified), 0U);
   }
@@ -91,46 +91,46 @@ TEST(RangeProof, is_made_once_before_the_first_frame_that_proves_and_never_for_o
 TEST(RangeProof, refuses_frames_and_rays_every_time_where_ranges_are_too_narrow) {
   for (const Sound& sound : sound_files()) {
     SCOPED_TRACE(sound.name);
-    const TracedVolume traced(narrowed(sound.file, sound.array, sound.step));
-    const render::Volume& volume = traced.volume();
+    const TracedDataset traced(narrowed(sound.file, sound.array, sound.step));
+    const render::Dataset& dataset = traced.dataset();
     Framebuffer picture;
-    EXPECT_GT(render::render(volume, scene_of(volume, method_of(Accuracy::float32)), small, picture).rays, 0U);
+    EXPECT_GT(render::render(dataset, scene_of(dataset, method_of(Accuracy::float32)), small, picture).rays, 0U);
     for (int time = 0; time < 2; ++time)
       for (const Accuracy accuracy : {Accuracy::certified, Accuracy::exact}) {
         const render::Method method = method_of(accuracy);
         for (const Mode mode : {Mode::isosurface, Mode::mip}) {
           Framebuffer none;
           expect_error(ErrorCode::invalid,
-                       "packed.rho: ", [&] { render::render(volume, scene_of(volume, method, mode), small, none); });
+                       "packed.rho: ", [&] { render::render(dataset, scene_of(dataset, method, mode), small, none); });
           EXPECT_EQ(none.pixel_count(), 0U);
         }
-        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { render::RayCaster(volume, 1, method); });
-        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { volume.prove_ranges(); });
+        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { render::RayCaster(dataset, 1, method); });
+        expect_error(ErrorCode::invalid, "packed.rho: ", [&] { dataset.prove_ranges(); });
       }
   }
 }
 
 TEST(RangeProof, asks_only_of_volumes_whose_answers_are_proven) {
-  const TracedVolume sound(grid_file()), spoilt(narrowed(grid_file(), "macro.1", IntervalStep::macro_levels));
-  const std::vector<render::Volume> volumes{sound.volume(), spoilt.volume()};
-  Scene scene = scene_of(volumes[0], method_of(Accuracy::certified));
+  const TracedDataset sound(grid_file()), spoilt(narrowed(grid_file(), "macro.1", IntervalStep::macro_levels));
+  const std::vector<render::Dataset> datasets{sound.dataset(), spoilt.dataset()};
+  Scene scene = scene_of(datasets[0], method_of(Accuracy::certified));
   scene.layers.push_back(scene.layers[0]);
-  scene.layers[1].volume = 1;
+  scene.layers[1].dataset = 1;
   scene.layers[1].method = method_of(Accuracy::float32);
   Framebuffer picture;
-  EXPECT_GT(render::render(volumes, scene, small, picture).range_proof.bytes, 0U);
+  EXPECT_GT(render::render(datasets, scene, small, picture).range_proof.bytes, 0U);
   scene.layers[1].method = method_of(Accuracy::certified);
-  expect_error(ErrorCode::invalid, "level 1", [&] { render::render(volumes, scene, small, picture); });
+  expect_error(ErrorCode::invalid, "level 1", [&] { render::render(datasets, scene, small, picture); });
 }
 
 TEST(RangeProof, is_made_once_although_several_threads_ask) {
-  const TracedVolume traced(grid_file());
+  const TracedDataset traced(grid_file());
   std::atomic<std::uint64_t> bytes = 0, times = 0;
   {
     std::vector<std::jthread> threads;
     for (int thread = 0; thread < 8; ++thread)
       threads.emplace_back([&] {
-        const std::uint64_t read = traced.volume().prove_ranges(1).bytes;
+        const std::uint64_t read = traced.dataset().prove_ranges(1).bytes;
         bytes += read;
         times += read > 0;
       });
@@ -144,8 +144,8 @@ TEST(RangeProof, is_made_once_although_several_threads_ask) {
 TEST(RangeProof, is_not_taken_for_that_of_a_file_loaded_later) {
   const std::string sound = grid_file(), spoilt = narrowed(sound, "macro.1", IntervalStep::macro_levels);
   for (int time = 0; time < 20; ++time) {
-    EXPECT_GT(TracedVolume(sound).volume().prove_ranges().bytes, 0U);
-    expect_error(ErrorCode::invalid, "level 1", [&] { TracedVolume(spoilt).volume().prove_ranges(); });
+    EXPECT_GT(TracedDataset(sound).dataset().prove_ranges().bytes, 0U);
+    expect_error(ErrorCode::invalid, "level 1", [&] { TracedDataset(spoilt).dataset().prove_ranges(); });
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "render/ray_caster.h"
 #include "render/render.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -15,22 +15,22 @@ namespace {
 
 TEST(RayCaster, answers_the_rays_of_a_camera_as_render_does) {
   const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
-  const TracedVolume grid(sampled_volume<float>({9, 8, 7}, turned, distance_field({7, 28, 38})));
-  const TracedVolume mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
-  for (const auto& [volume, isovalue] : {std::pair{&grid.volume(), 6.0}, {&mesh.volume(), 0.4}}) {
+  const TracedDataset grid(sampled_volume<float>({9, 8, 7}, turned, distance_field({7, 28, 38})));
+  const TracedDataset mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
+  for (const auto& [dataset, isovalue] : {std::pair{&grid.dataset(), 6.0}, {&mesh.dataset(), 0.4}}) {
     render::Scene scene;
     scene.layers[0].isovalue = isovalue;
-    scene.camera = render::fit_camera(volume->bounds(), render::named_view("iso"), 1.5);
+    scene.camera = render::fit_camera(dataset->bounds(), render::named_view("iso"), 1.5);
     const render::FrameOptions options{.width = 60, .height = 40, .channels = {.depth = true, .cell = true}};
     render::Framebuffer picture;
-    render::render(*volume, scene, options, picture);
+    render::render(*dataset, scene, options, picture);
 
-    const auto rays = render::camera_rays(*volume, scene.camera, 60, 40);
+    const auto rays = render::camera_rays(*dataset, scene.camera, 60, 40);
     ASSERT_EQ(rays.size(), picture.pixel_count());
     std::uint64_t visits = 0;
     for (const unsigned threads : {1U, 3U}) {
       std::vector<render::Hit> hits(rays.size());
-      render::RayCaster queries(*volume, isovalue, {}, threads);
+      render::RayCaster queries(*dataset, isovalue, {}, threads);
       queries.first_crossings(rays, hits);
       EXPECT_TRUE(visits == 0 || visits == queries.counters().visits());
       visits = queries.counters().visits();
@@ -43,26 +43,26 @@ TEST(RayCaster, answers_the_rays_of_a_camera_as_render_does) {
       EXPECT_GT(hit_count, 100U);
     }
   }
-  EXPECT_EQ(render::world_from_ray_frame(grid.volume()), turned);
+  EXPECT_EQ(render::world_from_ray_frame(grid.dataset()), turned);
 }
 
 TEST(RayCaster, takes_rays_in_the_frame_of_the_samples_and_of_any_length) {
   const Affine turned{{0, 2, 0}, {-1, 0, 0}, {0, 0, 3}, {10, 20, 30}};
-  const TracedVolume grid(volume_of<float>(
+  const TracedDataset grid(volume_of<float>(
       {5, 5, 5}, [](const Index3& at) { return static_cast<float>(at.x); }, turned));
   const std::vector<render::Ray> rays{{{-1, 2, 2}, {2, 0, 0}}, {{-1, 2, 2}, {-1, 0, 0}}};
   std::vector<render::Hit> hits(2);
-  render::RayCaster(grid.volume(), 2.5, {}).first_crossings(rays, hits);
+  render::RayCaster(grid.dataset(), 2.5, {}).first_crossings(rays, hits);
   EXPECT_DOUBLE_EQ(hits[0].t, 1.75);
   EXPECT_DOUBLE_EQ(hits[0].gradient.x, 1);
   EXPECT_TRUE(hits[1].is_miss());
 }
 
 TEST(RayCaster, refuses_an_isovalue_that_is_not_finite) {
-  const TracedVolume grid(volume_of<float>({2, 2, 2}, [](const Index3& at) { return static_cast<float>(at.x); }));
+  const TracedDataset grid(volume_of<float>({2, 2, 2}, [](const Index3& at) { return static_cast<float>(at.x); }));
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double isovalue : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity})
-    expect_error(ErrorCode::usage, "isovalue", [&] { render::RayCaster(grid.volume(), isovalue, {}); });
+    expect_error(ErrorCode::usage, "isovalue", [&] { render::RayCaster(grid.dataset(), isovalue, {}); });
 }
 
 }  // namespace

@@ -57,10 +57,10 @@ TEST(ResampledBorder, separates_hits_that_only_the_mesh_has_or_only_the_grid) {
   preprocess::pack_mesh(whole, folder / "whole.rho");
   preprocess::pack_mesh(notched_cube(), folder / "notched.rho");
   preprocess::resample(notched_cube(), folder / "grid.rho", {.lattice = {.spacing = {0.15, 0.15, 0.15}}});
-  const render::Volume grid = render::Volume::load(folder / "grid.rho");
+  const render::Dataset grid = render::Dataset::load(folder / "grid.rho");
   const auto separates = [&](const char* mesh, const Vec3& truth, const Vec3& said) {
-    const render::Volume volume = render::Volume::load(folder / mesh);
-    const Vec3 origin = formats::TetMesh(volume.file()).description().origin;
+    const render::Dataset dataset = render::Dataset::load(folder / mesh);
+    const Vec3 origin = formats::TetMesh(dataset.file()).description().origin;
     // A ray through both points, or from a height of 1 above the only one.
     render::Ray ray{.origin = truth - origin - Vec3(0, 0, 1), .direction = {0, 0, 1}, .t_min = 0, .t_max = 9};
     const auto hit = [&](const Vec3& place) {
@@ -68,7 +68,7 @@ TEST(ResampledBorder, separates_hits_that_only_the_mesh_has_or_only_the_grid) {
       if (place.z > -9) found.t = place.z - ray.origin.z - origin.z;
       return found;
     };
-    return ResampledBorder(volume, grid).separates(ray, hit(truth), hit(said));
+    return ResampledBorder(dataset, grid).separates(ray, hit(truth), hit(said));
   };
   const Vec3 nowhere(0, 0, -10);
   EXPECT_FALSE(separates("notched.rho", {0.3, 0.3, 0.3}, {0.3, 0.3, 0.35})) << "both have both";

@@ -47,8 +47,8 @@ std::vector<DataSet> data_sets() {
 
 void make(const Workbench& bench, const DataSet& data) {
   const Index3 count(28, 28, 28);
-  const auto volume = sampled_volume<float>(count, lattice_over(Box3({-1, -1, -1}, {1, 1, 1}), count), data.field);
-  preprocess::pack_volume(volume, bench / data.name);
+  const auto dataset = sampled_volume<float>(count, lattice_over(Box3({-1, -1, -1}, {1, 1, 1}), count), data.field);
+  preprocess::pack_volume(dataset, bench / data.name);
 }
 
 json rendered(const Workbench& bench, const std::string& words) {
@@ -150,7 +150,7 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   render::aim_camera(scene_spec, plan);
   plan.frame.channels = tools::channels_to_check(plan);
   render::Framebuffer right;
-  render::render(plan.volumes, plan.scene, plan.frame, right);
+  render::render(plan.datasets, plan.scene, plan.frame, right);
   const auto check = [&](const render::Framebuffer& picture, std::optional<double> limit = {}) {
     return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
   };
@@ -192,7 +192,7 @@ TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
     render::aim_camera(scene_spec, plan);
     plan.frame.channels = tools::channels_to_check(plan);
     render::Framebuffer picture;
-    render::render(plan.volumes, plan.scene, plan.frame, picture);
+    render::render(plan.datasets, plan.scene, plan.frame, picture);
     const tools::SelfCheck check = tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = {}}, 2);
     return concat(check.broken, " ", check.random.shown, " ", check.random.missed, " ", check.random.false_hits, " ",
                   check.random.largest, " ", check.random.kept_by_99, " ", check.edges.shown, " ", check.edges.largest);

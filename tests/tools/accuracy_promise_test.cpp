@@ -62,16 +62,16 @@ render::ResolvedScene planned(const Workbench& bench, const Shown& shown) {
 
 void expect_kept(const Workbench& bench, const Shown& shown) {
   const render::ResolvedScene plan = planned(bench, shown);
-  const render::Volume& volume = plan.volumes[0];
-  const FieldTruth field(volume);
-  const Truth truth = find_truth({.volume = volume,
+  const render::Dataset& dataset = plan.datasets[0];
+  const FieldTruth field(dataset);
+  const Truth truth = find_truth({.dataset = dataset,
                                   .scene = plan.scene,
                                   .field = field,
                                   .size = {plan.frame.width, plan.frame.height},
                                   .seconds = std::numeric_limits<double>::infinity()});
   ASSERT_TRUE(truth.are_all());
   ASSERT_GT(truth.hit_count(), truth.pixel_count() / 20) << "too little is shown";
-  const Interval<double> range = volume.field().range;
+  const Interval<double> range = dataset.field().range;
   const double unit = shown.is_projection ? range.hi - range.lo : 1;
   for (const double error : {0.3, 0.01, 1e-6}) {
     render::ResolvedScene chosen = plan;
@@ -79,8 +79,8 @@ void expect_kept(const Workbench& bench, const Shown& shown) {
     ASSERT_EQ(choices.size(), 1U);
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
     const render::Layer& layer = chosen.scene.layers[0];
-    const std::vector<render::Hit> hits =
-        answers({.volume = volume, .mode = layer.mode, .isovalue = layer.isovalue, .method = layer.method}, truth.rays);
+    const std::vector<render::Hit> hits = answers(
+        {.dataset = dataset, .mode = layer.mode, .isovalue = layer.isovalue, .method = layer.method}, truth.rays);
     const double share = count_errors(errors_against(truth, field, layer, hits)).within(error * unit);
     EXPECT_GE(share, 0.99) << shown.file << " " << error << " " << choices[0].sentence;
   }
@@ -123,14 +123,14 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   preprocess::pack_mesh(box_mesh({.cells = {6, 6, 6}, .jitter = 0.1}, distance_field({0.2, 0.1, 0})),
                         bench / "mesh.rho");
   const render::ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
-  const render::Volume& volume = plan.volumes[0];
-  const FieldTruth field(volume);
+  const render::Dataset& dataset = plan.datasets[0];
+  const FieldTruth field(dataset);
   const Truth truth =
-      find_truth({.volume = volume, .scene = plan.scene, .field = field, .size = {160, 120}, .seconds = 1000});
+      find_truth({.dataset = dataset, .scene = plan.scene, .field = field, .size = {160, 120}, .seconds = 1000});
   const auto counted = [&](const render::Method& method) {
     return count_errors(errors_against(
         truth, field, plan.scene.layers[0],
-        answers({.volume = volume, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
+        answers({.dataset = dataset, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
   };
   // A tetrahedron that is treated as larger than it is hides what lies behind it, and shows a
   // surface where there is none.

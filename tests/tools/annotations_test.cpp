@@ -156,16 +156,16 @@ TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
 TEST(Projection, sees_points_where_the_cameras_rays_pass) {
   const Workbench bench;
   bench.make_ball();
-  const render::Volume volume = render::Volume::load(bench / "ball.rho");
+  const render::Dataset dataset = render::Dataset::load(bench / "ball.rho");
   for (const bool orthographic : {false, true}) {
     const render::Camera camera = render::fit_camera(
-        volume.bounds(), {.azimuth_deg = 41, .elevation_deg = 17, .orthographic = orthographic}, 1.5);
+        dataset.bounds(), {.azimuth_deg = 41, .elevation_deg = 17, .orthographic = orthographic}, 1.5);
     const Projection projection(camera, 30, 20);
     render::Framebuffer picture;
     render::Scene scene;
     scene.layers[0].isovalue = 100;
     scene.camera = camera;
-    render::render(volume, scene, {.width = 30, .height = 20, .channels = {.depth = true, .cell = true}}, picture);
+    render::render(dataset, scene, {.width = 30, .height = 20, .channels = {.depth = true, .cell = true}}, picture);
     int count = 0;
     for (int y = 0; y < 20; ++y)
       for (int x = 0; x < 30; ++x) {

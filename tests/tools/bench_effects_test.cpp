@@ -87,7 +87,7 @@ TEST(BenchEffects, takes_a_scene_as_it_is) {
   bench.make_cube();
   write_file(bench / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "c": {"file": "cube.rho"}},
     "layers": [{"type": "isosurface", "data": "b", "isovalue": [60, 120], "opacity": 0.5},
-               {"type": "mesh", "data": "c"}], "effects": {"fog": {}}, "image": {"show": "cost"}})");
+               {"type": "triangles", "data": "c"}], "effects": {"fog": {}}, "image": {"show": "cost"}})");
   const RunResult run = bench.rhoray({"bench", "s.json", "--repeat", "1", "--size", "128x128", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto rows = rows_of(json::parse(run.out.substr(0, run.out.find('\n'))), "effect");

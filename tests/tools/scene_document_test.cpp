@@ -29,20 +29,20 @@ TEST_F(SceneDocument, shows_several_isovalues_of_several_files) {
                {"type": "isosurface", "data": "x", "isovalue": 0.5, "color": [0.5, 0.25, 0]}]})");
   const render::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
-  EXPECT_EQ(plan.volumes.size(), 2U);
+  EXPECT_EQ(plan.datasets.size(), 2U);
   EXPECT_EQ(plan.scene.layers[0].isovalue, 50);
   EXPECT_EQ(plan.origins[1].isovalue_from, "percentile 99");
-  EXPECT_EQ(plan.scene.layers[2].volume, 1U);
-  EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(0.5, 0.25, 0));
-  EXPECT_EQ(plan.scene.layers[1].surface.specular, 0);
-  EXPECT_NE(plan.scene.layers[0].surface.color, plan.scene.layers[1].surface.color);
+  EXPECT_EQ(plan.scene.layers[2].dataset, 1U);
+  EXPECT_EQ(plan.scene.layers[2].material.color, Vec3(0.5, 0.25, 0));
+  EXPECT_EQ(plan.scene.layers[1].material.specular, 0);
+  EXPECT_NE(plan.scene.layers[0].material.color, plan.scene.layers[1].material.color);
   EXPECT_THAT(plan.notes, ElementsAre(HasSubstr("isovalue 900 is outside the range")));
 }
 
 TEST_F(SceneDocument, opens_only_what_is_visible) {
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "t": {"file": "ball.txt"}},
     "layers": [{"type": "mip", "data": "b"}, {"type": "mip", "data": "t", "visible": false}]})");
-  EXPECT_EQ(planned(bench() / "s.json").volumes.size(), 1U);
+  EXPECT_EQ(planned(bench() / "s.json").datasets.size(), 1U);
 }
 
 TEST_F(SceneDocument, opens_a_texture_once_and_only_where_a_visible_layer_names_it) {
@@ -60,7 +60,7 @@ TEST_F(SceneDocument, opens_a_texture_once_and_only_where_a_visible_layer_names_
   ASSERT_EQ(two.textures.size(), 1U);
   ASSERT_EQ(two.scene.layers.size(), 3U);
   for (const render::Layer& layer : two.scene.layers)
-    EXPECT_EQ(&layer.surface.texture->grid(), &two.textures[0].grid());
+    EXPECT_EQ(&layer.material.texture->grid(), &two.textures[0].grid());
   EXPECT_THAT(two.notes, testing::IsEmpty());
 }
 
@@ -87,10 +87,10 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
   const auto colors = [&](const std::string& layers) {
     write_file(bench() / "s.json", with("layers", layers));
     std::vector<Vec3> list;
-    for (const render::Layer& layer : planned(bench() / "s.json").scene.layers) list.push_back(layer.surface.color);
+    for (const render::Layer& layer : planned(bench() / "s.json").scene.layers) list.push_back(layer.material.color);
     return list;
   };
-  EXPECT_EQ(colors(R"([{"type": "isosurface", "isovalue": 100}])").at(0), render::Surface{}.color);
+  EXPECT_EQ(colors(R"([{"type": "isosurface", "isovalue": 100}])").at(0), render::Material{}.color);
   const std::vector<Vec3> eight = colors(R"([{"type": "isosurface", "isovalue": [10, 20, 30, 40, 50, 60, 70, 80]}])");
   for (std::size_t i = 0; i < eight.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT((eight[i] - eight[j]).length(), 0.1) << i << " " << j;
@@ -132,11 +132,11 @@ TEST_F(SceneDocument, a_resolved_scene_as_a_spec_is_resolved_to_the_same_scene) 
   const std::size_t slices = again.scene.layers.size() - 2;
   EXPECT_EQ(again.scene.layers.at(slices).plane.point.z, 0.3);
   EXPECT_EQ(again.scene.layers.at(slices).threshold, (Interval<double>{0.1, 0.9}));
-  EXPECT_EQ(again.scene.layers.at(slices).surface.opacity, 0.8);
-  EXPECT_FALSE(again.scene.layers.at(slices).surface.lit);
+  EXPECT_EQ(again.scene.layers.at(slices).material.opacity, 0.8);
+  EXPECT_FALSE(again.scene.layers.at(slices).material.lit);
   EXPECT_EQ(again.scene.layers.at(slices + 1).plane.normal, Vec3(1, 2, 3));
-  EXPECT_EQ(again.scene.layers.at(slices + 1).surface.color_by->map, render::ColorMap::gray);
-  EXPECT_TRUE(again.scene.layers.at(slices + 1).surface.lit);
+  EXPECT_EQ(again.scene.layers.at(slices + 1).material.color_by->map, render::ColorMap::gray);
+  EXPECT_TRUE(again.scene.layers.at(slices + 1).material.lit);
   EXPECT_EQ(again.scene.clip->box, Box3({0.1, -9, -9}, {9, 9, 9.3}));
   EXPECT_EQ(again.scene.clip->planes.at(0).normal, Vec3(1, 2, 3));
   EXPECT_TRUE(again.scene.clip->cuts_away);
@@ -183,20 +183,20 @@ TEST_F(SceneDocument, shows_triangles_as_a_layer_of_their_own) {
   write_file(bench() / "s.json", R"({"data": {"b": {"file": "ball.rho"}, "c": {"file": "cube.rho"}},
     "accuracy": "certified",
     "layers": [{"type": "isosurface", "data": "b", "isovalue": 100},
-               {"type": "mesh", "data": "c", "normals": "smooth", "opacity": 0.5, "specular": 0},
-               {"type": "mesh", "data": "c", "color": [1, 0, 0], "accuracy": "double"}]})");
+               {"type": "triangles", "data": "c", "normals": "smooth", "opacity": 0.5, "specular": 0},
+               {"type": "triangles", "data": "c", "color": [1, 0, 0], "accuracy": "double"}]})");
   const render::ResolvedScene plan = planned(bench() / "s.json");
   ASSERT_EQ(plan.scene.layers.size(), 3U);
   const render::Layer& first = plan.scene.layers[1];
   EXPECT_EQ(first.mode, render::Mode::triangles);
-  EXPECT_EQ(first.surface.normals, render::Normals::smooth);
-  EXPECT_EQ(first.surface.opacity, 0.5);
+  EXPECT_EQ(first.material.normals, render::Normals::smooth);
+  EXPECT_EQ(first.material.opacity, 0.5);
   EXPECT_EQ(first.method, render::method_of(render::Accuracy::float32)) << "triangles have no certified level";
   EXPECT_EQ(plan.scene.layers[2].method, render::method_of(render::Accuracy::float64));
-  EXPECT_EQ(plan.scene.layers[2].surface.color, Vec3(1, 0, 0));
-  EXPECT_NE(first.surface.color, plan.scene.layers[0].surface.color);
+  EXPECT_EQ(plan.scene.layers[2].material.color, Vec3(1, 0, 0));
+  EXPECT_NE(first.material.color, plan.scene.layers[0].material.color);
   const Json spelled = tools::scene_json(render::to_spec(plan));
-  EXPECT_EQ(spelled["layers"][1]["type"], "mesh");
+  EXPECT_EQ(spelled["layers"][1]["type"], "triangles");
   EXPECT_FALSE(spelled["layers"][1].contains("isovalue"));
 }
 
@@ -204,7 +204,7 @@ TEST_F(SceneDocument, knows_triangles_by_the_older_type_too) {
   write_file(bench() / "s.json", R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "isosurface"}]})");
   const render::ResolvedScene plan = planned(bench() / "s.json");
   EXPECT_EQ(plan.scene.layers.at(0).mode, render::Mode::triangles);
-  EXPECT_EQ(tools::scene_json(render::to_spec(plan))["layers"][0]["type"], "mesh");
+  EXPECT_EQ(tools::scene_json(render::to_spec(plan))["layers"][0]["type"], "triangles");
 }
 
 TEST_F(SceneDocument, notes_lights_that_may_not_be_meant_and_surfaces_that_are_not_traced) {
@@ -268,7 +268,7 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
     "effects": {"ambient_occlusion": {}, "fog": {}}, "camera": {"view": "-y", "ortho": true},
     "image": {"background": [0.25, 0.5, 1]}})");
   const render::ResolvedScene plan = planned(bench() / "s.json");
-  const Box3 box = plan.volumes[0].bounds();
+  const Box3 box = plan.datasets[0].bounds();
   EXPECT_DOUBLE_EQ(plan.scene.occlusion.radius, box.size().length() / 10);
   EXPECT_EQ(plan.scene.occlusion.samples, 16);
   ASSERT_TRUE(plan.scene.fog);

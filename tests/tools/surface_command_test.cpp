@@ -117,31 +117,31 @@ TEST(SurfaceCommands, stand_as_landmarks_beside_another_file) {
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return json::parse(run.out);
   };
-  const json one = drawn({"ball.rho", "--iso", "100", "--mesh", "cube.rho", "--shadows"});
+  const json one = drawn({"ball.rho", "--iso", "100", "--landmark", "cube.rho", "--shadows"});
   const std::string bytes = read_file(bench / "p.png");
   ASSERT_EQ(one["scene"]["layers"].size(), 2);
-  EXPECT_EQ(one["scene"]["layers"][1]["type"], "mesh");
+  EXPECT_EQ(one["scene"]["layers"][1]["type"], "triangles");
   EXPECT_EQ(one["scene"]["data"].size(), 2);
   std::filesystem::remove(bench / "p.png");
   EXPECT_EQ(bench.shell(one["reproduce"].get<std::string>()).exit_code, 0);
   EXPECT_TRUE(read_file(bench / "p.png") == bytes);
   std::filesystem::copy_file(bench / "cube.rho", bench / "other.rho");
-  EXPECT_EQ(drawn({"ball.rho", "--mesh", "cube.rho,other.rho", "--accuracy", "certified"})["scene"]["layers"].size(),
-            3);
-  EXPECT_EQ(drawn({"ball.rho", "--mode", "mip", "--mesh", "cube.rho"})["scene"]["layers"][0]["type"], "mip");
+  EXPECT_EQ(
+      drawn({"ball.rho", "--landmark", "cube.rho,other.rho", "--accuracy", "certified"})["scene"]["layers"].size(), 3);
+  EXPECT_EQ(drawn({"ball.rho", "--mode", "mip", "--landmark", "cube.rho"})["scene"]["layers"][0]["type"], "mip");
 
   for (const auto& [file, exit_code, fact, hint] :
        {std::tuple{"cube.off", 4, "cube.off: is not a packed file", "rhoray pack cube.off -o cube.rho"},
-        {"ball.rho", 4, "--mesh: ball.rho: is a grid; expected a packed surface", "isosurface"},
+        {"ball.rho", 4, "--landmark: ball.rho: is a grid; expected a packed surface", "isosurface"},
         {"cub.rho", 3, "cub.rho: no such file", "did you mean cube.rho?"}}) {
-    const RunResult refused = bench.rhoray({"render", "ball.rho", "--mesh", file, "-o", "x.png"});
+    const RunResult refused = bench.rhoray({"render", "ball.rho", "--landmark", file, "-o", "x.png"});
     EXPECT_EQ(refused.exit_code, exit_code) << file;
     EXPECT_THAT(refused.err, HasSubstr(fact));
     EXPECT_THAT(refused.err, HasSubstr(hint));
     EXPECT_FALSE(std::filesystem::exists(bench / "x.png"));
   }
   write_file(bench / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "layers": [{"type": "mip"}]})");
-  EXPECT_EQ(bench.rhoray({"render", "s.json", "--mesh", "cube.rho", "-o", "x.png"}).exit_code, 2);
+  EXPECT_EQ(bench.rhoray({"render", "s.json", "--landmark", "cube.rho", "-o", "x.png"}).exit_code, 2);
 }
 
 TEST(SurfaceCommands, refuse_damaged_files) {

@@ -84,7 +84,7 @@ bool MeshPlaces::holds(const Vec3& p) const {
   return false;
 }
 
-ResampledBorder::ResampledBorder(const render::Volume& mesh, const render::Volume& grid)
+ResampledBorder::ResampledBorder(const render::Dataset& mesh, const render::Dataset& grid)
     : places_(formats::TetMesh(mesh.file())),
       grid_(formats::BrickGrid(grid.file()), grid.field().name),
       world_from_mesh_(render::world_from_ray_frame(mesh)),

@@ -40,7 +40,7 @@ class MeshPlaces {
 /// samples are.
 class ResampledBorder {
  public:
-  ResampledBorder(const render::Volume& mesh, const render::Volume& grid);
+  ResampledBorder(const render::Dataset& mesh, const render::Dataset& grid);
 
   /// True if the hits of a ray differ because one is at a position that only the mesh or only the
   /// grid covers. Their t is a distance in the world.

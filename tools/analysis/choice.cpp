@@ -42,7 +42,7 @@ render::PictureSize small_size(const render::ResolvedScene& plan) {
 
 /// One layer of a plan, alone.
 struct Alone {
-  const render::Volume& volume;
+  const render::Dataset& dataset;
   render::Scene scene;
   render::PictureSize size;
   unsigned threads;
@@ -51,7 +51,7 @@ struct Alone {
   bool is_projection() const { return scene.layers[0].mode == render::Mode::mip; }
   /// Unit of an error.
   double unit() const {
-    const Interval<double> range = volume.field().range;
+    const Interval<double> range = dataset.field().range;
     return is_projection() && range.hi > range.lo ? range.hi - range.lo : 1;
   }
 };
@@ -63,7 +63,7 @@ double traced_ms(Alone& alone) {
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
     const Stopwatch watch;
-    const render::FrameStatistics statistics = render::render(alone.volume, alone.scene, frame, picture, memory);
+    const render::FrameStatistics statistics = render::render(alone.dataset, alone.scene, frame, picture, memory);
     const double taken = 1e3 * (watch.seconds() - statistics.preparation_s);
     // The first fills caches; a slow one is timed once.
     if (time > 0 || taken > 500) ms.push_back(taken);
@@ -81,10 +81,10 @@ bool is_proven(const render::Method& method, double max_error, bool is_projectio
 Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, const FieldTruth& field,
                 const Goal& goal, std::stop_token stop) {
   alone.layer().method = method;
-  Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.volume.is_mesh()).word};
+  Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.dataset.is_mesh()).word};
   const bool is_exact = method.algorithm == render::Method::Algorithm::exact;
   const std::vector<render::Hit> hits = is_exact ? truth.hits
-                                                 : answers({.volume = alone.volume,
+                                                 : answers({.dataset = alone.dataset,
                                                             .mode = alone.layer().mode,
                                                             .isovalue = alone.layer().isovalue,
                                                             .method = method,
@@ -98,7 +98,7 @@ Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, 
   if (goal.max_error) {
     const std::uint64_t seen = errors.true_hits + errors.false_hits;
     const std::uint64_t beyond = errors.beyond(*goal.max_error * alone.unit());
-    candidate.keeps_error = is_proven(method, *goal.max_error, alone.is_projection(), alone.volume.is_mesh()) ||
+    candidate.keeps_error = is_proven(method, *goal.max_error, alone.is_projection(), alone.dataset.is_mesh()) ||
                             share_of(beyond, seen, false).high <= 0.01;
   }
   return candidate;
@@ -171,11 +171,12 @@ void check(const Goal& goal) {
 Choice choose_method(const render::ResolvedScene& plan, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
   const render::Layer& layer = plan.scene.layers[index];
-  Alone alone{.volume = plan.volumes[layer.volume], .scene = plan.scene, .size = small_size(plan), .threads = threads};
+  Alone alone{
+      .dataset = plan.datasets[layer.dataset], .scene = plan.scene, .size = small_size(plan), .threads = threads};
   alone.scene.layers = {layer};
-  alone.layer().volume = 0;
-  const FieldTruth field(alone.volume);
-  const Truth truth = find_truth({.volume = alone.volume,
+  alone.layer().dataset = 0;
+  const FieldTruth field(alone.dataset);
+  const Truth truth = find_truth({.dataset = alone.dataset,
                                   .scene = alone.scene,
                                   .field = field,
                                   .size = alone.size,
@@ -188,7 +189,7 @@ Choice choose_method(const render::ResolvedScene& plan, std::size_t index, const
   for (const CandidateRow& row : candidate_rows) {
     if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
     const render::Method method = row.is_level ? render::method_of(render::accuracy_named(row.word))
-                                               : render::method_named(row.word, layer.mode, alone.volume.is_mesh());
+                                               : render::method_named(row.word, layer.mode, alone.dataset.is_mesh());
     candidates.push_back(tried(alone, method, truth, field, goal, stop));
     candidates.back().foreseen_ms *= growth;
   }

@@ -63,7 +63,7 @@ std::string wrong_text(const ResultRow& row) {
 /// Says which method is sufficient for which error.
 void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
-  const Interval<double> range = layer.volume().field().range;
+  const Interval<double> range = layer.dataset().field().range;
   const double unit = is_projection ? range.hi - range.lo : 1;
   const auto say = [&](double limit, const ResultRow& best) {
     out.push_back(concat("The fastest method that is within ", rounded(limit),

@@ -85,8 +85,8 @@ std::uint64_t memory_limit(const FormOptions& options) {
   return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : this_machine().memory_bytes / 2;
 }
 
-void require_grid(const render::Volume& volume) {
-  if (volume.file().description().kind != "grid")
+void require_grid(const render::Dataset& dataset) {
+  if (dataset.file().description().kind != "grid")
     throw Error(ErrorCode::unsupported, "an OpenVDB file; only packed grids are copied with fewer bits");
 }
 
@@ -108,20 +108,20 @@ const FormedData& DataForms::get(const DataForm& form, const FormOptions& option
 FormedData DataForms::make(const DataForm& form, const FormOptions& options) {
   switch (form.kind) {
     case DataForm::Kind::quantized:
-      return volume_.is_mesh() ? quantize_mesh(form.size, options) : quantize_grid(form.size, options);
+      return dataset_.is_mesh() ? quantize_mesh(form.size, options) : quantize_grid(form.size, options);
     case DataForm::Kind::resampled:
     case DataForm::Kind::resampled_vdb:
       return resample(form, options);
     case DataForm::Kind::original:
       break;
   }
-  return {.volume = volume_, .file_bytes = volume_.file().file_bytes()};
+  return {.dataset = dataset_, .file_bytes = dataset_.file().file_bytes()};
 }
 
 FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const {
-  require_grid(volume_);
-  const formats::BrickGrid grid(volume_.file());
-  const formats::FieldSummary& field = volume_.field();
+  require_grid(dataset_);
+  const formats::BrickGrid grid(dataset_.file());
+  const formats::FieldSummary& field = dataset_.field();
   const std::size_t position = grid.find_field(field.name).value();
   if (grid.description().layout.is_sparse || field.no_data_count > 0)
     throw Error(ErrorCode::unsupported, "samples without data, which integers cannot store");
@@ -134,14 +134,15 @@ FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const 
                                             bytes_text(memory_limit(options))));
   const Stopwatch watch;
   const double width = field.range.hi - field.range.lo;
-  FormedData made{.volume = volume_, .scale = width > 0 ? (std::exp2(bits) - 1) / width : 1, .offset = field.range.lo};
+  FormedData made{
+      .dataset = dataset_, .scale = width > 0 ? (std::exp2(bits) - 1) / width : 1, .offset = field.range.lo};
   const preprocess::NeutralVolume copy = bits == 8 ? quantized<std::uint8_t>(grid, position, made, options)
                                                    : quantized<std::uint16_t>(grid, position, made, options);
   const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
   preprocess::pack_volume(copy, path, {.replace_existing = true}, options.progress);
-  made.volume = render::Volume::load(path);
+  made.dataset = render::Dataset::load(path);
   made.preprocess_s = watch.seconds();
-  made.file_bytes = made.volume.file().file_bytes();
+  made.file_bytes = made.dataset.file().file_bytes();
   return made;
 }
 
@@ -154,18 +155,18 @@ double DataForms::foreseen_s(const DataForm& form) const {
 
 const preprocess::NeutralMesh& DataForms::mesh() {
   if (!mesh_)
-    mesh_ = std::make_unique<preprocess::NeutralMesh>(preprocess::unpack_mesh(formats::TetMesh(volume_.file())));
+    mesh_ = std::make_unique<preprocess::NeutralMesh>(preprocess::unpack_mesh(formats::TetMesh(dataset_.file())));
   return *mesh_;
 }
 
 /// Packed meshes contain floating-point numbers. So the steps are those of the copy, but the size
 /// is that of the data.
 FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
-  const formats::FieldSummary& field = volume_.field();
+  const formats::FieldSummary& field = dataset_.field();
   const preprocess::NeutralMesh& whole = mesh();
   const Stopwatch watch;
   const double steps = std::exp2(bits) - 1, width = field.range.hi - field.range.lo;
-  FormedData made{.volume = volume_, .scale = width > 0 ? steps / width : 1, .offset = field.range.lo};
+  FormedData made{.dataset = dataset_, .scale = width > 0 ? steps / width : 1, .offset = field.range.lo};
   preprocess::NeutralMesh copy;
   copy.points = whole.points;
   copy.cells = whole.cells;
@@ -177,9 +178,9 @@ FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
   for (double& value : copy.point_fields[0].values) value = std::round(made.own(value));
   const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
   preprocess::pack_mesh(copy, path, {.replace_existing = true}, options.progress);
-  made.volume = render::Volume::load(path);
+  made.dataset = render::Dataset::load(path);
   made.preprocess_s = watch.seconds();
-  made.file_bytes = made.volume.file().file_bytes();
+  made.file_bytes = made.dataset.file().file_bytes();
   return made;
 }
 
@@ -195,7 +196,7 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
     const preprocess::NeutralMesh& whole = mesh();
     const Stopwatch watch;
     preprocess::resample(whole, grid,
-                         {.fields = {volume_.field().name},
+                         {.fields = {dataset_.field().name},
                           .lattice = {.longest_axis = form.size},
                           .memory_limit_bytes = memory_limit(options),
                           .replace_existing = true},
@@ -207,10 +208,10 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   const Stopwatch watch;
   std::filesystem::path path = grid;
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
-  FormedData made{.volume = load_volume(path, {}), .file_bytes = std::filesystem::file_size(path)};
+  FormedData made{.dataset = load_dataset(path, {}), .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
   // An OpenVDB file contains the same samples as the grid.
-  made.border = std::make_shared<const ResampledBorder>(volume_, render::Volume::load(grid));
+  made.border = std::make_shared<const ResampledBorder>(dataset_, render::Dataset::load(grid));
   return made;
 }
 

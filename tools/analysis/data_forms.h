@@ -18,7 +18,7 @@ namespace rhoray::tools {
 
 /// A form of the data, ready to be rendered: own value = scale * (value - offset).
 struct FormedData {
-  render::Volume volume;
+  render::Dataset dataset;
   double scale = 1, offset = 0;
   double preprocess_s = 0;
   std::uint64_t file_bytes = 0;
@@ -38,7 +38,7 @@ struct FormOptions {
 /// The forms of one volume. Each is made at the first request and kept.
 class DataForms {
  public:
-  explicit DataForms(render::Volume volume) : volume_(std::move(volume)) {}
+  explicit DataForms(render::Dataset dataset) : dataset_(std::move(dataset)) {}
 
   /// Refuses a form that does not apply or does not fit, with an Error that gives the reason
   /// (ErrorCode::unsupported or resource). If progress throws to interrupt the work, its exception
@@ -53,7 +53,7 @@ class DataForms {
   FormedData resample(const DataForm& form, const FormOptions& options);
   double foreseen_s(const DataForm& form) const;
 
-  render::Volume volume_;
+  render::Dataset dataset_;
   /// The volume, if it is a mesh and copies were requested.
   std::unique_ptr<preprocess::NeutralMesh> mesh_;
   std::map<std::string, FormedData> made_;

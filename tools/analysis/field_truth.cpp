@@ -12,12 +12,12 @@ struct FieldTruth::Data {
   std::optional<formats::TetMesh> mesh;
 };
 
-FieldTruth::FieldTruth(const render::Volume& volume) : data_(std::make_unique<Data>()) {
-  const std::string& kind = volume.file().description().kind;
-  if (volume.is_mesh())
-    data_->mesh.emplace(volume.file());
+FieldTruth::FieldTruth(const render::Dataset& dataset) : data_(std::make_unique<Data>()) {
+  const std::string& kind = dataset.file().description().kind;
+  if (dataset.is_mesh())
+    data_->mesh.emplace(dataset.file());
   else if (kind == "grid")
-    data_->grid.emplace(formats::BrickGrid(volume.file()), volume.field().name);
+    data_->grid.emplace(formats::BrickGrid(dataset.file()), dataset.field().name);
 }
 
 FieldTruth::~FieldTruth() = default;

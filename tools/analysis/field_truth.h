@@ -10,7 +10,7 @@ namespace rhoray::tools {
 /// Evaluates the original data on rays, to measure errors in cells and in values.
 class FieldTruth {
  public:
-  explicit FieldTruth(const render::Volume& volume);
+  explicit FieldTruth(const render::Dataset& dataset);
   ~FieldTruth();
 
   /// Number of cells that a ray passes while t grows by 1, at its true hit. For a grid these are

@@ -56,7 +56,7 @@ int block_of_sample(const Truth& truth) {
 /// sample, each block of pixels has its largest error; missed and false pixels stay single pixels.
 render::Framebuffer errors_of(const LayerStudy& layer, const Measured& measured) {
   const Truth& truth = layer.result()->truth;
-  const Interval<double> range = layer.volume().field().range;
+  const Interval<double> range = layer.dataset().field().range;
   const auto width = static_cast<std::uint32_t>(truth.size.width),
              block = static_cast<std::uint32_t>(block_of_sample(truth));
   const std::uint32_t blocks = (width + block - 1) / block;
@@ -208,7 +208,7 @@ std::string glossary(const LayerStudy& layer) {
   std::vector<std::string> groups;
   for (const Variant& variant : layer.variants()) groups.push_back(variant.group);
   std::string out = "<table class=\"words\"><tbody>\n";
-  for (const auto& [name, meaning] : variant_words(groups, layer.volume().is_mesh(), is_projection(layer)))
+  for (const auto& [name, meaning] : variant_words(groups, layer.dataset().is_mesh(), is_projection(layer)))
     out += concat("<tr><td>", html_text(name), "</td><td>", html_text(meaning), "</td></tr>\n");
   return out + "</tbody></table>\n";
 }

@@ -71,7 +71,7 @@ struct ErrorAxis {
 ErrorAxis error_axis(const LayerStudy& layer) {
   if (layer.scene().layers[0].mode != render::Mode::mip)
     return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
-  const Interval<double> range = layer.volume().field().range;
+  const Interval<double> range = layer.dataset().field().range;
   const double width = range.hi > range.lo ? range.hi - range.lo : 1;
   return {1e-16 * width, width, concat("error of the value, 99 % of the pixels within, ", error_unit(layer))};
 }

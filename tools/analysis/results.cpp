@@ -212,7 +212,7 @@ std::string short_number(double number, int digits) {
 
 std::string error_unit(const LayerStudy& layer) {
   if (layer.scene().layers[0].mode != render::Mode::mip) return "cells";
-  const std::string& unit = layer.volume().field().unit;
+  const std::string& unit = layer.dataset().field().unit;
   return unit.empty() ? "in the field's values" : unit;
 }
 

@@ -32,9 +32,9 @@ struct Promise {
   double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
 };
 
-Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
+Promise promise_of(const render::Layer& layer, const render::Dataset& dataset) {
   using Algorithm = render::Method::Algorithm;
-  const Interval<double> range = volume.field().range;
+  const Interval<double> range = dataset.field().range;
   const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
   if (render::proves(layer.method))
     return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
@@ -51,7 +51,7 @@ Promise promise_of(const render::Layer& layer, const render::Volume& volume) {
 Promise promise_of(const render::ResolvedScene& plan) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
   for (const render::Layer& layer : plan.scene.layers) {
-    const Promise promise = promise_of(layer, plan.volumes[layer.volume]);
+    const Promise promise = promise_of(layer, plan.datasets[layer.dataset]);
     if (promise.said.empty()) return promise;
     if (promise.wrong_share > loosest.wrong_share) loosest = promise;
   }
@@ -103,10 +103,10 @@ std::vector<TrueHit> true_hits(const render::ResolvedScene& plan, const render::
                                const std::vector<std::uint32_t>& pixels, unsigned threads) {
   std::vector<TrueHit> nearest(pixels.size());
   for (const render::Layer& layer : plan.scene.layers) {
-    const render::Volume& volume = plan.volumes[layer.volume];
-    const FieldTruth field(volume);
-    const std::vector<render::Ray> rays = rays_of(volume, plan.scene.camera, {picture.width, picture.height}, pixels);
-    const std::vector<Hit> hits = answers({.volume = volume,
+    const render::Dataset& dataset = plan.datasets[layer.dataset];
+    const FieldTruth field(dataset);
+    const std::vector<render::Ray> rays = rays_of(dataset, plan.scene.camera, {picture.width, picture.height}, pixels);
+    const std::vector<Hit> hits = answers({.dataset = dataset,
                                            .mode = layer.mode,
                                            .isovalue = layer.isovalue,
                                            .method = render::method_of(render::Accuracy::exact),
@@ -177,7 +177,7 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
 
 /// The requested limit, in the unit of errors.
 double limit_in_unit(const render::ResolvedScene& plan, double limit) {
-  const Interval<double> range = plan.volumes[plan.scene.layers[0].volume].field().range;
+  const Interval<double> range = plan.datasets[plan.scene.layers[0].dataset].field().range;
   return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
 }
 
@@ -204,7 +204,7 @@ void require_checkable(const render::ResolvedScene& plan) {
     if (layer.mode == render::Mode::mip && layers.size() > 1)
       throw Error(ErrorCode::usage,
                   "--verify: a projection beside other layers; expected isosurfaces or one projection");
-    if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.surface.opacity < 1)
+    if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.material.opacity < 1)
       throw Error(ErrorCode::usage, "--verify: a transparent surface beside other layers; expected opaque isosurfaces");
   }
 }

@@ -25,13 +25,13 @@ bool is_exact(const Variant& variant) {
 
 render::Layer layer_alone(const render::ResolvedScene& plan, std::size_t layer) {
   render::Layer alone = plan.scene.layers[layer];
-  alone.volume = 0;
+  alone.dataset = 0;
   return alone;
 }
 
 std::string name_of_layer(const render::ResolvedScene& plan, std::size_t index) {
   const render::Layer& layer = plan.scene.layers[index];
-  const std::string field = plan.volumes[layer.volume].field().name;
+  const std::string field = plan.datasets[layer.dataset].field().name;
   if (layer.mode == render::Mode::mip) return concat("largest values of '", field, "'");
   return concat("isosurface ", rounded(layer.isovalue, 6), " of '", field, "'");
 }
@@ -46,13 +46,13 @@ LayerStudy::LayerStudy(const render::ResolvedScene& plan, std::size_t layer, Lay
     : options_(std::move(options)),
       name_(name_of_layer(plan, layer)),
       scene_(plan.scene),
-      volume_(plan.volumes[plan.scene.layers[layer].volume]),
+      dataset_(plan.datasets[plan.scene.layers[layer].dataset]),
       use_hierarchy_(plan.frame.use_hierarchy),
       antialiasing_(plan.frame.antialiasing),
-      forms_(volume_),
-      field_(volume_) {
+      forms_(dataset_),
+      field_(dataset_) {
   scene_.layers = {layer_alone(plan, layer)};
-  variants_ = variants_of(scene_, volume_, antialiasing_);
+  variants_ = variants_of(scene_, dataset_, antialiasing_);
 }
 
 LayerStudy::Setup LayerStudy::setup(const Variant& variant, const render::PictureSize& size,
@@ -68,10 +68,10 @@ LayerStudy::Setup LayerStudy::setup(const Variant& variant, const render::Pictur
   render::Layer& layer = made.scene.layers[0];
   layer.isovalue = data.own(layer.isovalue);
   layer.window = {data.own(layer.window.lo), data.own(layer.window.hi)};
-  layer.method = variant.method.value_or(render::default_method(data.volume, layer.mode));
-  if (variant.normals) layer.surface.normals = *variant.normals;
-  if (variant.data.kind != DataForm::Kind::original) layer.surface.color_by.reset();
-  if (!data.volume.is_mesh()) layer.surface.normals = render::Normals::exact;
+  layer.method = variant.method.value_or(render::default_method(data.dataset, layer.mode));
+  if (variant.normals) layer.material.normals = *variant.normals;
+  if (variant.data.kind != DataForm::Kind::original) layer.material.color_by.reset();
+  if (!data.dataset.is_mesh()) layer.material.normals = render::Normals::exact;
   if (variant.effect == SampledEffect::occlusion) made.scene.occlusion.samples = variant.samples;
   if (variant.effect == SampledEffect::edges) made.frame.antialiasing = variant.samples;
   if (variant.effect == SampledEffect::soft_shadows)
@@ -84,19 +84,19 @@ render::FrameStatistics LayerStudy::draw(const Variant& variant, const render::P
                                          const render::ChannelSet& channels, render::Framebuffer& picture) {
   const Setup drawn = setup(variant, size, channels);
   const render::FrameStatistics statistics = render::refine(
-      drawn.data.volume, drawn.scene, drawn.frame, {.first_spacing = 1, .stop = options_.stop}, picture, memory_);
+      drawn.data.dataset, drawn.scene, drawn.frame, {.first_spacing = 1, .stop = options_.stop}, picture, memory_);
   if (options_.stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
   return statistics;
 }
 
 void LayerStudy::draw_truth(PassResult& result) {
   // A maximum in tetrahedra is certified by exact arithmetic, which has just proved too slow.
-  const bool is_slow = volume_.is_mesh() && scene_.layers[0].mode == render::Mode::mip;
+  const bool is_slow = dataset_.is_mesh() && scene_.layers[0].mode == render::Mode::mip;
   const render::Accuracy level = result.truth.are_all() ? render::Accuracy::exact
                                  : is_slow              ? render::Accuracy::float64
                                                         : render::Accuracy::certified;
   const Variant variant{.method = render::method_of(level)};
-  result.picture_method = option_of(*variant.method, scene_.layers[0].mode, volume_.is_mesh()).word;
+  result.picture_method = option_of(*variant.method, scene_.layers[0].mode, dataset_.is_mesh()).word;
   render::Framebuffer picture;
   draw(variant, result.size, {.normal = true}, picture);
   result.true_picture = std::make_shared<TruePicture>(std::move(picture));
@@ -117,12 +117,12 @@ const TruePicture& LayerStudy::compared_with(const Variant& variant, const PassR
 
 void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResult& result) {
   const render::Layer& layer = scene_.layers[0];
-  const std::vector<render::Ray> rays = rays_of(data.volume, scene_.camera, result.size, result.truth.pixels);
+  const std::vector<render::Ray> rays = rays_of(data.dataset, scene_.camera, result.size, result.truth.pixels);
   std::vector<render::Hit> hits =
-      answers({.volume = data.volume,
+      answers({.dataset = data.dataset,
                .mode = layer.mode,
                .isovalue = data.own(layer.isovalue),
-               .method = row.variant.method.value_or(render::default_method(data.volume, layer.mode)),
+               .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
                .clip = clip_of(scene_, layer),
                .threads = options_.threads,
                .stop = options_.stop},
@@ -140,12 +140,12 @@ void LayerStudy::measure(Measured& row, const PassResult& result) {
   const FormedData& data = forms_.get(variant.data, options_.forms);
   row.preprocess_s = data.preprocess_s;
   row.data_bytes = data.file_bytes;
-  row.method = option_of(variant.method.value_or(render::default_method(data.volume, layer.mode)), layer.mode,
-                         data.volume.is_mesh())
+  row.method = option_of(variant.method.value_or(render::default_method(data.dataset, layer.mode)), layer.mode,
+                         data.dataset.is_mesh())
                    .word;
   if (is_exact(variant)) return measure_exact(row, result);
   if (variant.asks_rays()) ask_rays(row, data, result);
-  const bool is_recolored = layer.surface.color_by && variant.data.kind != DataForm::Kind::original;
+  const bool is_recolored = layer.material.color_by && variant.data.kind != DataForm::Kind::original;
   render::Framebuffer picture;
   const bool is_same_size = variant.shrink == 1;
   draw(variant, result.size, {.normal = is_same_size}, picture);
@@ -168,13 +168,13 @@ void LayerStudy::weigh(Measured& row) {
   Setup drawn = setup(row.variant, {32, 24}, {});
   ::malloc_trim(0);
   const std::uint64_t before = anonymous_bytes();
-  const render::Volume volume = render::Volume::load(drawn.data.volume.file(), drawn.data.volume.field().name);
+  const render::Dataset dataset = render::Dataset::load(drawn.data.dataset.file(), drawn.data.dataset.field().name);
   render::RenderContext memory;
   render::Framebuffer picture;
-  row.prepare_ms = 1e3 * render::render(volume, drawn.scene, drawn.frame, picture, memory).preparation_s;
+  row.prepare_ms = 1e3 * render::render(dataset, drawn.scene, drawn.frame, picture, memory).preparation_s;
   ::malloc_trim(0);
   const std::uint64_t after = anonymous_bytes();
-  row.memory_bytes = volume.file().file_bytes() + (after > before ? after - before : 0);
+  row.memory_bytes = dataset.file().file_bytes() + (after > before ? after - before : 0);
 }
 
 InstrumentCost LayerStudy::instrument_cost(double seconds) {
@@ -183,7 +183,7 @@ InstrumentCost LayerStudy::instrument_cost(double seconds) {
   constexpr std::size_t least_rounds = 3, most_rounds = 200;
   const Stopwatch watch;
   CpuMeter meter, inner;
-  const auto bare = [&] { render::render(drawn.data.volume, drawn.scene, drawn.frame, picture_, memory_); };
+  const auto bare = [&] { render::render(drawn.data.dataset, drawn.scene, drawn.frame, picture_, memory_); };
   std::vector<double> without, with, again;
   while (with.size() < least_rounds || (with.size() < most_rounds && watch.seconds() < seconds)) {
     without.push_back(meter.measure(bare).cpu_s);
@@ -258,7 +258,7 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
       part.hits.push_back(truth.hits[order[i]]);
       part.cells_per_t.push_back(truth.cells_per_t[order[i]]);
     }
-    const Asking asking{.volume = volume_,
+    const Asking asking{.dataset = dataset_,
                         .mode = layer.mode,
                         .isovalue = layer.isovalue,
                         .method = *variant.method,
@@ -269,10 +269,10 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
     cpu_s += meter.measure([&] { found = answers(asking, std::span(part.rays).subspan(first)); }).cpu_s;
     said.insert(said.end(), found.begin(), found.end());
   }
-  Measured row{.variant = variant, .method = option_of(*variant.method, layer.mode, volume_.is_mesh()).word};
+  Measured row{.variant = variant, .method = option_of(*variant.method, layer.mode, dataset_.is_mesh()).word};
   row.errors = count_errors(errors_against(part, field_, layer, said));
   row.cpu_ms = {1e3 * cpu_s / static_cast<double>(said.size()) * pixels_of(result.size)};
-  row.data_bytes = volume_.file().file_bytes();
+  row.data_bytes = dataset_.file().file_bytes();
   row.note = concat("too slow for a picture; ", said.size(), " random pixels, with the time extrapolated");
   row.pass_s = 3e-3 * row.cpu_ms[0];  // that whole pictures would take
   return row;
@@ -323,7 +323,7 @@ std::vector<double> LayerStudy::shares_of_pass(const std::vector<bool>& left_out
 
 void LayerStudy::pass(const Pass& spec) {
   PassResult result{.size = spec.size,
-                    .truth = find_truth({.volume = volume_,
+                    .truth = find_truth({.dataset = dataset_,
                                          .scene = scene_,
                                          .field = field_,
                                          .size = spec.size,

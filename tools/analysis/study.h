@@ -71,7 +71,7 @@ class LayerStudy {
 
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
-  const render::Volume& volume() const { return volume_; }
+  const render::Dataset& dataset() const { return dataset_; }
   const std::vector<Variant>& variants() const { return variants_; }
   /// Of the last pass; null before.
   const PassResult* result() const { return result_ ? &*result_ : nullptr; }
@@ -129,7 +129,7 @@ class LayerStudy {
   LayerStudyOptions options_;
   std::string name_;
   render::Scene scene_;
-  render::Volume volume_;
+  render::Dataset dataset_;
   bool use_hierarchy_;
   int antialiasing_;
   DataForms forms_;

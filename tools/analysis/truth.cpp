@@ -27,7 +27,7 @@ void end_if_asked(const std::stop_token& stop) {
 constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
 
 void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
-  RayCaster queries(asking.volume, asking.isovalue, asking.method, asking.threads);
+  RayCaster queries(asking.dataset, asking.isovalue, asking.method, asking.threads);
   for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
     end_if_asked(asking.stop);
     const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
@@ -39,7 +39,7 @@ void answer_crossings(const Asking& asking, std::span<const Ray> rays, std::span
 /// not depend on them.
 void answer_largest(const Asking& asking, std::span<const Ray> rays, std::span<Hit> hits) {
   constexpr std::size_t piece = 512;
-  PerWorker<RayCaster> queries([&] { return RayCaster(asking.volume, asking.isovalue, asking.method); });
+  PerWorker<RayCaster> queries([&] { return RayCaster(asking.dataset, asking.isovalue, asking.method); });
   const auto answer = [&](const IndexRange& part) {
     if (asking.stop.stop_requested()) return;
     queries.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
@@ -77,7 +77,7 @@ Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray
 /// cuts_away also the second part behind the gap. Empty parts are not traced.
 std::vector<Hit> clipped_answers(const Asking& asking, std::span<const Ray> rays) {
   const std::vector<render::HalfSpace> halves = render::half_spaces_of(*asking.clip);
-  const Affine& world_from_rays = render::world_from_ray_frame(asking.volume);
+  const Affine& world_from_rays = render::world_from_ray_frame(asking.dataset);
   std::vector<Hit> hits(rays.size());
   for (const int part : {0, 1}) {
     if (part == 1 && !asking.clip->cuts_away) break;
@@ -132,9 +132,9 @@ std::vector<Hit> answers(const Asking& asking, std::span<const Ray> rays) {
   return answers_of_whole(asking, rays);
 }
 
-std::vector<Ray> rays_of(const render::Volume& volume, const render::Camera& camera, const render::PictureSize& size,
+std::vector<Ray> rays_of(const render::Dataset& dataset, const render::Camera& camera, const render::PictureSize& size,
                          std::span<const std::uint32_t> pixels) {
-  std::vector<Ray> all = render::camera_rays(volume, camera, size.width, size.height);
+  std::vector<Ray> all = render::camera_rays(dataset, camera, size.width, size.height);
   if (pixels.size() == all.size()) return all;
   std::vector<Ray> rays;
   rays.reserve(pixels.size());
@@ -152,7 +152,7 @@ Truth find_truth(const TruthSpec& spec) {
   std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), spec.seed);
   order.resize(std::min<std::size_t>(order.size(), spec.most_pixels));
   const render::Layer& layer = spec.scene.layers[0];
-  const Asking asking{.volume = spec.volume,
+  const Asking asking{.dataset = spec.dataset,
                       .mode = layer.mode,
                       .isovalue = layer.isovalue,
                       .method = render::method_of(render::Accuracy::exact),
@@ -162,7 +162,7 @@ Truth find_truth(const TruthSpec& spec) {
   const Stopwatch watch;
   CpuMeter meter;
   std::vector<Hit> hits;  // in that order
-  const std::vector<Ray> rays = rays_of(spec.volume, spec.scene.camera, spec.size, order);
+  const std::vector<Ray> rays = rays_of(spec.dataset, spec.scene.camera, spec.size, order);
   // Then rays_of returns all rays in the picture's order.
   const bool is_ordered = order.size() == truth.pixel_count();
   std::size_t done = 0;

@@ -17,7 +17,7 @@ namespace rhoray::tools {
 
 /// A query on a volume, and its resources.
 struct Asking {
-  const render::Volume& volume;
+  const render::Dataset& dataset;
   render::Mode mode = render::Mode::isosurface;
   double isovalue = 0;
   render::Method method{};
@@ -29,11 +29,11 @@ struct Asking {
 /// The clip region that a scene applies to a layer; null: none.
 const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer);
 
-/// Traces rays in the volume's frame with a method. An interrupt ends it (ErrorCode::interrupted).
+/// Traces rays in the data's frame with a method. An interrupt ends it (ErrorCode::interrupted).
 std::vector<render::Hit> answers(const Asking& asking, std::span<const render::Ray> rays);
 
-/// The rays of some pixels of a picture, in the volume's frame; t is a distance in the world.
-std::vector<render::Ray> rays_of(const render::Volume& volume, const render::Camera& camera,
+/// The rays of some pixels of a picture, in the data's frame; t is a distance in the world.
+std::vector<render::Ray> rays_of(const render::Dataset& dataset, const render::Camera& camera,
                                  const render::PictureSize& size, std::span<const std::uint32_t> pixels);
 
 /// The true hits of a picture's pixels, computed in exact arithmetic.
@@ -54,7 +54,7 @@ struct Truth {
 };
 
 struct TruthSpec {
-  const render::Volume& volume;
+  const render::Dataset& dataset;
   const render::Scene& scene;  ///< of one layer
   const FieldTruth& field;
   render::PictureSize size;

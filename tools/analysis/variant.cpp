@@ -148,9 +148,9 @@ bool is_soft(const render::Light& light) {
   return light.casts_shadows && light.size > 0;
 }
 
-std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing) {
+std::vector<Variant> variants_of(const render::Scene& scene, const render::Dataset& dataset, int antialiasing) {
   const render::Layer& layer = scene.layers[0];
-  const bool is_mesh = volume.is_mesh(), is_projection = layer.mode == render::Mode::mip;
+  const bool is_mesh = dataset.is_mesh(), is_projection = layer.mode == render::Mode::mip;
   std::vector<Variant> all;
   for (const MethodRow& row : method_rows)
     if (applies(row.applies, is_mesh, is_projection))
@@ -162,7 +162,7 @@ std::vector<Variant> variants_of(const render::Scene& scene, const render::Volum
     if (applies(row.applies, is_mesh, is_projection))
       all.push_back({.group = row.group, .name = text_of(row.form), .data = row.form, .has_picture = row.has_picture});
   if (is_mesh && !is_projection) {
-    const bool is_smooth = layer.surface.normals == render::Normals::smooth;
+    const bool is_smooth = layer.material.normals == render::Normals::smooth;
     all.push_back({.group = group_normals,
                    .name = is_smooth ? "flat normals" : "smooth normals",
                    .normals = is_smooth ? render::Normals::exact : render::Normals::smooth,

@@ -75,6 +75,6 @@ bool is_soft(const render::Light& light);
 /// Returns every variant that applies to a scene of one layer; the levels come first. To add a
 /// method, add a row to a table.
 /// @param antialiasing  as in render::FrameOptions
-std::vector<Variant> variants_of(const render::Scene& scene, const render::Volume& volume, int antialiasing);
+std::vector<Variant> variants_of(const render::Scene& scene, const render::Dataset& dataset, int antialiasing);
 
 }  // namespace rhoray::tools

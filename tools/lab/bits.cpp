@@ -50,7 +50,7 @@ struct Form {
   std::string name;
   int bits = 0;
   bool is_whole = false;
-  render::Volume volume;
+  render::Dataset dataset;
   std::uint64_t bytes = 0;
   double scale = 1, offset = 0;
 
@@ -69,7 +69,7 @@ class Forms {
   void add(const Storage& storage, const preprocess::NeutralVolume& grid, const Interval<double>& range) {
     const std::optional<StoredSamples> stored = stored_as(storage, grid, range);
     if (!stored) return;
-    add(storage.name, storage.bits, stored->volume);
+    add(storage.name, storage.bits, stored->dataset);
     all_.back().is_whole = storage.is_whole;
     all_.back().scale = stored->scale;
     all_.back().offset = stored->offset;
@@ -81,7 +81,7 @@ class Forms {
   void add(const std::string& name, int bits, const preprocess::NeutralVolume& samples) {
     const std::filesystem::path path = folder_ / concat("form", all_.size(), ".rho");
     const std::uint64_t bytes = preprocess::pack_volume(samples, path).file_bytes;
-    all_.push_back({.name = name, .bits = bits, .volume = render::Volume::load(path), .bytes = bytes});
+    all_.push_back({.name = name, .bits = bits, .dataset = render::Dataset::load(path), .bytes = bytes});
   }
 
   std::filesystem::path folder_;
@@ -90,20 +90,20 @@ class Forms {
 
 std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double isovalue,
                           const std::function<void(const std::string&)>& tell) {
-  const render::Volume& original = forms.all()[0].volume;
+  const render::Dataset& original = forms.all()[0].dataset;
   tell(concat("isovalue ", isovalue, ", the exact answer"));
-  JudgedView view(original, {.isovalue = isovalue,
-                             .camera = tools::study_camera(tools::study_view_named(settings.view), original, isovalue,
-                                                           double{1} * settings.size.width / settings.size.height),
-                             .size = settings.size,
-                             .judge_seconds = settings.judge_seconds,
-                             .seed = settings.seed});
+  ExactView view(original, {.isovalue = isovalue,
+                            .camera = tools::study_camera(tools::study_view_named(settings.view), original, isovalue,
+                                                          double{1} * settings.size.width / settings.size.height),
+                            .size = settings.size,
+                            .judge_seconds = settings.judge_seconds,
+                            .seed = settings.seed});
   std::vector<Json> rows;
   std::vector<TimedRow> timed;
   for (const Form& form : forms.all())
     for (const std::string& level : settings.levels) {
       tell(concat("isovalue ", isovalue, ", errors of ", form.name, ", ", level));
-      const Shown shown{.volume = form.volume,
+      const Shown shown{.dataset = form.dataset,
                         .isovalue = form.own(isovalue),
                         .method = render::method_of(render::accuracy_named(level))};
       Json row{{"isovalue", isovalue},           {"stored", form.name}, {"bits", form.bits},
@@ -157,7 +157,7 @@ int run(const Settings& settings) {
     const preprocess::NeutralVolume grid = plain_grid(settings.input, settings.field);
     Forms forms(scratch.path());
     forms.add_original(grid);
-    const formats::FieldSummary field = forms.all()[0].volume.field();
+    const formats::FieldSummary field = forms.all()[0].dataset.field();
     if (field.no_data_count > 0 || !(field.range.hi > field.range.lo))
       throw Error(ErrorCode::usage, concat(settings.input.string(), ": the field is the same everywhere or has gaps; ",
                                            "expected one that whole numbers can hold"));

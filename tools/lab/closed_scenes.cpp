@@ -54,8 +54,8 @@ ClosedScene mesh_scene(bool whole_values, const Placement& placement, std::int64
   }
   preprocess::pack_mesh(mesh, file, {.replace_existing = true});
 
-  ClosedScene scene{.volume = render::Volume::load(file)};
-  const Affine frame_from_world = render::world_from_ray_frame(scene.volume).inverse();
+  ClosedScene scene{.dataset = render::Dataset::load(file)};
+  const Affine frame_from_world = render::world_from_ray_frame(scene.dataset).inverse();
   for (const auto& point : mesh.points)
     scene.vertices.push_back(frame_from_world.point(Vec3(point[0], point[1], point[2])));
   scene.values.assign(mesh.point_fields[0].values.begin(), mesh.point_fields[0].values.end());
@@ -100,7 +100,7 @@ ClosedScene grid_scene(bool whole_values, const Placement& placement, std::int64
   volume.samples = volume.owned_samples;
   preprocess::pack_volume(volume, file, {.replace_existing = true});
 
-  ClosedScene scene{.volume = render::Volume::load(file)};
+  ClosedScene scene{.dataset = render::Dataset::load(file)};
   scene.isovalue = whole_values ? 100 : 0;
   scene.vertices = std::move(vertices);
   scene.values = std::move(values);
@@ -205,7 +205,7 @@ render::Ray ray_at(const ClosedScene& scene, Aim aim, Dice& dice) {
   const double distance = scene.diagonal * (how_far == 0 ? 1e4 : how_far == 1 ? 50 : 2);
   if (dice.coin()) return {.origin = target - (distance / direction.length()) * direction, .direction = direction};
 
-  const Affine& world_from_frame = render::world_from_ray_frame(scene.volume);
+  const Affine& world_from_frame = render::world_from_ray_frame(scene.dataset);
   const Affine frame_from_world = world_from_frame.inverse();
   const Vec3 direction_world = world_from_frame.vector(direction).normalized();
   const double distance_world = distance * world_from_frame.vector(direction).length() / direction.length();

@@ -30,9 +30,9 @@ struct Placement {
 };
 
 /// A closed isosurface that stays away from its volume's boundary, where the field is outside. Also
-/// the targets at which rays are aimed, in the volume's frame.
+/// the targets at which rays are aimed, in the data's frame.
 struct ClosedScene {
-  render::Volume volume;
+  render::Dataset dataset;
   double isovalue = 0;
   std::vector<Vec3> vertices{};  ///< samples or points
   std::vector<double> values{};  ///< values at the vertices

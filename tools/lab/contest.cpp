@@ -146,7 +146,7 @@ void say_left_out(const Contest& contest, const ContestSettings& settings) {
 
 PeerView view_of(const Subject& subject, tools::StudyView view, std::optional<double> isovalue,
                  const render::PictureSize& size) {
-  return {.camera = tools::study_camera(view, subject.volume, isovalue, double{1} * size.width / size.height),
+  return {.camera = tools::study_camera(view, subject.dataset, isovalue, double{1} * size.width / size.height),
           .width = size.width,
           .height = size.height};
 }
@@ -278,11 +278,14 @@ void prepare_contest(const ContestSettings& settings, const std::vector<std::str
 
 Subject::Subject(const ContestSettings& settings, const PeerData& given, double unit_length,
                  const std::string& unit_word)
-    : data(given), volume(render::Volume::load(data.packed_file, data.field)), unit(unit_length), unit_name(unit_word) {
-  data.bounds = volume.bounds();
-  data.range = volume.field().range;
+    : data(given),
+      volume(render::Dataset::load(data.packed_file, data.field)),
+      unit(unit_length),
+      unit_name(unit_word) {
+  data.bounds = dataset.bounds();
+  data.range = dataset.field().range;
   for (const std::string& isovalue : settings.isovalues)
-    isovalues.push_back(render::choose_isovalue(isovalue, volume.field()).value);
+    isovalues.push_back(render::choose_isovalue(isovalue, dataset.field()).value);
   for (const std::string& view : settings.views) views.push_back(tools::study_view_named(view));
 }
 

@@ -47,7 +47,7 @@ void prepare_contest(const ContestSettings& settings, const std::vector<std::str
 /// The data as the systems receive them, and what is shown of them.
 struct Subject {
   PeerData data;
-  render::Volume volume;
+  render::Dataset dataset;
   std::vector<double> isovalues;
   std::vector<tools::StudyView> views;
   double unit;            ///< unit of errors along the ray, in world units

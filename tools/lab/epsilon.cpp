@@ -95,11 +95,11 @@ std::vector<std::string> method_words() {
   return words;
 }
 
-std::vector<Json> step_rows(const JudgedView& view, const render::Volume& volume, double isovalue) {
+std::vector<Json> step_rows(const ExactView& view, const render::Dataset& dataset, double isovalue) {
   std::vector<Json> rows;
   for (const std::string& word : method_words()) {
     const bool is_sampled = word.starts_with("sampled");
-    const render::Method method = is_sampled ? render::method_named(word, render::Mode::isosurface, volume.is_mesh())
+    const render::Method method = is_sampled ? render::method_named(word, render::Mode::isosurface, dataset.is_mesh())
                                              : render::method_of(render::accuracy_named(word));
     Json row{{"isovalue", isovalue},
              {"method", word},
@@ -107,7 +107,7 @@ std::vector<Json> step_rows(const JudgedView& view, const render::Volume& volume
              {"refinement", !is_sampled     ? "solved"
                             : method.bisect ? "bisection"
                                             : "linear"}};
-    row.update(view.ray_errors({.volume = volume, .isovalue = isovalue, .method = method}));
+    row.update(view.ray_errors({.dataset = dataset, .isovalue = isovalue, .method = method}));
     rows.push_back(std::move(row));
   }
   return rows;
@@ -162,11 +162,11 @@ int run(const Settings& settings) {
   require_within("--judge-seconds", settings.judge_seconds, 0, 1e6);
   if (!(settings.light.length() > 0)) throw Error(ErrorCode::usage, "--light: found 0,0,0; expected a direction");
   preprocess::require_input(settings.input);
-  const render::Volume volume = tools::load_volume(settings.input, settings.field);
+  const render::Dataset dataset = tools::load_dataset(settings.input, settings.field);
   tools::Table shadows{shadow_table, "Rays to a light by how far off the surface they start", {}, {}};
   tools::Table sampled{step_table, "An isosurface by how far apart the field is sampled", {}, {}};
   shadows.context = sampled.context = context_with({{"input", settings.input.filename().string()},
-                                                    {"field", volume.field().name},
+                                                    {"field", dataset.field().name},
                                                     {"view", settings.view},
                                                     {"light", tools::json_of(settings.light)},
                                                     {"size", {settings.size.width, settings.size.height}},
@@ -175,20 +175,20 @@ int run(const Settings& settings) {
   {
     tools::ProgressDisplay display(settings.common);
     for (const std::string& text : settings.isovalues) {
-      const double isovalue = render::choose_isovalue(text, volume.field()).value;
+      const double isovalue = render::choose_isovalue(text, dataset.field()).value;
       display.show(concat("isovalue ", isovalue, ", the exact answer"));
-      const JudgedView view(volume,
-                            {.isovalue = isovalue,
-                             .camera = tools::study_camera(tools::study_view_named(settings.view), volume, isovalue,
-                                                           double{1} * settings.size.width / settings.size.height),
-                             .size = settings.size,
-                             .judge_seconds = settings.judge_seconds,
-                             .seed = settings.seed});
+      const ExactView view(dataset,
+                           {.isovalue = isovalue,
+                            .camera = tools::study_camera(tools::study_view_named(settings.view), dataset, isovalue,
+                                                          double{1} * settings.size.width / settings.size.height),
+                            .size = settings.size,
+                            .judge_seconds = settings.judge_seconds,
+                            .seed = settings.seed});
       display.show(concat("isovalue ", isovalue, ", shadow rays"));
-      for (Json& row : shadow_rows(ShadowStarts(volume, isovalue, view.truth(), settings.light), isovalue))
+      for (Json& row : shadow_rows(ShadowStarts(dataset, isovalue, view.truth(), settings.light), isovalue))
         shadows.rows.push_back(std::move(row));
       display.show(concat("isovalue ", isovalue, ", samples"));
-      for (Json& row : step_rows(view, volume, isovalue)) sampled.rows.push_back(std::move(row));
+      for (Json& row : step_rows(view, dataset, isovalue)) sampled.rows.push_back(std::move(row));
     }
   }
   publish(shadows, settings.common);

@@ -68,7 +68,7 @@ Json row_of(const std::string& system, double isovalue, const Times& times, cons
 class Study {
  public:
   Study(const Settings& settings, const preprocess::NeutralVolume& grid, const std::filesystem::path& packed)
-      : settings_(settings), volume_(render::Volume::load(packed)) {
+      : settings_(settings), volume_(render::Dataset::load(packed)) {
     data_.grid = &grid;
     data_.packed_file = packed;
     data_.bounds = volume_.bounds();
@@ -134,7 +134,7 @@ class Study {
   }
 
   const Settings& settings_;
-  render::Volume volume_;
+  render::Dataset volume_;
   PeerData data_;
 };
 

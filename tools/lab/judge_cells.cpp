@@ -159,7 +159,7 @@ double distance(double s, const render::Enclosure& enclosure) {
 
 /// True when a root other than the one at which the side changes is nearest.
 bool is_another_root(const CellCase& made, double s, const render::Enclosure& right, double width) {
-  for (const render::Enclosure& root : render::judge_roots(made.cell, made.p0, made.p1, made.isovalue, width))
+  for (const render::Enclosure& root : render::exact_roots(made.cell, made.p0, made.p1, made.isovalue, width))
     if (distance(s, root) < distance(s, right)) return true;
   return false;
 }

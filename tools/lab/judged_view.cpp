@@ -33,9 +33,9 @@ render::Scene scene_of(const ViewSpec& setting) {
 
 }  // namespace
 
-JudgedView::JudgedView(const render::Volume& volume, const ViewSpec& setting)
-    : volume_(volume), wish_(setting), field_(volume_), scene_(scene_of(wish_)) {
-  truth_ = tools::find_truth({.volume = volume_,
+ExactView::ExactView(const render::Dataset& dataset, const ViewSpec& setting)
+    : dataset_(dataset), wish_(setting), field_(dataset_), scene_(scene_of(wish_)) {
+  truth_ = tools::find_truth({.dataset = dataset_,
                               .scene = scene_,
                               .field = field_,
                               .size = wish_.size,
@@ -46,24 +46,24 @@ JudgedView::JudgedView(const render::Volume& volume, const ViewSpec& setting)
   // If exact arithmetic could not decide all pixels in time, their picture is the certified one.
   const render::Accuracy level = truth_.are_all() ? render::Accuracy::exact : render::Accuracy::certified;
   render::Framebuffer picture;
-  draw({.volume = volume_, .isovalue = wish_.isovalue, .method = render::method_of(level)}, {.normal = true}, 0,
+  draw({.dataset = dataset_, .isovalue = wish_.isovalue, .method = render::method_of(level)}, {.normal = true}, 0,
        picture, memory_);
   picture_ = std::make_unique<tools::TruePicture>(std::move(picture));
 }
 
-JudgedView::~JudgedView() = default;
+ExactView::~ExactView() = default;
 
-double JudgedView::cell_length() const {
+double ExactView::cell_length() const {
   std::vector<double> lengths;
   for (const double cells_per_t : truth_.cells_per_t)
     if (cells_per_t > 0) lengths.push_back(1 / cells_per_t);
   return tools::quantiles_of(std::move(lengths)).value().median;
 }
 
-Json JudgedView::ray_errors(const Shown& shown) const {
-  const std::vector<render::Ray> rays = tools::rays_of(shown.volume, wish_.camera, wish_.size, truth_.pixels);
+Json ExactView::ray_errors(const Shown& shown) const {
+  const std::vector<render::Ray> rays = tools::rays_of(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
-      tools::answers({.volume = shown.volume, .isovalue = shown.isovalue, .method = shown.method}, rays);
+      tools::answers({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
   const tools::ErrorList list = tools::errors_against(truth_, field_, scene_.layers[0], hits, shown.border);
   const tools::ErrorCounts errors = tools::count_errors(list);
   std::vector<double> world;
@@ -91,15 +91,15 @@ Json JudgedView::ray_errors(const Shown& shown) const {
   const double kept = errors.kept_by(0.99);
   row["depth_kept_by_99_cells"] = std::isfinite(kept) ? Json(kept) : Json(nullptr);
   put(row, "depth", "_world", tools::quantiles_of(std::move(world)));
-  if (volume_.is_mesh()) return row;
+  if (dataset_.is_mesh()) return row;
   std::optional<tools::Quantiles> value = errors.value_error;
-  const double range = volume_.field().range.hi - volume_.field().range.lo;
+  const double range = dataset_.field().range.hi - dataset_.field().range.lo;
   if (value && range > 0) value->median /= range, value->p99 /= range, value->largest /= range;
   put(row, "value", "_of_range", value);
   return row;
 }
 
-Json JudgedView::picture_errors(const Shown& shown) const {
+Json ExactView::picture_errors(const Shown& shown) const {
   render::Framebuffer picture;
   render::RenderContext memory;
   draw(shown, {.normal = true}, 0, picture, memory);
@@ -111,17 +111,17 @@ Json JudgedView::picture_errors(const Shown& shown) const {
   return row;
 }
 
-void JudgedView::draw(const Shown& shown) {
+void ExactView::draw(const Shown& shown) {
   draw(shown, {}, 1, timed_, memory_);
 }
 
-render::FrameStatistics JudgedView::draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
-                                         render::Framebuffer& picture, render::RenderContext& memory) const {
+render::FrameStatistics ExactView::draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
+                                        render::Framebuffer& picture, render::RenderContext& memory) const {
   render::Scene scene = scene_;
   scene.layers[0].isovalue = shown.isovalue;
   scene.layers[0].method = shown.method;
   return render::render(
-      shown.volume, scene,
+      shown.dataset, scene,
       {.width = wish_.size.width, .height = wish_.size.height, .channels = channels, .threads = threads}, picture,
       memory);
 }

@@ -27,7 +27,7 @@ struct ViewSpec {
 
 /// An alternative to draw: other data at the same position in the world, another method, or both.
 struct Shown {
-  const render::Volume& volume;
+  const render::Dataset& dataset;
   double isovalue = 0;  ///< in this volume's own unit
   render::Method method{};
   const tools::ResampledBorder* border = nullptr;  ///< of a resampled mesh
@@ -35,11 +35,11 @@ struct Shown {
 
 /// An isosurface of some data. Exact arithmetic decides every pixel or a random sample. Measures
 /// how far other data representations and methods deviate from the exact picture.
-class JudgedView {
+class ExactView {
  public:
   /// Refuses a view in which no decided pixel shows the surface (ErrorCode::usage).
-  JudgedView(const render::Volume& volume, const ViewSpec& setting);
-  ~JudgedView();
+  ExactView(const render::Dataset& dataset, const ViewSpec& setting);
+  ~ExactView();
 
   const tools::Truth& truth() const { return truth_; }
   /// The median length, in the world and along the rays, of the cells that contain the hits.
@@ -64,7 +64,7 @@ class JudgedView {
   render::FrameStatistics draw(const Shown& shown, const render::ChannelSet& channels, unsigned threads,
                                render::Framebuffer& picture, render::RenderContext& memory) const;
 
-  render::Volume volume_;
+  render::Dataset dataset_;
   ViewSpec wish_;
   tools::FieldTruth field_;
   render::Scene scene_;  ///< with one layer

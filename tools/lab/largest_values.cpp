@@ -72,7 +72,7 @@ constexpr MethodToShow methods[] = {{"certified", {.algorithm = Method::Algorith
                                     {"sampled:0.5", {.algorithm = Method::Algorithm::sampled, .step = 0.5}},
                                     {"sampled:1", {.algorithm = Method::Algorithm::sampled, .step = 1}}};
 
-render::Volume packed(const FieldToShow& field, const Settings& settings, const std::filesystem::path& folder) {
+render::Dataset packed(const FieldToShow& field, const Settings& settings, const std::filesystem::path& folder) {
   preprocess::NeutralVolume volume;
   const std::int64_t count = settings.samples;
   volume.sample_count = Index3(count);
@@ -92,7 +92,7 @@ render::Volume packed(const FieldToShow& field, const Settings& settings, const 
   volume.samples = volume.owned_samples;
   const std::filesystem::path file = folder / concat(field.name, ".rho");
   preprocess::pack_volume(volume, file);
-  return render::Volume::load(file);
+  return render::Dataset::load(file);
 }
 
 /// A ray through the box: half of them anywhere, a quarter through samples, a quarter through
@@ -153,7 +153,7 @@ constexpr std::uint64_t chunk_size = 1024;
 
 /// Makes rays from one seed per chunk, so that the result does not depend on which thread works on
 /// which chunk.
-Tallies tally(const render::Volume& volume, const Settings& settings,
+Tallies tally(const render::Dataset& volume, const Settings& settings,
               const std::function<void(std::uint64_t)>& tell_done) {
   const double range = volume.field().range.hi - volume.field().range.lo;
   const std::uint64_t chunks = (settings.rays + chunk_size - 1) / chunk_size;

@@ -86,17 +86,17 @@ std::vector<Layout> all_layouts() {
 struct Entrant {
   Layout layout;
   std::filesystem::path file;
-  render::Volume volume;
+  render::Dataset dataset;
   double isovalue;
   std::uint64_t file_bytes;
   std::size_t huge_bytes = 0;
 };
 
-render::Scene scene_of(const Shown& shown, const render::Volume& volume, double isovalue, tools::StudyView view) {
+render::Scene scene_of(const Shown& shown, const render::Dataset& dataset, double isovalue, tools::StudyView view) {
   render::Scene scene;
   scene.layers[0].isovalue = isovalue;
   scene.layers[0].method = render::method_of(render::accuracy_named(shown.accuracy));
-  scene.camera = tools::study_camera(view, volume, isovalue, double{1} * shown.size.width / shown.size.height);
+  scene.camera = tools::study_camera(view, dataset, isovalue, double{1} * shown.size.width / shown.size.height);
   return scene;
 }
 
@@ -118,15 +118,15 @@ std::vector<Entrant> pack_all(const Settings& settings, const std::filesystem::p
     std::optional<preprocess::NeutralVolume> other;
     if (layout.type) other = converted(grid, *layout.type, range);
     const auto report = preprocess::pack_volume(other ? *other : grid, file, layout.pack);
-    render::Volume volume = render::Volume::load(file);
+    render::Dataset dataset = render::Dataset::load(file);
     if (entrants.empty()) {
-      isovalue = render::choose_isovalue(settings.shown.isovalue, volume.field()).value;
-      range = volume.field().range;
+      isovalue = render::choose_isovalue(settings.shown.isovalue, dataset.field()).value;
+      range = dataset.field().range;
     }
     const double own_isovalue = layout.type ? converted_isovalue(isovalue, *layout.type, range) : isovalue;
-    entrants.push_back({layout, file, std::move(volume), own_isovalue, report.file_bytes});
+    entrants.push_back({layout, file, std::move(dataset), own_isovalue, report.file_bytes});
     Entrant& entrant = entrants.back();
-    if (layout.huge_pages) entrant.huge_bytes = move_to_huge_pages(entrant.volume.file().bytes("samples"));
+    if (layout.huge_pages) entrant.huge_bytes = move_to_huge_pages(entrant.dataset.file().bytes("samples"));
   }
   return entrants;
 }
@@ -177,7 +177,7 @@ std::optional<Count> count_of(const Settings& settings, const Entrant& entrant, 
   Shown small = settings.shown;
   small.size = settings.count_size;
   render::Framebuffer picture;
-  return Count{*counted, render::render(entrant.volume, scene_of(small, entrant.volume, entrant.isovalue, view),
+  return Count{*counted, render::render(entrant.dataset, scene_of(small, entrant.dataset, entrant.isovalue, view),
                                         frame_of(small.size, entrant.layout.use_hierarchy), picture)};
 }
 
@@ -253,10 +253,10 @@ int run(const Settings& settings) {
       std::vector<TimedRow> rows;
       for (std::size_t e = 0; e < entrants.size(); ++e) {
         const Entrant& entrant = entrants[e];
-        const render::Scene scene = scene_of(settings.shown, entrant.volume, entrant.isovalue, view);
+        const render::Scene scene = scene_of(settings.shown, entrant.dataset, entrant.isovalue, view);
         rows.push_back({.name = entrant.layout.name, .act = [&, e, scene] {
                           statistics[e] =
-                              render::render(entrants[e].volume, scene,
+                              render::render(entrants[e].dataset, scene,
                                              frame_of(settings.shown.size, entrants[e].layout.use_hierarchy),
                                              pictures[e], memories[e]);
                         }});
@@ -274,12 +274,12 @@ int run(const Settings& settings) {
         table.rows.push_back(std::move(row));
       }
     }
-    const Index3 n = entrants[usual].volume.file().description().kind == "grid"
-                         ? formats::BrickGrid(entrants[usual].volume.file()).description().layout.sample_count
+    const Index3 n = entrants[usual].dataset.file().description().kind == "grid"
+                         ? formats::BrickGrid(entrants[usual].dataset.file()).description().layout.sample_count
                          : Index3(0);
     table.context = context_with({{"input", settings.input.filename().string()},
                                   {"samples", {n.x, n.y, n.z}},
-                                  {"type", formats::element_name(entrants[usual].volume.field().type)},
+                                  {"type", formats::element_name(entrants[usual].dataset.field().type)},
                                   {"isovalue", entrants[usual].isovalue},
                                   {"accuracy", settings.shown.accuracy},
                                   {"size", {settings.shown.size.width, settings.shown.size.height}},
@@ -312,13 +312,13 @@ struct FrameSpec {
 };
 
 int show_one_frame(const FrameSpec& settings) {
-  const render::Volume volume = tools::load_volume(settings.input, {});
-  const double isovalue = render::choose_isovalue(settings.shown.isovalue, volume.field()).value;
-  const render::Scene scene = scene_of(settings.shown, volume, isovalue, tools::study_view_named(settings.view));
+  const render::Dataset dataset = tools::load_dataset(settings.input, {});
+  const double isovalue = render::choose_isovalue(settings.shown.isovalue, dataset.field()).value;
+  const render::Scene scene = scene_of(settings.shown, dataset, isovalue, tools::study_view_named(settings.view));
   render::Framebuffer picture;
   render::RenderContext memory;
   const render::FrameStatistics statistics =
-      render::render(volume, scene, frame_of(settings.shown.size, !settings.no_hierarchy), picture, memory);
+      render::render(dataset, scene, frame_of(settings.shown.size, !settings.no_hierarchy), picture, memory);
   std::puts(concat("machine ", statistics.machine, ", picture ", tools::picture_hash(picture)).c_str());
   return 0;
 }

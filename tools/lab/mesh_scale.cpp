@@ -80,14 +80,14 @@ void add_rows(const Settings& settings, std::uint64_t cell_count, const std::fil
   const Packed packed = pack_box(cell_count, file, {});
   const tbb::global_control one_thread_of_peers(tbb::global_control::max_allowed_parallelism, 1);
   const ThreadLimit one_thread(1);
-  std::optional<render::Volume> volume;
-  const double open_ms = cpu_ms_of([&] { volume = render::Volume::load(file); });
+  std::optional<render::Dataset> dataset;
+  const double open_ms = cpu_ms_of([&] { dataset = render::Dataset::load(file); });
   PeerData data;
   data.packed_file = file;
-  data.bounds = volume->bounds();
-  data.range = volume->field().range;
-  const double isovalue = render::choose_isovalue("auto", volume->field()).value;
-  const PeerView view{.camera = tools::study_camera(tools::study_view_named(settings.view), *volume, isovalue,
+  data.bounds = dataset->bounds();
+  data.range = dataset->field().range;
+  const double isovalue = render::choose_isovalue("auto", dataset->field()).value;
+  const PeerView view{.camera = tools::study_camera(tools::study_view_named(settings.view), *dataset, isovalue,
                                                     double{1} * settings.size.width / settings.size.height),
                       .width = settings.size.width,
                       .height = settings.size.height};

@@ -61,7 +61,7 @@ struct Settings {
 struct Form {
   std::string kind;
   int size = 0;  ///< samples on the longest axis; 0 for the mesh itself
-  render::Volume volume;
+  render::Dataset dataset;
   render::Method method{};
   double resample_cpu_s = 0;
   std::uint64_t bytes = 0;
@@ -81,7 +81,7 @@ std::vector<int> sizes_of(const std::string& option, const std::vector<std::stri
 }
 
 /// All samples of the box, NaN outside the mesh, as in systems without sparse grids.
-preprocess::NeutralVolume whole_samples(const render::Volume& bricks) {
+preprocess::NeutralVolume whole_samples(const render::Dataset& bricks) {
   const formats::BrickGrid grid(bricks.file());
   const formats::GridDescription& description = grid.description();
   const tools::validate::GridField field(grid, bricks.field().name);
@@ -106,10 +106,10 @@ preprocess::NeutralVolume whole_samples(const render::Volume& bricks) {
 
 class Forms {
  public:
-  Forms(const render::Volume& mesh, const std::filesystem::path& folder) : copies_(mesh), options_{.folder = folder} {
+  Forms(const render::Dataset& mesh, const std::filesystem::path& folder) : copies_(mesh), options_{.folder = folder} {
     for (const char* level : {"float", "double", "certified"})
       all_.push_back({.kind = tetrahedra,
-                      .volume = mesh,
+                      .dataset = mesh,
                       .method = render::method_of(render::accuracy_named(level)),
                       .bytes = mesh.file().file_bytes()});
     // Brings the mesh into memory, untimed.
@@ -120,16 +120,16 @@ class Forms {
 
   void add(const std::string& kind, int size) {
     tools::CpuMeter meter;
-    std::optional<render::Volume> drawn;
+    std::optional<render::Dataset> drawn;
     std::uint64_t bytes = 0;
     std::shared_ptr<const tools::ResampledBorder> border;
     const double cpu_s = meter
                              .measure([&] {
                                const tools::FormedData& copy = copies_.get(form_of(kind, size), options_);
-                               drawn = copy.volume;
+                               drawn = copy.dataset;
                                bytes = copy.file_bytes;
                                border = copy.border;
-                               if (kind == whole_grid) drawn = whole(copy.volume, size, bytes);
+                               if (kind == whole_grid) drawn = whole(copy.dataset, size, bytes);
                              })
                              .cpu_s;
     // The samples of the others are those of the bricks, which may exist already.
@@ -139,7 +139,7 @@ class Forms {
     const double before_s = bricks == all_.end() ? 0 : bricks->resample_cpu_s;
     all_.push_back({.kind = kind,
                     .size = size,
-                    .volume = *drawn,
+                    .dataset = *drawn,
                     .method = render::default_method(*drawn, render::Mode::isosurface),
                     .resample_cpu_s = before_s + cpu_s,
                     .bytes = bytes,
@@ -151,10 +151,10 @@ class Forms {
     return {.kind = kind == openvdb ? DataForm::Kind::resampled_vdb : DataForm::Kind::resampled, .size = size};
   }
 
-  render::Volume whole(const render::Volume& bricks, int size, std::uint64_t& bytes) const {
+  render::Dataset whole(const render::Dataset& bricks, int size, std::uint64_t& bytes) const {
     const std::filesystem::path path = options_.folder / concat("whole", size, ".rho");
     bytes = preprocess::pack_volume(whole_samples(bricks), path).file_bytes;
-    return render::Volume::load(path);
+    return render::Dataset::load(path);
   }
 
   tools::DataForms copies_;
@@ -163,7 +163,7 @@ class Forms {
 };
 
 std::string method_word(const Form& form) {
-  return render::option_of(form.method, render::Mode::isosurface, form.volume.is_mesh()).word;
+  return render::option_of(form.method, render::Mode::isosurface, form.dataset.is_mesh()).word;
 }
 
 std::string name_of(const Form& form) {
@@ -178,19 +178,20 @@ double step_of(const Form& form, const Box3& box) {
 /// Rows of one isovalue: errors first, then times in rounds.
 std::vector<Json> rows_of(const Settings& settings, const Forms& forms, double isovalue,
                           const std::function<void(const std::string&)>& tell) {
-  const render::Volume& mesh = forms.all()[0].volume;
+  const render::Dataset& mesh = forms.all()[0].dataset;
   tell(concat("isovalue ", isovalue, ", the exact answer"));
-  JudgedView view(mesh, {.isovalue = isovalue,
-                         .camera = tools::study_camera(tools::study_view_named(settings.view), mesh, isovalue,
-                                                       double{1} * settings.size.width / settings.size.height),
-                         .size = settings.size,
-                         .judge_seconds = settings.judge_seconds,
-                         .seed = settings.seed});
+  ExactView view(mesh, {.isovalue = isovalue,
+                        .camera = tools::study_camera(tools::study_view_named(settings.view), mesh, isovalue,
+                                                      double{1} * settings.size.width / settings.size.height),
+                        .size = settings.size,
+                        .judge_seconds = settings.judge_seconds,
+                        .seed = settings.seed});
   std::vector<Json> rows;
   std::vector<TimedRow> timed;
   for (const Form& form : forms.all()) {
     tell(concat("isovalue ", isovalue, ", errors of ", name_of(form)));
-    const Shown shown{.volume = form.volume, .isovalue = isovalue, .method = form.method, .border = form.border.get()};
+    const Shown shown{
+        .dataset = form.dataset, .isovalue = isovalue, .method = form.method, .border = form.border.get()};
     Json row{
         {"isovalue", isovalue},
         {"data", form.kind},
@@ -266,7 +267,7 @@ int run(const Settings& settings) {
                          whole_sizes = sizes_of("--whole", settings.whole_sizes),
                          vdb_sizes = sizes_of("--vdb", settings.vdb_sizes);
   preprocess::require_input(settings.input);
-  const render::Volume mesh = tools::load_volume(settings.input, settings.field);
+  const render::Dataset mesh = tools::load_dataset(settings.input, settings.field);
   if (!mesh.is_mesh())
     throw Error(ErrorCode::usage,
                 concat(settings.input.string(), ": found a grid; expected a packed mesh of tetrahedra"));

@@ -95,13 +95,14 @@ std::vector<Ray> sorted_by_octant(std::vector<Ray> rays, std::size_t among) {
   return rays;
 }
 
-std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const Settings& settings) {
-  const render::Camera camera = tools::study_camera(tools::study_view_named(settings.view), volume, isovalue,
+std::vector<Kind> kinds_of(const render::Dataset& dataset, double isovalue, const Settings& settings) {
+  const render::Camera camera = tools::study_camera(tools::study_view_named(settings.view), dataset, isovalue,
                                                     double{1} * settings.size.width / settings.size.height);
-  const std::vector<Ray> seen = in_tiles(render::camera_rays(volume, camera, settings.size.width, settings.size.height),
-                                         settings.size.width, settings.size.height);
+  const std::vector<Ray> seen =
+      in_tiles(render::camera_rays(dataset, camera, settings.size.width, settings.size.height), settings.size.width,
+               settings.size.height);
   std::vector<Hit> hits(seen.size());
-  render::RayCaster(volume, isovalue, render::method_of(render::accuracy_named("certified")), 0)
+  render::RayCaster(dataset, isovalue, render::method_of(render::accuracy_named("certified")), 0)
       .first_crossings(seen, hits);
   const std::vector<Place> places = places_of(seen, hits);
   if (places.empty()) throw Error(ErrorCode::usage, "the view shows no surface; expected some to start rays from");
@@ -119,10 +120,10 @@ std::vector<Kind> kinds_of(const render::Volume& volume, double isovalue, const 
 }
 
 tools::Table measure(const Settings& settings, const std::function<void(const std::string&)>& tell) {
-  const render::Volume volume = render::Volume::load(settings.input);
-  const double isovalue = render::choose_isovalue(settings.isovalue, volume.field()).value;
+  const render::Dataset dataset = render::Dataset::load(settings.input);
+  const double isovalue = render::choose_isovalue(settings.isovalue, dataset.field()).value;
   tell("rays");
-  const std::vector<Kind> kinds = kinds_of(volume, isovalue, settings);
+  const std::vector<Kind> kinds = kinds_of(dataset, isovalue, settings);
   tools::Table table{"secondary_rays", "Rays from a surface: CPU time of one thread", {}, {}};
   table.context = context_with({{"input", settings.input.filename().string()},
                                 {"isovalue", isovalue},
@@ -136,7 +137,7 @@ tools::Table measure(const Settings& settings, const std::function<void(const st
     for (const std::string& level : settings.levels)
       rows.push_back({.name = level, .act = [&, level] {
                         const render::Method method = render::method_of(render::accuracy_named(level));
-                        render::RayCaster(volume, isovalue, method).first_crossings(kind.rays, hits);
+                        render::RayCaster(dataset, isovalue, method).first_crossings(kind.rays, hits);
                       }});
     if (rows.empty() || kind.rays.empty()) continue;
     run_rounds(rows, settings.rounds, [&](const std::string& step) { tell(concat(kind.name, ", ", step)); });

@@ -32,11 +32,11 @@ const char* name_of(Start start) {
   return "knows its side";
 }
 
-ShadowStarts::ShadowStarts(const render::Volume& volume, double isovalue, const tools::Truth& truth,
+ShadowStarts::ShadowStarts(const render::Dataset& dataset, double isovalue, const tools::Truth& truth,
                            const Vec3& towards_light)
-    : volume_(volume), isovalue_(isovalue) {
-  const tools::FieldTruth field(volume_);
-  const Affine& world = render::world_from_ray_frame(volume_);
+    : dataset_(dataset), isovalue_(isovalue) {
+  const tools::FieldTruth field(dataset_);
+  const Affine& world = render::world_from_ray_frame(dataset_);
   const Affine frame = world.inverse();
   light_ = frame.vector(towards_light.normalized());
   for (std::size_t i = 0; i < truth.hits.size(); ++i) {
@@ -70,7 +70,7 @@ std::vector<Ray> ShadowStarts::off_surface(double cells) const {
 
 void ShadowStarts::decide() {
   const tools::Asking judge{
-      .volume = volume_, .isovalue = isovalue_, .method = render::method_of(render::Accuracy::exact)};
+      .dataset = dataset_, .isovalue = isovalue_, .method = render::method_of(render::Accuracy::exact)};
   const std::vector<Hit> near = tools::answers(judge, off_surface(1e-7)),
                          far = tools::answers(judge, off_surface(1e-5));
   std::vector<Case> known;
@@ -94,7 +94,7 @@ StartCounts ShadowStarts::count(const StartSettings& setting) const {
   std::vector<Ray> seen;
   for (const Case& at : cases_) seen.push_back(at.seen);
   const std::vector<Hit> hits =
-      tools::answers({.volume = volume_, .isovalue = isovalue_, .method = setting.method}, seen);
+      tools::answers({.dataset = dataset_, .isovalue = isovalue_, .method = setting.method}, seen);
   std::vector<Ray> rays;
   std::vector<bool> is_dark;
   for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -113,7 +113,7 @@ StartCounts ShadowStarts::count(const StartSettings& setting) const {
     is_dark.push_back(at.is_dark);
   }
   const render::Method method = setting.start == Start::knows_side ? setting.method : render::Method{};
-  const std::vector<Hit> met = tools::answers({.volume = volume_, .isovalue = isovalue_, .method = method}, rays);
+  const std::vector<Hit> met = tools::answers({.dataset = dataset_, .isovalue = isovalue_, .method = method}, rays);
   StartCounts counts{.rays = rays.size()};
   for (std::size_t i = 0; i < rays.size(); ++i) {
     counts.dark += is_dark[i];

@@ -41,7 +41,7 @@ struct StartCounts {
 class ShadowStarts {
  public:
   /// @param towards_light  world axes, any length
-  ShadowStarts(const render::Volume& volume, double isovalue, const tools::Truth& truth, const Vec3& towards_light);
+  ShadowStarts(const render::Dataset& dataset, double isovalue, const tools::Truth& truth, const Vec3& towards_light);
 
   std::uint64_t known() const { return cases_.size(); }
   std::uint64_t dark() const;
@@ -66,9 +66,9 @@ class ShadowStarts {
   std::vector<render::Ray> off_surface(double cells) const;
   void decide();
 
-  render::Volume volume_;
+  render::Dataset dataset_;
   double isovalue_;
-  Vec3 light_{};  ///< one world unit towards the light, in the volume's frame
+  Vec3 light_{};  ///< one world unit towards the light, in the data's frame
   std::vector<Case> cases_;
   std::uint64_t undecided_ = 0;
 };

@@ -87,13 +87,13 @@ struct Asked {
   std::vector<Hit> hits;
 };
 
-Asked ask_library(const Settings& settings, const std::string& mesh, const render::Volume& volume) {
-  const double isovalue = render::choose_isovalue(settings.isovalue, volume.field()).value;
-  const render::Camera camera = tools::study_camera(tools::study_view_named("front"), volume, isovalue,
+Asked ask_library(const Settings& settings, const std::string& mesh, const render::Dataset& dataset) {
+  const double isovalue = render::choose_isovalue(settings.isovalue, dataset.field()).value;
+  const render::Camera camera = tools::study_camera(tools::study_view_named("front"), dataset, isovalue,
                                                     double{1} * settings.size.width / settings.size.height);
-  Asked asked{mesh, isovalue, render::camera_rays(volume, camera, settings.size.width, settings.size.height), {}};
+  Asked asked{mesh, isovalue, render::camera_rays(dataset, camera, settings.size.width, settings.size.height), {}};
   asked.hits.resize(asked.rays.size());
-  render::RayCaster(volume, isovalue, render::method_of(render::Accuracy::float64))
+  render::RayCaster(dataset, isovalue, render::method_of(render::Accuracy::float64))
       .first_crossings(asked.rays, asked.hits);
   return asked;
 }
@@ -227,7 +227,7 @@ int run(const Settings& settings) {
     for (const NamedMesh& named : meshes_of(settings)) {
       display.show(concat("making ", named.name));
       const MeshForWays mesh(named.make(), scratch.path());
-      const Asked asked = ask_library(settings, named.name, mesh.volume());
+      const Asked asked = ask_library(settings, named.name, mesh.dataset());
       is_same_everywhere &= add_rows(settings, mesh.structures(asked.isovalue), asked, display, shapes);
       is_same_everywhere &= add_rows(settings, mesh.orders(asked.isovalue), asked, display, orders);
       add_rounded_rows(settings, mesh, asked, display, points);

@@ -21,11 +21,11 @@ std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
     if (std::find(bars.begin(), bars.end(), bar) == bars.end()) bars.push_back(bar);
   };
   for (const render::Layer& layer : plan.scene.layers) {
-    const render::Volume& volume = plan.volumes[layer.volume];
+    const render::Dataset& dataset = plan.datasets[layer.dataset];
     if (layer.mode == render::Mode::mip)
-      add({title_of(volume.field()), render::ColorMap::gray, layer.window});
-    else if (const auto& colors = layer.surface.color_by)
-      add({title_of(volume.field(colors->field).value()), colors->map, colors->range});
+      add({title_of(dataset.field()), render::ColorMap::gray, layer.window});
+    else if (const auto& colors = layer.material.color_by)
+      add({title_of(dataset.field(colors->field).value()), colors->map, colors->range});
   }
   return bars;
 }
@@ -52,7 +52,7 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
   }
   if (spec.box.value_or(false)) {
     annotations.box = plan.annotated_box;
-    annotations.length_unit = plan.volumes[layers[0].volume].length_unit();
+    annotations.length_unit = plan.datasets[layers[0].dataset].length_unit();
     annotations.hides_box = std::any_of(layers.begin(), layers.end(),
                                         [](const render::Layer& layer) { return layer.mode != render::Mode::mip; });
   }

@@ -74,11 +74,11 @@ void check(const AccuracyCommand& command) {
 }
 
 void refuse_damage(const render::ResolvedScene& plan, unsigned threads) {
-  for (const render::Volume& volume : plan.volumes) {
-    const std::vector<formats::DamagedBlock> blocks = volume.file().damaged_blocks(threads);
+  for (const render::Dataset& dataset : plan.datasets) {
+    const std::vector<formats::DamagedBlock> blocks = dataset.file().damaged_blocks(threads);
     if (!blocks.empty())
-      throw Error(ErrorCode::invalid, concat(volume.file().name(), ": ", damage_text(volume.file(), blocks.front())),
-                  concat("`rhoray verify ", volume.file().name(), "` lists all blocks"));
+      throw Error(ErrorCode::invalid, concat(dataset.file().name(), ": ", damage_text(dataset.file(), blocks.front())),
+                  concat("`rhoray verify ", dataset.file().name(), "` lists all blocks"));
   }
 }
 
@@ -305,7 +305,7 @@ int run(AccuracyCommand& command) {
   require_results_folder(command.common.output, command.common.force);
   display.show("checking stored value ranges");
   render::RangeProof range_proof;
-  for (const render::Volume& volume : plan.volumes) range_proof += volume.prove_ranges(command.common.threads);
+  for (const render::Dataset& dataset : plan.datasets) range_proof += dataset.prove_ranges(command.common.threads);
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};

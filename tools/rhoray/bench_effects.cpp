@@ -19,9 +19,9 @@ struct Asked {
   render::SceneSpec scene_spec;
   render::ResolvedScene plan;
 
-  const render::Volume& volume(const std::string& data) const {
+  const render::Dataset& volume(const std::string& data) const {
     for (std::size_t i = 0; i < plan.data.size(); ++i)
-      if (scene_spec.data[i].name == data) return plan.volumes[i];
+      if (scene_spec.data[i].name == data) return plan.datasets[i];
     throw Error(ErrorCode::internal, concat("no data \"", data, '"'));
   }
 };
@@ -41,7 +41,7 @@ render::LightSpec key_light() {
 }
 
 bool is_surface(const render::LayerSpec& layer) {
-  return layer.type == render::LayerType::isosurface || layer.type == render::LayerType::mesh;
+  return layer.type == render::LayerType::isosurface || layer.type == render::LayerType::triangles;
 }
 
 bool has_surface(const Asked& asked) {
@@ -98,8 +98,8 @@ bool shine(render::SceneSpec& scene, const Asked&) {
 }
 bool smooth(render::SceneSpec& scene, const Asked& asked) {
   return change_surfaces(scene, [&](render::LayerSpec& layer) {
-    const render::Volume& volume = asked.volume(layer.data);
-    if (!volume.is_mesh() && !volume.is_surface()) return false;
+    const render::Dataset& dataset = asked.volume(layer.data);
+    if (!dataset.is_mesh() && !dataset.is_surface()) return false;
     layer.normals = "smooth";
     return true;
   });
@@ -241,7 +241,7 @@ struct Measured {
   double trace() {
     if (row->light_turns_by != 0) turn_light();
     const double before = usage_so_far().cpu_s;
-    statistics = render::render(plan.volumes, plan.scene, plan.frame, picture, memory);
+    statistics = render::render(plan.datasets, plan.scene, plan.frame, picture, memory);
     return usage_so_far().cpu_s - before;
   }
 

@@ -23,13 +23,13 @@ namespace {
 
 constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
 
-Json picture_context(const BenchOptions& options, const render::Volume& volume) {
+Json picture_context(const BenchOptions& options, const render::Dataset& dataset) {
   Json json = bench_context(options);
   json["size"] = {options.size.width, options.size.height};
-  json["field"] = volume.field().name;
+  json["field"] = dataset.field().name;
   if (!options.normals.empty()) json["normals"] = options.normals;
   if (!options.color_by.empty()) json["color_by"] = options.color_by;
-  json["samples_or_cells"] = volume.is_mesh() ? "tetrahedra" : "grid";
+  json["samples_or_cells"] = dataset.is_mesh() ? "tetrahedra" : "grid";
   return json;
 }
 
@@ -41,20 +41,20 @@ struct Shot {
   render::RenderContext memory{};
   render::FrameStatistics statistics{};
 
-  double trace(const render::Volume& volume) {
-    statistics = render::render(volume, plan.scene, plan.frame, picture, memory);
+  double trace(const render::Dataset& dataset) {
+    statistics = render::render(dataset, plan.scene, plan.frame, picture, memory);
     return statistics.wall_s;
   }
   Shot another() const { return {.scene = scene, .plan = plan}; }
 };
 
-render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render::Volume& volume) {
-  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&) { return volume; });
+render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render::Dataset& dataset) {
+  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&) { return dataset; });
   aim_camera(scene_spec, plan);
   return plan;
 }
 
-std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volume) {
+std::vector<Shot> shots(const BenchOptions& options, const render::Dataset& dataset) {
   std::vector<Shot> list;
   render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
   scene_spec.image.size = options.size;
@@ -63,7 +63,7 @@ std::vector<Shot> shots(const BenchOptions& options, const render::Volume& volum
   scene_spec.layers[0].normals = options.normals;
   scene_spec.layers[0].color_by = options.color_by;
   const auto add = [&](const std::string& scene) {
-    Shot shot{.scene = scene, .plan = plan_of(scene_spec, volume)};
+    Shot shot{.scene = scene, .plan = plan_of(scene_spec, dataset)};
     shot.plan.frame.threads = options.threads;
     if (scene.empty()) shot.scene = concat("iso ", shot.plan.scene.layers[0].isovalue);
     list.push_back(std::move(shot));
@@ -117,17 +117,17 @@ Json bytes_per_tetrahedron(const formats::PackedFile& file, const preprocess::Pa
 /// Changes a picture to one that was not shown before.
 struct Change {
   const char* name;
-  void (*act)(render::Scene& scene, const render::Volume& volume);
+  void (*act)(render::Scene& scene, const render::Dataset& dataset);
 };
 
 /// By a ten-thousandth of the range.
-void next_isovalue(render::Scene& scene, const render::Volume& volume) {
-  const Interval<double> range = volume.field().range;
+void next_isovalue(render::Scene& scene, const render::Dataset& dataset) {
+  const Interval<double> range = dataset.field().range;
   scene.layers[0].isovalue += 1e-4 * (range.hi - range.lo);
 }
 
 /// By one degree about the z axis.
-void next_view(render::Scene& scene, const render::Volume&) {
+void next_view(render::Scene& scene, const render::Dataset&) {
   render::Camera& camera = scene.camera;
   const Vec3 from_target = camera.position - camera.target;
   constexpr double cosine = 0.99984769515639123, sine = 0.017452406437283513;
@@ -140,8 +140,8 @@ void next_view(render::Scene& scene, const render::Volume&) {
 /// takes before the first pixel.
 class ChangingPicture {
  public:
-  ChangingPicture(const Shot& shot, const Change& change, const render::Volume& volume)
-      : shot_(shot.another()), few_pixels_(shot.another()), change_(change), volume_(volume) {
+  ChangingPicture(const Shot& shot, const Change& change, const render::Dataset& dataset)
+      : shot_(shot.another()), few_pixels_(shot.another()), change_(change), volume_(dataset) {
     few_pixels_.plan.frame.width = few_pixels_.plan.frame.height = 4;
     few_pixels_.plan.frame.threads = 1;
   }
@@ -168,7 +168,7 @@ class ChangingPicture {
 
   Shot shot_, few_pixels_;
   Change change_;
-  const render::Volume& volume_;
+  const render::Dataset& volume_;
   CpuMeter meter_;
   double changed_ms_ = 0;
   std::vector<double> extra_ms_;
@@ -177,8 +177,8 @@ class ChangingPicture {
 }  // namespace
 
 Table phases_table(const BenchOptions& options, const Step& step) {
-  const render::Volume volume = load_volume(options.input, options.field);
-  std::vector<Shot> plain = shots(options, volume), timed;
+  const render::Dataset dataset = load_dataset(options.input, options.field);
+  std::vector<Shot> plain = shots(options, dataset), timed;
   for (const Shot& shot : plain) timed.push_back(shot.another());
   for (Shot& shot : timed) shot.plan.frame.time_phases = true;
   const std::size_t count = plain.size();
@@ -186,7 +186,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
   const auto seconds = interleaved(2 * count, options.repeat, [&](std::size_t row) {
     Shot& shot = row < count ? plain[row] : timed[row - count];
     step(shot.scene);
-    const double taken = shot.trace(volume);
+    const double taken = shot.trace(dataset);
     if (row >= count) {
       phases[row - count].traversal += shot.statistics.phases.traversal;
       phases[row - count].intersection += shot.statistics.phases.intersection;
@@ -197,7 +197,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
 
   Table table{"phases",
               "Where the time goes (shares of CPU time), and frames per second",
-              picture_context(options, volume),
+              picture_context(options, dataset),
               {}};
   for (std::size_t i = 0; i < count; ++i) {
     const double all = phases[i].traversal + phases[i].intersection + phases[i].shading;
@@ -221,11 +221,11 @@ Table phases_table(const BenchOptions& options, const Step& step) {
 }
 
 Table threads_table(const BenchOptions& options, const Step& step) {
-  const render::Volume volume = load_volume(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.input, options.field);
   const std::vector<unsigned> counts =
       thread_counts(options.threads == 0 ? std::max(1u, this_machine().core_count) : options.threads);
   std::vector<Shot> rows;
-  for (const Shot& shot : shots(options, volume))
+  for (const Shot& shot : shots(options, dataset))
     for (const unsigned threads : counts) {
       rows.push_back(shot.another());
       rows.back().plan.frame.threads = threads;
@@ -234,12 +234,12 @@ Table threads_table(const BenchOptions& options, const Step& step) {
   const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t row) {
     step(concat(rows[row].scene, ", ", rows[row].plan.frame.threads, " threads"));
     const double cpu_before = usage_so_far().cpu_s;
-    const double taken = rows[row].trace(volume);
+    const double taken = rows[row].trace(dataset);
     cpu_seconds[row].push_back(usage_so_far().cpu_s - cpu_before);
     return taken;
   });
 
-  Table table{"threads", "Frames per second by number of threads", picture_context(options, volume), {}};
+  Table table{"threads", "Frames per second by number of threads", picture_context(options, dataset), {}};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const unsigned threads = rows[i].plan.frame.threads;
     const Spread frame = spread_of(seconds[i]), one_thread = spread_of(seconds[i - i % counts.size()]);
@@ -259,7 +259,7 @@ Table threads_table(const BenchOptions& options, const Step& step) {
 }
 
 Table views_table(const BenchOptions& options, const Step& step) {
-  const render::Volume volume = load_volume(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.input, options.field);
   const double aspect = static_cast<double>(options.size.width) / static_cast<double>(options.size.height);
   struct Row {
     StudyView view;
@@ -267,25 +267,25 @@ Table views_table(const BenchOptions& options, const Step& step) {
     std::vector<double> cycles;
   };
   std::vector<Row> rows;
-  for (const Shot& shot : shots(options, volume))
+  for (const Shot& shot : shots(options, dataset))
     for (const StudyView view : study_views) {
       rows.push_back({view, shot.another(), {}});
       render::Scene& scene = rows.back().shot.plan.scene;
       const bool is_surface = scene.layers[0].mode == render::Mode::isosurface;
       scene.camera =
-          study_camera(view, volume, is_surface ? std::optional(scene.layers[0].isovalue) : std::nullopt, aspect);
+          study_camera(view, dataset, is_surface ? std::optional(scene.layers[0].isovalue) : std::nullopt, aspect);
     }
   CpuMeter meter;
   const auto seconds = interleaved(rows.size(), options.repeat, [&](std::size_t r) {
     Row& row = rows[r];
     step(concat(row.shot.scene, ", ", name_of(row.view)));
     double taken = 0;
-    const Cost cost = meter.measure([&] { taken = row.shot.trace(volume); });
+    const Cost cost = meter.measure([&] { taken = row.shot.trace(dataset); });
     row.cycles.push_back(cost.cycles ? *cost.cycles : cost.cpu_s * core_frequency_hz());
     return taken;
   });
 
-  Table table{"views", "The paper's four views", picture_context(options, volume), {}};
+  Table table{"views", "The paper's four views", picture_context(options, dataset), {}};
   table.context["cycles"] = meter.counts_cycles() ? "counted by the processor" : "CPU time x measured frequency";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     Row& row = rows[r];
@@ -306,16 +306,16 @@ Table views_table(const BenchOptions& options, const Step& step) {
 }
 
 Table memory_table(const BenchOptions& options, const Step& step) {
-  const render::Volume volume = load_volume(options.input, options.field);
-  Table table{"memory", "Memory beyond the mapped file", picture_context(options, volume), {}};
+  const render::Dataset dataset = load_dataset(options.input, options.field);
+  Table table{"memory", "Memory beyond the mapped file", picture_context(options, dataset), {}};
   render::Framebuffer picture;  // one for all rows: memory that is given back would still be counted
-  for (Shot& shot : shots(options, volume)) {
+  for (Shot& shot : shots(options, dataset)) {
     step(shot.scene);
     shot.picture = std::move(picture);
-    for (int frame = 0; frame < options.repeat; ++frame) shot.trace(volume);
+    for (int frame = 0; frame < options.repeat; ++frame) shot.trace(dataset);
     const std::uint64_t picture_bytes = shot.picture.color.size() * sizeof(float), all = anonymous_bytes();
     table.rows.push_back({{"scene", shot.scene},
-                          {"file_bytes", volume.file().file_bytes()},
+                          {"file_bytes", dataset.file().file_bytes()},
                           {"picture_bytes", picture_bytes},
                           {"anonymous_bytes", all},
                           {"beyond_file_and_picture_bytes", all - std::min(all, picture_bytes)},
@@ -327,16 +327,16 @@ Table memory_table(const BenchOptions& options, const Step& step) {
 }
 
 Table isovalue_table(const BenchOptions& options, const Step& step) {
-  const render::Volume volume = load_volume(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.input, options.field);
   BenchOptions surfaces = options;
   surfaces.mip = false;
   Table table{"isovalue",
               "First picture after a change, and the preparation before its first pixel",
-              picture_context(options, volume),
+              picture_context(options, dataset),
               {}};
-  for (const Shot& shot : shots(surfaces, volume))
+  for (const Shot& shot : shots(surfaces, dataset))
     for (const Change& change : {Change{"isovalue", next_isovalue}, Change{"view", next_view}}) {
-      ChangingPicture picture(shot, change, volume);
+      ChangingPicture picture(shot, change, dataset);
       const auto seconds = interleaved(2, options.repeat, [&](std::size_t row) {
         step(concat(shot.scene, ", another ", change.name));
         return row == 0 ? picture.show_next() : picture.show_again();
@@ -361,7 +361,7 @@ Table open_table(const BenchOptions& options, const Step& step) {
     std::function<void()> act;
   };
   const Way ways[] = {{"open", [&] { formats::PackedFile::open(options.input); }},
-                      {"open, ready for the first ray", [&] { load_volume(options.input, options.field); }},
+                      {"open, ready for the first ray", [&] { load_dataset(options.input, options.field); }},
                       {"checksums, 1 thread", [&] { file.damaged_blocks(1); }},
                       {"checksums, all threads", [&] { file.damaged_blocks(options.threads); }}};
   const auto seconds = interleaved(std::size(ways), options.repeat, [&](std::size_t row) {

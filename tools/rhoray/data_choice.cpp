@@ -16,11 +16,11 @@ bool varies(const formats::FieldSummary& field) {
 }
 
 /// The first field, or if it is constant the first field that is not.
-render::Volume load_field_that_varies(const std::filesystem::path& path) {
-  const render::Volume first = render::Volume::load(path);
+render::Dataset load_field_that_varies(const std::filesystem::path& path) {
+  const render::Dataset first = render::Dataset::load(path);
   if (varies(first.field())) return first;
   for (const std::string& name : first.field_names()) {
-    const render::Volume other = render::Volume::load(path, name);
+    const render::Dataset other = render::Dataset::load(path, name);
     if (varies(other.field())) return other;
   }
   return first;
@@ -28,9 +28,9 @@ render::Volume load_field_that_varies(const std::filesystem::path& path) {
 
 }  // namespace
 
-render::Volume load_shown(const std::filesystem::path& path, const std::string& field) {
+render::Dataset load_shown(const std::filesystem::path& path, const std::string& field) {
   preprocess::require_input(path);
-  if (preprocess::is_vdb(path)) return render::Volume::load(preprocess::open_vdb(path, field));
+  if (preprocess::is_vdb(path)) return render::Dataset::load(preprocess::open_vdb(path, field));
   if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
     const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
     throw Error(ErrorCode::invalid, concat(path.string(), ": is not a packed file"),
@@ -38,20 +38,20 @@ render::Volume load_shown(const std::filesystem::path& path, const std::string& 
   }
   if (field.empty()) return load_field_that_varies(path);
   try {
-    return render::Volume::load(path, field);
+    return render::Dataset::load(path, field);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::usage) throw;
-    const std::string hint = did_you_mean(field, render::Volume::load(path).field_names());
+    const std::string hint = did_you_mean(field, render::Dataset::load(path).field_names());
     throw Error(error.code(), error.what(), hint.empty() ? error.hint() : hint);
   }
 }
 
-render::Volume load_volume(const std::filesystem::path& path, const std::string& field) {
-  const render::Volume volume = load_shown(path, field);
-  if (volume.is_surface())
+render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field) {
+  const render::Dataset dataset = load_shown(path, field);
+  if (dataset.is_surface())
     throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("show it: rhoray render ", path.string()));
-  return volume;
+  return dataset;
 }
 
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec) {

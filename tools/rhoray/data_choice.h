@@ -12,10 +12,10 @@ namespace rhoray::tools {
 /// Opens a packed file or an OpenVDB file for rendering. Refuses other foreign files and names the
 /// command that packs them; refuses an unknown field and names the nearest one. Without a name it
 /// takes the first field that is not constant, or the first field if all are.
-render::Volume load_shown(const std::filesystem::path& path, const std::string& field);
+render::Dataset load_shown(const std::filesystem::path& path, const std::string& field);
 
 /// As above; refuses a surface, which has no fields (ErrorCode::invalid).
-render::Volume load_volume(const std::filesystem::path& path, const std::string& field);
+render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field);
 
 /// Opens the data of a scene by load_shown (render/document.h).
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec);

@@ -4,8 +4,8 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
 #include "formats/brick_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
 #include "preprocess/input_file.h"
@@ -67,7 +67,7 @@ Content content_of(const std::filesystem::path& input) {
     throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
   const formats::PackedFile file = formats::PackedFile::open(input);
-  if (file.description().kind == formats::SurfaceMesh::kind)
+  if (file.description().kind == formats::TriangleMesh::kind)
     throw Error(ErrorCode::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
                 "numpy reads its points and triangles from the packed file: see formats/SPEC.md");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};

@@ -6,8 +6,8 @@
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/command_line.h"
@@ -58,8 +58,8 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
     if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
   } else if (kind == formats::ColorGrid::kind)
     json.update(json_of(formats::ColorGrid(file).description()));
-  else if (kind == formats::SurfaceMesh::kind)
-    json.update(json_of(formats::SurfaceMesh(file).description()));
+  else if (kind == formats::TriangleMesh::kind)
+    json.update(json_of(formats::TriangleMesh(file).description()));
   json["memory"] = {{"mapped_bytes", file.file_bytes()}};
   json["arrays"] = Json::array();
   for (const formats::ArrayEntry& entry : file.arrays())

@@ -145,8 +145,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
       {in_group("Input",
                 {layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
                                      scene.data[0].field)),
-                 layers(value_option("--mesh", "FILE[,FILE...]",
-                                     "Packed triangle meshes to show too, such as landmarks", options.meshes))}),
+                 layers(value_option("--landmark", "FILE[,FILE...]",
+                                     "Packed triangle meshes to show too, such as landmarks", options.landmarks))}),
        in_group(
            "Surface",
            {with_details(
@@ -329,7 +329,7 @@ void add_landmarks(const std::vector<std::string>& files, render::SceneSpec& sce
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string name = concat("mesh ", i + 1);
     scene_spec.data.push_back({.name = name, .file = files[i]});
-    scene_spec.layers.push_back({.type = render::LayerType::mesh, .data = name});
+    scene_spec.layers.push_back({.type = render::LayerType::triangles, .data = name});
   }
 }
 
@@ -345,7 +345,7 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::filesystem::
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
   if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(scene_spec.layers[0]);
   add_slices(options, scene_spec);
-  add_landmarks(options.meshes, scene_spec);
+  add_landmarks(options.landmarks, scene_spec);
   return scene_spec;
 }
 

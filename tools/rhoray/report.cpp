@@ -70,7 +70,7 @@ std::string content_of(const formats::TetMeshDescription& mesh) {
                 counted(mesh.point_count, "point", "points"), ", ", counted(mesh.fields.size(), "field", "fields"));
 }
 
-std::string content_of(const formats::SurfaceMeshDescription& surface) {
+std::string content_of(const formats::TriangleMeshDescription& surface) {
   return concat(counted(surface.triangle_count, "triangle", "triangles"), ", ",
                 counted(surface.point_count, "point", "points"));
 }
@@ -190,7 +190,7 @@ Json json_of(const formats::TetMeshDescription& mesh) {
   return json;
 }
 
-Json json_of(const formats::SurfaceMeshDescription& surface) {
+Json json_of(const formats::TriangleMeshDescription& surface) {
   return {{"points", surface.point_count},
           {"triangles", surface.triangle_count},
           {"point_type", formats::element_name(surface.point_type)},

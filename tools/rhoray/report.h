@@ -10,8 +10,8 @@
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/field_summary.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/pack.h"
 #include "render/document.h"
 
@@ -32,7 +32,7 @@ Json json_of(const formats::Provenance& provenance);
 Json json_of(const formats::GridDescription& grid);
 Json json_of(const formats::ColorGridDescription& grid);
 Json json_of(const formats::TetMeshDescription& mesh);
-Json json_of(const formats::SurfaceMeshDescription& surface);
+Json json_of(const formats::TriangleMeshDescription& surface);
 
 /// Where the samples of a volume stand: in the frame of the map at 0, 1, 2, ..., or where a table
 /// of the axis says.

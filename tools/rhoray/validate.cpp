@@ -74,20 +74,20 @@ formats::PackedFile compare(const ValidateCommand& command, const validate::Requ
 int run(ValidateCommand& command) {
   const Stopwatch watch;
   check(command);
-  const render::Volume volume = load_volume(command.input, command.field);
-  if (volume.file().description().kind == "vdb")
+  const render::Dataset dataset = load_dataset(command.input, command.field);
+  if (dataset.file().description().kind == "vdb")
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": is an OpenVDB file; expected a packed file"),
                 concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
-  const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, volume.field());
-  refuse_damage(volume.file(), command.common.threads);
-  const render::RangeProof range_proof = volume.prove_ranges(command.common.threads);
+  const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
+  refuse_damage(dataset.file(), command.common.threads);
+  const render::RangeProof range_proof = dataset.prove_ranges(command.common.threads);
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
   validate::Request request{.file = command.input.string(),
-                            .field = volume.field().name,
+                            .field = dataset.field().name,
                             .isovalue = isovalue.value,
                             .threads = command.common.threads,
                             .max_depth_error = command.max_depth_error.value_or(0)};
-  const render::Method method = chosen_method(command, volume.is_mesh());
+  const render::Method method = chosen_method(command, dataset.is_mesh());
   request.algorithm = static_cast<int>(method.algorithm);
   request.precision = static_cast<int>(method.precision);
   request.step = method.step;

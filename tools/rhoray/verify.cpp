@@ -6,8 +6,8 @@
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "tools/rhoray/command_line.h"
 #include "tools/rhoray/common_options.h"
@@ -46,8 +46,8 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
     if (file.description().kind == formats::ColorGrid::kind) {
       const formats::ColorGrid grid(file);  // every texel is a colour: there is nothing deeper
     }
-    if (file.description().kind == formats::SurfaceMesh::kind) {
-      const formats::SurfaceMesh surface(file);
+    if (file.description().kind == formats::TriangleMesh::kind) {
+      const formats::TriangleMesh surface(file);
       return deep ? formats::deep_findings(surface) : std::vector<std::string>{};
     }
     if (file.description().kind == "tets") {

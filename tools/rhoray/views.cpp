@@ -14,20 +14,21 @@ namespace rhoray::tools {
 namespace {
 
 /// Distance from the camera to the surface in the middle of its picture, or nothing.
-std::optional<double> distance_in_the_middle(const render::Volume& volume, double isovalue,
+std::optional<double> distance_in_the_middle(const render::Dataset& dataset, double isovalue,
                                              const render::Camera& camera) {
-  const render::Ray ray = render::camera_rays(volume, camera, 1, 1).front();
-  const render::Hit hit = render::RayCaster(volume, isovalue, {}).first_crossing(ray);
+  const render::Ray ray = render::camera_rays(dataset, camera, 1, 1).front();
+  const render::Hit hit = render::RayCaster(dataset, isovalue, {}).first_crossing(ray);
   if (hit.is_miss()) return std::nullopt;
   return hit.t;
 }
 
-render::Camera close_camera(const render::Camera& front, const render::Volume& volume, std::optional<double> isovalue) {
-  const Box3 box = volume.bounds();
+render::Camera close_camera(const render::Camera& front, const render::Dataset& dataset,
+                            std::optional<double> isovalue) {
+  const Box3 box = dataset.bounds();
   const Vec3 size = box.size();
   const Vec3 forward = (front.target - front.position).normalized();
   const double to_box = (front.target - front.position).length() - size.y / 2;
-  const double to_surface = isovalue ? distance_in_the_middle(volume, *isovalue, front).value_or(to_box) : to_box;
+  const double to_surface = isovalue ? distance_in_the_middle(dataset, *isovalue, front).value_or(to_box) : to_box;
   render::Camera camera = front;
   camera.target = front.position + to_surface * forward;
   camera.position = camera.target - 0.4 * std::min({size.x, size.y, size.z}) * forward;
@@ -52,9 +53,9 @@ StudyView study_view_named(const std::string& name) {
               did_you_mean(name, names));
 }
 
-render::Camera study_camera(StudyView view, const render::Volume& volume, std::optional<double> isovalue,
+render::Camera study_camera(StudyView view, const render::Dataset& dataset, std::optional<double> isovalue,
                             double aspect) {
-  const Box3 box = volume.bounds();
+  const Box3 box = dataset.bounds();
   switch (view) {
     case StudyView::front:
       break;
@@ -67,7 +68,7 @@ render::Camera study_camera(StudyView view, const render::Volume& volume, std::o
               .vertical_fov_deg = 75};
     }
     case StudyView::close_up:
-      return close_camera(study_camera(StudyView::front, volume, isovalue, aspect), volume, isovalue);
+      return close_camera(study_camera(StudyView::front, dataset, isovalue, aspect), dataset, isovalue);
   }
   return render::fit_camera(box, {.azimuth_deg = 0, .elevation_deg = 0}, aspect);
 }

@@ -28,7 +28,7 @@ StudyView study_view_named(const std::string& name);
 /// @param isovalue  of the surface that the close view looks at; without one, or where the front
 ///                  view's middle misses it, the close view looks at the data's box
 /// @param aspect    width of the picture over its height
-render::Camera study_camera(StudyView view, const render::Volume& volume, std::optional<double> isovalue,
+render::Camera study_camera(StudyView view, const render::Dataset& dataset, std::optional<double> isovalue,
                             double aspect);
 
 }  // namespace rhoray::tools

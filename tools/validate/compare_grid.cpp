@@ -4,7 +4,7 @@
 
 #include "formats/base/text.h"
 #include "tools/validate/compare.h"
-#include "tools/validate/grid_judge.h"
+#include "tools/validate/grid_reference.h"
 #include "tools/validate/grid_surface.h"
 #include "tools/validate/triangle_tree.h"
 

@@ -4,7 +4,7 @@
 
 #include "formats/base/text.h"
 #include "tools/validate/compare.h"
-#include "tools/validate/tet_judge.h"
+#include "tools/validate/exact_tets.h"
 #include "tools/validate/tet_surface.h"
 #include "tools/validate/triangle_tree.h"
 
@@ -34,13 +34,13 @@ class Comparer {
 
   const TetSurface& surface() const { return surface_; }
   double depth_limit() const { return depth_limit_; }
-  const TetJudge& judge() const { return judge_; }
+  const ExactTets& judge() const { return judge_; }
   double world_length(const Vec3& v_frame) const { return world_from_frame_.vector(v_frame).length(); }
 
   Finding find(const render::Ray& ray, const render::Hit& hit) const {
     Finding finding;
     const std::optional<std::uint32_t> hit_cell = hit.is_miss() ? std::nullopt : cell_of(ray, hit);
-    std::optional<TetJudge::Crossing> truth = undisputed(ray, hit, hit_cell);
+    std::optional<ExactTets::Crossing> truth = undisputed(ray, hit, hit_cell);
     if (!truth && !(hit.is_miss() && !tree_.first_on(ray))) {
       truth = judge_.first_crossing(ray);
       finding.was_redecided = true;
@@ -77,15 +77,15 @@ class Comparer {
   }
 
   /// The crossing in the cell that both the tracer and the extracted surface report.
-  std::optional<TetJudge::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
-                                               std::optional<std::uint32_t> hit_cell) const {
+  std::optional<ExactTets::Crossing> undisputed(const render::Ray& ray, const render::Hit& hit,
+                                                std::optional<std::uint32_t> hit_cell) const {
     const auto met = tree_.first_on(ray);
     if (!hit_cell || !met || surface_.cells[met->triangle] != *hit_cell) return std::nullopt;
     const std::optional<double> t = judge_.crossing_in(ray, *hit_cell);
     // Where the results are far apart, the cell alone does not determine which crossing is the
     // first.
     if (!t || std::abs(*t - hit.t) * world_length(ray.direction) > allowed(ray, hit)) return std::nullopt;
-    return TetJudge::Crossing{.t = *t, .cell = *hit_cell};
+    return ExactTets::Crossing{.t = *t, .cell = *hit_cell};
   }
 
   /// Depth error, in world units, that is allowed for a hit: its own bound, and the effect of
@@ -125,13 +125,13 @@ class Comparer {
     return depth <= allowed(ray, hit) ? Verdict::right : Verdict::elsewhere;
   }
 
-  static std::optional<double> time_of(const std::optional<TetJudge::Crossing>& crossing) {
+  static std::optional<double> time_of(const std::optional<ExactTets::Crossing>& crossing) {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
   struct Moved {
     double distance = 0;
-    std::optional<TetJudge::Crossing> crossing;
+    std::optional<ExactTets::Crossing> crossing;
   };
 
   bool lies_on_surface(const Vec3& p) const {
@@ -179,7 +179,7 @@ class Comparer {
   double diagonal_, depth_limit_;
   TetSurface surface_;
   TriangleTree tree_;
-  TetJudge judge_;
+  ExactTets judge_;
 };
 
 /// A ray to a point of the surface, along the field's gradient, from just in front of it. It starts

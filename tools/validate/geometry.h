@@ -15,13 +15,13 @@
 
 namespace rhoray::tools::validate {
 
-/// The tracer to be validated: traces rays in the volume's frame. Tests pass wrong tracers.
+/// The tracer to be validated: traces rays in the data's frame. Tests pass wrong tracers.
 using Tracer = std::function<void(std::span<const render::Ray> rays, std::span<render::Hit> hits)>;
 
 /// Receives the progress in thousandths.
 using Thousandths = std::function<void(std::uint64_t done)>;
 
-/// Triangles in the volume's frame.
+/// Triangles in the data's frame.
 struct Triangles {
   std::vector<Vec3> points;
   std::vector<std::array<std::uint32_t, 3>> corners;

@@ -17,38 +17,38 @@ namespace {
 
 constexpr std::uint64_t all_done = 1000;
 
-RayQuery query_of(const Request& request, const render::Volume& volume) {
+RayQuery query_of(const Request& request, const render::Dataset& dataset) {
   RayQuery query{.isovalue = request.isovalue,
                  .samples = request.samples,
                  .seed = request.seed,
                  .max_depth_error = request.max_depth_error};
   if (request.picture_width == 0) return query;
-  Box3 box = volume.isosurface_bounds(request.isovalue);
-  if (box.isEmpty()) box = volume.bounds();
+  Box3 box = dataset.isosurface_bounds(request.isovalue);
+  if (box.isEmpty()) box = dataset.bounds();
   const double aspect = static_cast<double>(request.picture_width) / request.picture_height;
-  query.camera_rays = render::camera_rays(volume, render::fit_camera(box, render::named_view("iso"), aspect),
+  query.camera_rays = render::camera_rays(dataset, render::fit_camera(box, render::named_view("iso"), aspect),
                                           request.picture_width, request.picture_height);
   return query;
 }
 
 Comparison compare(const Request& request) {
-  const render::Volume volume = render::Volume::load(request.file, request.field);
-  const RayQuery query = query_of(request, volume);
+  const render::Dataset dataset = render::Dataset::load(request.file, request.field);
+  const RayQuery query = query_of(request, dataset);
   const render::Method method{.algorithm = static_cast<render::Method::Algorithm>(request.algorithm),
                               .precision = static_cast<render::Method::Precision>(request.precision),
                               .step = request.step,
                               .bisect = request.bisect,
                               .slack = request.slack};
-  render::RayCaster queries(volume, request.isovalue, method, request.threads);
+  render::RayCaster queries(dataset, request.isovalue, method, request.threads);
   const Tracer tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
     queries.first_crossings(rays, hits);
   };
   const Thousandths progress = [](std::uint64_t done) { preprocess::report_worker_progress(done, all_done); };
-  const Affine world_from_frame = render::world_from_ray_frame(volume);
-  if (!volume.is_mesh())
-    return compare_grid(GridField(formats::BrickGrid(volume.file()), request.field), world_from_frame, query, tracer,
+  const Affine world_from_frame = render::world_from_ray_frame(dataset);
+  if (!dataset.is_mesh())
+    return compare_grid(GridField(formats::BrickGrid(dataset.file()), request.field), world_from_frame, query, tracer,
                         progress);
-  const TetField field(formats::TetMesh(volume.file()), request.field);
+  const TetField field(formats::TetMesh(dataset.file()), request.field);
   return compare_tets(field, world_from_frame, query, tracer, progress);
 }
 

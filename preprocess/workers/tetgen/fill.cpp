@@ -204,12 +204,12 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
 }
 
 /// What TetGen asks about each tetrahedron. It takes a plain function, hence the one place that remembers.
-class SizeJudge {
+class SizeCriterion {
  public:
-  explicit SizeJudge(SizeAt size_at) : size_at_(std::move(size_at)) { current_ = this; }
-  SizeJudge(const SizeJudge&) = delete;
-  SizeJudge& operator=(const SizeJudge&) = delete;
-  ~SizeJudge() { current_ = nullptr; }
+  explicit SizeCriterion(SizeAt size_at) : size_at_(std::move(size_at)) { current_ = this; }
+  SizeCriterion(const SizeCriterion&) = delete;
+  SizeCriterion& operator=(const SizeCriterion&) = delete;
+  ~SizeCriterion() { current_ = nullptr; }
 
   static bool is_too_large(double* a, double* b, double* c, double* d, double*, double) {
     return current_->judge({a, b, c, d});
@@ -256,7 +256,7 @@ class SizeJudge {
     return longest > allowed * *wanted;
   }
 
-  static inline SizeJudge* current_ = nullptr;
+  static inline SizeCriterion* current_ = nullptr;
   SizeAt size_at_;
   bool answered_ = false;
   std::optional<std::pair<std::array<double, 3>, double>> bad_;
@@ -278,7 +278,7 @@ void run_tetgen(const NeutralSurface& surface, const Run& wanted, tetgenio& out)
     give_points(surface, wanted.with_point_sizes, in);
     give_facets(surface, in);
     if (wanted.with_seeds) give_seeds(surface, in);
-    if (wanted.with_judge) in.tetunsuitable = SizeJudge::is_too_large;
+    if (wanted.with_judge) in.tetunsuitable = SizeCriterion::is_too_large;
     ::tetrahedralize(text.data(), &in, &result);
   };
   int code = 0;
@@ -453,7 +453,7 @@ NeutralMesh fill(NeutralSurface surface, const TetrahedralizeOptions& options) {
     seed_regions(surface, options.empty_cavities);
   limit_regions(surface, options.region_volumes);
 
-  std::optional<SizeJudge> judge;
+  std::optional<SizeCriterion> judge;
   if (options.size_field) judge.emplace(size_at(*options.size_field));
   tetgenio out;
   run_tetgen(surface,

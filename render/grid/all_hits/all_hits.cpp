@@ -108,7 +108,7 @@ class AllHitsWalk {
     counters_.cells_visited += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(ints, visits))) - blocks_;
   }
 
-  HWY_INLINE bool has_bit(const Surface& surface, const int* block) const {
+  HWY_INLINE bool has_bit(const IsosurfaceQuery& surface, const int* block) const {
     std::size_t node = 0;
     int bit = 0;
     for (int a = 2; a >= 0; --a) {
@@ -162,7 +162,7 @@ class AllHitsWalk {
     const float* of_slabs = values.difference;
     double base = 0;
     for (int s = 0; s < surfaces; ++s) {
-      const Surface& surface = shells_.surface[s];
+      const IsosurfaceQuery& surface = shells_.surface[s];
       // The surface is not in the block.
       seen[s] = {.active = 0, .inside = 0, .isovalue = surface.isovalue};
       if (surfaces == 1 || has_bit(surface, block)) {
@@ -401,7 +401,7 @@ class AllHitsWalk {
   }
 
   const TransparentSurfaces& shells_;
-  const Surface& any_;  ///< shared by all surfaces, except for isovalue and occupancy
+  const IsosurfaceQuery& any_;  ///< shared by all surfaces, except for isovalue and occupancy
   const MirroredLattice& lattice_;
   const LatticeEnds ends_;
   const std::size_t first_ray_;
@@ -429,7 +429,7 @@ template <int surfaces>
 HWY_INLINE void cross_some(const TransparentSurfaces& shells, const RayArrays& rays, std::size_t first,
                            std::size_t count, const CrossingArrays* lists, std::uint8_t* complete,
                            GridAllHitsScratch& scratch, KernelCounters& counters) {
-  const Surface& any = shells.surface[0];
+  const IsosurfaceQuery& any = shells.surface[0];
   for_each_group(from(rays, first), count, any.leaf_count, any.node_count, scratch.ways.group,
                  [&](RayGroup&, const MirroredLattice& lattice, Frustum& frustum) HWY_ATTR {
                    AllHitsWalk<surfaces> walk(shells, lattice, first, lists, complete, scratch, counters);

@@ -33,14 +33,14 @@ std::int32_t surely_lit_of(const AllHitsQuery& query) {
 }
 
 template <class View>
-TransparentSurfaces transparent_surfaces_of(const View& view, const VolumeImplementation& volume,
-                                            const AllHitsQuery& query, GridAllHitsScratch& scratch) {
+TransparentSurfaces transparent_surfaces_of(const View& view, const LoadedDataset& dataset, const AllHitsQuery& query,
+                                            GridAllHitsScratch& scratch) {
   const TransparentSurface &first = query.surfaces.front(), &last = query.surfaces.back();
-  keep_blocks_of(scratch, {volume.occupancies->of(view.levels(), first.isovalue),
-                           volume.occupancies->of(view.levels(), last.isovalue)});
-  TransparentSurfaces surfaces{.surface = {surface_of(volume, view, *scratch.occupancies[0],
+  keep_blocks_of(scratch, {dataset.occupancies->of(view.levels(), first.isovalue),
+                           dataset.occupancies->of(view.levels(), last.isovalue)});
+  TransparentSurfaces surfaces{.surface = {surface_of(dataset, view, *scratch.occupancies[0],
                                                       {.isovalue = first.isovalue, .time_phases = query.time_phases}),
-                                           surface_of(volume, view, *scratch.occupancies[1],
+                                           surface_of(dataset, view, *scratch.occupancies[1],
                                                       {.isovalue = last.isovalue, .time_phases = query.time_phases})},
                                .passing = {},
                                .surely_lit = surely_lit_of(query),
@@ -63,13 +63,13 @@ TransparentSurfaces transparent_surfaces_of(const View& view, const VolumeImplem
 }
 
 template <Machine machine>
-void cross(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+void cross(const LoadedDataset& dataset, const AllHitsQuery& query, const RayBatch& rays,
            std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch, KernelCounters& counters) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
           GridAllHitsScratch& memory = scratch.as<GridAllHitsScratch>();
-          const TransparentSurfaces surfaces = transparent_surfaces_of(view, volume, query, memory);
+          const TransparentSurfaces surfaces = transparent_surfaces_of(view, dataset, query, memory);
           CrossingArrays arrays[most_surfaces];
           for (std::size_t s = 0; s < lists.size(); ++s) {
             arrays[s] = arrays_of(*lists[s]);
@@ -87,15 +87,15 @@ void cross(const VolumeImplementation& volume, const AllHitsQuery& query, const 
                    memory, counters);
         }
       },
-      volume.view);
+      dataset.view);
 }
 
 }  // namespace
 
-AllHitsKernel grid_all_hits_kernel(const VolumeImplementation& volume, const RayQuery& query, Machine machine) {
+AllHitsKernel grid_all_hits_kernel(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
   const bool is_known = has_wide_crossings(query.method) && query.method.algorithm == Method::Algorithm::direct;
-  const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
-  if (!is_known || !is_fit_grid(volume) || !is_answerable_wide(volume, query) || !is_whole) return nullptr;
+  const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(dataset, view); }, dataset.view);
+  if (!is_known || !is_fit_grid(dataset) || !is_answerable_wide(dataset, query) || !is_whole) return nullptr;
   return kernel_on(machine, []<Machine wide>() -> AllHitsKernel { return cross<wide>; });
 }
 

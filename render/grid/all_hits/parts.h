@@ -18,7 +18,7 @@ inline constexpr int most_surfaces = AllHitsQuery::most_surfaces;
 
 /// One or two surfaces of one volume.
 struct TransparentSurfaces {
-  Surface surface[most_surfaces];  ///< they differ in isovalue and occupancy
+  IsosurfaceQuery surface[most_surfaces];  ///< they differ in isovalue and occupancy
   /// Share of light that passes n crossings, by n.
   float passing[most_surfaces][CrossingList::most + 1];
   /// A ray with no more crossings in all than this certainly goes on: there is light and room.

@@ -48,7 +48,7 @@ HWY_INLINE VecW shifted_right(VecW x, VecW by) {
 /// order along the ray.
 class BlockSearch {
  public:
-  HWY_INLINE BlockSearch(const Surface& surface, const MirroredLattice& lattice, IsosurfaceScratch& scratch,
+  HWY_INLINE BlockSearch(const IsosurfaceQuery& surface, const MirroredLattice& lattice, IsosurfaceScratch& scratch,
                          bool is_certified)
       : surface_(surface),
         lattice_(lattice),
@@ -324,7 +324,7 @@ class BlockSearch {
            is_within(way(t - t_in), 4 * position_error_[ray]);
   }
 
-  const Surface& surface_;
+  const IsosurfaceQuery& surface_;
   const MirroredLattice& lattice_;
   const LatticeEnds ends_;
   const RayGroup& group_;

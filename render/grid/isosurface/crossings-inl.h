@@ -92,7 +92,7 @@ HWY_INLINE VecD cell_ids(const MirroredLattice& lattice, const int* leaf_count, 
 template <Search search>
 class HitWriter {
  public:
-  HWY_INLINE HitWriter(const Surface& surface, const MirroredLattice& lattice, const RayArrays& rays,
+  HWY_INLINE HitWriter(const IsosurfaceQuery& surface, const MirroredLattice& lattice, const RayArrays& rays,
                        const HitArrays& hits, const IsosurfaceScratch& scratch)
       : surface_(surface),
         lattice_(lattice),
@@ -201,7 +201,7 @@ class HitWriter {
                    hn::RebindMask(whole, lanes), r, reinterpret_cast<std::int64_t*>(hits_.cell));
   }
 
-  const Surface& surface_;
+  const IsosurfaceQuery& surface_;
   const MirroredLattice& lattice_;
   const RayArrays& rays_;
   const HitArrays& hits_;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/dataset/grid_source.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/grid/isosurface/parts.h"
 
 /// Which isovalues of grids the SIMD kernels for isosurfaces accept, and the surfaces that these
@@ -19,24 +19,25 @@ inline bool is_in_range_of_float(const Interval<double>& range, double isovalue)
 }
 
 template <class View>
-Surface surface_of(const VolumeImplementation& volume, const View& view, const Occupancy& occupancy,
-                   const RayQuery& query) {
+IsosurfaceQuery surface_of(const LoadedDataset& dataset, const View& view, const Occupancy& occupancy,
+                           const RayQuery& query) {
   const Index3 cells = view.lattice().leaf_count;
-  Surface surface{.source = source_of(view),
-                  .type = formats::element_type_of<typename View::Sample>(),
-                  .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
-                  .node_count = occupancy.node_count(),
-                  .nodes = occupancy.nodes(),
-                  .super_nodes = occupancy.super_nodes(),
-                  .isovalue = query.isovalue,
-                  .time_phases = query.time_phases};
-  surface.source.has_gaps = has_gaps(volume, view);
+  IsosurfaceQuery surface{
+      .source = source_of(view),
+      .type = formats::element_type_of<typename View::Sample>(),
+      .leaf_count = {static_cast<int>(cells.x), static_cast<int>(cells.y), static_cast<int>(cells.z)},
+      .node_count = occupancy.node_count(),
+      .nodes = occupancy.nodes(),
+      .super_nodes = occupancy.super_nodes(),
+      .isovalue = query.isovalue,
+      .time_phases = query.time_phases};
+  surface.source.has_gaps = has_gaps(dataset, view);
   return surface;
 }
 
 /// For a grid that is fit (is_fit_grid).
-inline bool is_answerable_wide(const VolumeImplementation& volume, const RayQuery& query) {
-  return query.use_hierarchy && is_in_range_of_float(values_of(volume), query.isovalue);
+inline bool is_answerable_wide(const LoadedDataset& dataset, const RayQuery& query) {
+  return query.use_hierarchy && is_in_range_of_float(values_of(dataset), query.isovalue);
 }
 
 }  // namespace rhoray::render::wide

@@ -29,7 +29,7 @@ namespace rhoray::render::wide::HWY_NAMESPACE {
 template <Search search>
 class GroupWalk {
  public:
-  HWY_INLINE GroupWalk(const Surface& surface, const MirroredLattice& lattice, const RayArrays& rays,
+  HWY_INLINE GroupWalk(const IsosurfaceQuery& surface, const MirroredLattice& lattice, const RayArrays& rays,
                        const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters)
       : surface_(surface),
         lattice_(lattice),
@@ -427,7 +427,7 @@ class GroupWalk {
     return changes.found;
   }
 
-  const Surface& surface_;
+  const IsosurfaceQuery& surface_;
   const MirroredLattice& lattice_;
   const LatticeEnds ends_;
   const RayArrays& rays_;
@@ -454,7 +454,7 @@ HWY_INLINE void keep_doubtful(const GroupWalk<search>& walk, std::uint64_t rays,
 
 /// Traces at least half of the waiting rays.
 template <Search search>
-HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, const RayArrays& rays,
+HWY_NOINLINE void answer_most(const IsosurfaceQuery& surface, WaitingRays& waiting, const RayArrays& rays,
                               const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
   RayGroup& group = scratch.group;
   group = waiting.rays;
@@ -469,7 +469,7 @@ HWY_NOINLINE void answer_most(const Surface& surface, WaitingRays& waiting, cons
 }
 
 template <Search search>
-void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+void first_crossings(const IsosurfaceQuery& surface, const RayArrays& rays, std::size_t first, std::size_t count,
                      const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters) {
   const RayArrays chunk = from(rays, first);
   const HitArrays answers = from(hits, first);
@@ -502,8 +502,8 @@ void first_crossings(const Surface& surface, const RayArrays& rays, std::size_t 
 }
 
 template <Search search>
-void answer_waiting(const Surface& surface, const RayArrays& rays, const HitArrays& hits, IsosurfaceScratch& scratch,
-                    KernelCounters& counters) {
+void answer_waiting(const IsosurfaceQuery& surface, const RayArrays& rays, const HitArrays& hits,
+                    IsosurfaceScratch& scratch, KernelCounters& counters) {
   for (WaitingRays& waiting : scratch.scattered.waiting)
     while (waiting.rays.count != 0) answer_most<search>(surface, waiting, rays, hits, scratch, counters);
 }

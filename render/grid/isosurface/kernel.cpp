@@ -48,19 +48,20 @@ void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, Isosurf
 }
 
 template <Machine machine, Search search>
-void first_crossings(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void first_crossings(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_taken_wide<View>) {
           const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
-          if (!is_answerable_wide(volume, query)) {
-            reference(volume, query, rays, hits, scratch);
+          if (!is_answerable_wide(dataset, query)) {
+            reference(dataset, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
-          IsosurfaceScratch& memory = prepared(scratch.for_hits, volume.occupancies->of(view.levels(), query.isovalue));
-          const Surface surface = surface_of(volume, view, *memory.occupancy, query);
+          IsosurfaceScratch& memory =
+              prepared(scratch.for_hits, dataset.occupancies->of(view.levels(), query.isovalue));
+          const IsosurfaceQuery surface = surface_of(dataset, view, *memory.occupancy, query);
           const CrossingKernels kernels = crossing_kernels_on(machine, search);
           const RayArrays asked = arrays_of(rays);
           const HitArrays answers = arrays_of(hits);
@@ -68,7 +69,7 @@ void first_crossings(const VolumeImplementation& volume, const RayQuery& query, 
             if constexpr (search == Search::certified)
               resume_certified(view, query, some, resumed_at, found, scratch);
             else
-              reference(volume, query, some, found, scratch);
+              reference(dataset, query, some, found, scratch);
           };
           const auto redo = [&] {
             if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, memory, scratch.counters);
@@ -83,17 +84,17 @@ void first_crossings(const VolumeImplementation& volume, const RayQuery& query, 
           redo();
         }
       },
-      volume.view);
+      dataset.view);
 }
 
 }  // namespace
 
-std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume, const RayQuery& query, unsigned) {
-  if (!is_answerable_wide(volume, query)) return std::nullopt;
+std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned) {
+  if (!is_answerable_wide(dataset, query)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
         if constexpr (is_taken_wide<View>) {
-          const auto occupancy = volume.occupancies->of(view.levels(), query.isovalue);
+          const auto occupancy = dataset.occupancies->of(view.levels(), query.isovalue);
           const Index3 cells = view.lattice().leaf_count;
           SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
           // Far above what rounding exchanges at edges between cells, plus the rounding of the last
@@ -103,11 +104,11 @@ std::optional<SurfaceBoxes> prepare_occupancy(const VolumeImplementation& volume
         }
         return std::nullopt;
       },
-      volume.view);
+      dataset.view);
 }
 
-Kernel first_crossing_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!has_wide_crossings(method) || !is_fit_grid(volume)) return nullptr;
+Kernel first_crossing_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
+  if (!has_wide_crossings(method) || !is_fit_grid(dataset)) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return method.algorithm == Method::Algorithm::preview     ? first_crossings<wide, Search::preview>
            : method.algorithm == Method::Algorithm::certified ? first_crossings<wide, Search::certified>

@@ -22,7 +22,7 @@ namespace rhoray::render::wide {
 enum class Search { preview, bracketed, certified };
 
 /// One surface of one volume.
-struct Surface {
+struct IsosurfaceQuery {
   SampleSource source;
   formats::ElementType type;
   int leaf_count[3];
@@ -132,10 +132,10 @@ struct alignas(64) IsosurfaceScratch {
 struct CrossingKernels {
   /// Traces at most 64 rays of a batch, starting at `first`, a multiple of 64. Scattered rays may
   /// be left waiting.
-  void (*answer)(const Surface& surface, const RayArrays& rays, std::size_t first, std::size_t count,
+  void (*answer)(const IsosurfaceQuery& surface, const RayArrays& rays, std::size_t first, std::size_t count,
                  const HitArrays& hits, IsosurfaceScratch& scratch, KernelCounters& counters);
   /// Traces the waiting rays.
-  void (*answer_waiting)(const Surface& surface, const RayArrays& rays, const HitArrays& hits,
+  void (*answer_waiting)(const IsosurfaceQuery& surface, const RayArrays& rays, const HitArrays& hits,
                          IsosurfaceScratch& scratch, KernelCounters& counters);
 };
 

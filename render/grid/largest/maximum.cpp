@@ -78,7 +78,7 @@ bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
 
 /// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y are contiguous, x fastest.
 template <class T>
-bool has_squares(const GridVolume<T>& view) {
+bool has_squares(const GridData<T>& view) {
   return is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4);
 }
 template <class View>
@@ -89,7 +89,7 @@ bool has_squares(const View&) {
 
 /// The same, and samples 4 k to 4 k + 3 of z with them.
 template <class T>
-bool has_bricks(const GridVolume<T>& view) {
+bool has_bricks(const GridData<T>& view) {
   return has_squares(view) && is_in_fours(view.tables().z, 16);
 }
 template <class View>
@@ -99,9 +99,9 @@ bool has_bricks(const View&) {
 }
 
 template <class View>
-MaximumField field_of(const VolumeImplementation& volume, const View& view, bool time_phases) {
+MaximumField field_of(const LoadedDataset& dataset, const View& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
-  const Interval<double> values = values_of(volume);
+  const Interval<double> values = values_of(dataset);
   MaximumField field{.source = source_of(view),
                      .type = formats::element_type_of<typename View::Sample>(),
                      .sample_bytes = sizeof(typename View::Sample),
@@ -110,7 +110,7 @@ MaximumField field_of(const VolumeImplementation& volume, const View& view, bool
                      .blocks = ranges_of(view.levels(), 1),
                      .nodes = ranges_of(view.levels(), 2),
                      .range = values.is_empty() ? 0 : values.hi - values.lo,
-                     .has_gaps = has_gaps(volume, view),
+                     .has_gaps = has_gaps(dataset, view),
                      .has_squares = has_squares(view),
                      .has_bricks = has_bricks(view),
                      .time_phases = time_phases,
@@ -133,16 +133,16 @@ Hit hit_of(const FoundMaximum& found, std::uint32_t cost) {
 }
 
 template <class View, Machine machine>
-void largest_values(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void largest_values(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                     KernelScratch& scratch) {
-  const View& view = std::get<View>(volume.view);
+  const View& view = std::get<View>(dataset.view);
   if (!query.use_hierarchy)
-    return reference_kernels(view, query.method.algorithm).largest(volume, query, rays, hits, scratch);
+    return reference_kernels(view, query.method.algorithm).largest(dataset, query, rays, hits, scratch);
   scratch.counters.rays_wide += rays.count;
   MaximumScratch& memory = scratch.for_largest.as<MaximumScratch>();
   memory.regions = memory.looks = memory.ticks = 0;
   std::uint64_t cells = 0;
-  const MaximumField field = field_of(volume, view, query.time_phases);
+  const MaximumField field = field_of(dataset, view, query.time_phases);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += SearchedRays::size) {
     const std::size_t count = std::min(SearchedRays::size, rays.count - first);
@@ -169,7 +169,7 @@ bool is_direct(Method::Algorithm algorithm) {
 
 }  // namespace
 
-Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
+Kernel largest_value_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
   if (!is_direct(method.algorithm) || !largest_values_on(machine)) return nullptr;
   return std::visit(
       [&](const auto& view) -> Kernel {
@@ -179,14 +179,14 @@ Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& me
           constexpr std::int64_t largest_size = 1 << 14;
           const Index3 size = view.lattice().leaf_count;
           const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
-          const Interval<double> range = values_of(volume);
+          const Interval<double> range = values_of(dataset);
           const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
-          if (is_fit_grid(volume) && is_small && has_range)
+          if (is_fit_grid(dataset) && is_small && has_range)
             return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<View, wide>; });
         }
         return nullptr;
       },
-      volume.view);
+      dataset.view);
 }
 
 }  // namespace rhoray::render::wide

@@ -9,6 +9,6 @@ namespace rhoray::render::wide {
 /// scalar kernel in double precision, bit for bit. Null where the scalar kernels answer instead:
 /// for volumes other than uniform grids with macro levels of factor 4, and for methods other than
 /// direct (and preview and slack, which mean the same here).
-Kernel largest_value_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+Kernel largest_value_kernel(const LoadedDataset& dataset, const Method& method, Machine machine);
 
 }  // namespace rhoray::render::wide

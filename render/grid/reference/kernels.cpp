@@ -2,33 +2,33 @@
 
 namespace rhoray::render {
 
-template ReferenceKernels reference_kernels(const GridVolume<std::uint8_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<std::int8_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<std::uint16_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<std::int16_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<std::uint32_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<std::int32_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<float>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const GridVolume<double>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const NanoVdbVolume&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::uint8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::int8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::uint16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::int16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::uint32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<std::int32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const GridData<double>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const NanoVdbData&, Method::Algorithm);
 
-template void resume_certified(const GridVolume<std::uint8_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::uint8_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<std::int8_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::int8_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<std::uint16_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::uint16_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<std::int16_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::int16_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<std::uint32_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::uint32_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<std::int32_t>&, const RayQuery&, const RayBatch&,
+template void resume_certified(const GridData<std::int32_t>&, const RayQuery&, const RayBatch&,
                                std::span<const ResumedAt>, HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<float>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
+template void resume_certified(const GridData<float>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);
-template void resume_certified(const GridVolume<double>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
+template void resume_certified(const GridData<double>&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);
-template void resume_certified(const NanoVdbVolume&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
+template void resume_certified(const NanoVdbData&, const RayQuery&, const RayBatch&, std::span<const ResumedAt>,
                                HitBatch&, KernelScratch&);
 
 }  // namespace rhoray::render

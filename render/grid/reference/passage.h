@@ -9,7 +9,7 @@
 #include "render/traverse/lattice_walk.h"
 
 /// Shared by the kernels of grids, for all ways in which samples can be stored and positioned
-/// (render/grid/grid_volume.h): a ray's path through one cell, and the side of the isosurface that
+/// (render/grid/grid_data.h): a ray's path through one cell, and the side of the isosurface that
 /// it is on from cell to cell.
 namespace rhoray::render {
 

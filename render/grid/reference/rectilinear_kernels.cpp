@@ -2,13 +2,13 @@
 
 namespace rhoray::render {
 
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::uint8_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::int8_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::uint16_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::int16_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::uint32_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<std::int32_t>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<float>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const RectilinearVolume<double>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::uint8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::int8_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::uint16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::int16_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::uint32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<std::int32_t>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const RectilinearGridData<double>&, Method::Algorithm);
 
 }  // namespace rhoray::render

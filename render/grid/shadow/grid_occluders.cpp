@@ -223,17 +223,17 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
 }
 
 /// True where every rise of the field along a ray lies in a cell.
-bool rises_in_cells(const VolumeImplementation& volume) {
-  return std::visit([&](const auto& view) { return !has_gaps(volume, view); }, volume.view);
+bool rises_in_cells(const LoadedDataset& dataset) {
+  return std::visit([&](const auto& view) { return !has_gaps(dataset, view); }, dataset.view);
 }
 
-std::shared_ptr<const Occupancy> occupancy_of(const VolumeImplementation& volume, const RayQuery& query) {
+std::shared_ptr<const Occupancy> occupancy_of(const LoadedDataset& dataset, const RayQuery& query) {
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
-        if constexpr (is_taken_wide<View>) return volume.occupancies->of(view.levels(), query.isovalue);
+        if constexpr (is_taken_wide<View>) return dataset.occupancies->of(view.levels(), query.isovalue);
         return nullptr;
       },
-      volume.view);
+      dataset.view);
 }
 
 class OccludingCells final : public OccludingSurface {
@@ -253,35 +253,35 @@ class OccludingCells final : public OccludingSurface {
   std::shared_ptr<const SurfaceCells> cells_;
 };
 
-std::shared_ptr<const void> source_of_light(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const void> source_of_light(const LoadedDataset& dataset, const RayQuery& query,
                                             const LightPlace& light, unsigned) {
-  const bool is_known = light.is_one_direction() && is_answerable_wide(volume, query) && rises_in_cells(volume);
-  return is_known ? occupancy_of(volume, query) : nullptr;
+  const bool is_known = light.is_one_direction() && is_answerable_wide(dataset, query) && rises_in_cells(dataset);
+  return is_known ? occupancy_of(dataset, query) : nullptr;
 }
 
-std::shared_ptr<const OccludingSurface> occluding_cells(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const OccludingSurface> occluding_cells(const LoadedDataset& dataset, const RayQuery& query,
                                                         std::shared_ptr<const void>, unsigned threads) {
-  return std::make_shared<const OccludingCells>(SurfaceCells::of(volume, query, threads));
+  return std::make_shared<const OccludingCells>(SurfaceCells::of(dataset, query, threads));
 }
 
 }  // namespace
 
 const OccluderSearch grid_occluder_search{.source = source_of_light, .surface = occluding_cells};
 
-std::shared_ptr<const SurfaceCells> SurfaceCells::of(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const SurfaceCells> SurfaceCells::of(const LoadedDataset& dataset, const RayQuery& query,
                                                      unsigned threads) {
-  if (!is_answerable_wide(volume, query) || !rises_in_cells(volume)) return nullptr;
+  if (!is_answerable_wide(dataset, query) || !rises_in_cells(dataset)) return nullptr;
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
         if constexpr (is_taken_wide<View>) {
           const auto active = std::make_shared<SurfaceCells>();
-          Found found = cells_of(view, *occupancy_of(volume, query), query.isovalue, threads);
+          Found found = cells_of(view, *occupancy_of(dataset, query), query.isovalue, threads);
           active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
           return active;
         }
         return nullptr;
       },
-      volume.view);
+      dataset.view);
 }
 
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,

@@ -31,8 +31,7 @@ class SurfaceCells {
   /// @param volume  a grid that is fit (is_fit_grid)
   /// @return        null where the wide kernel leaves the query to others, and where data have
   ///   gaps: from one side of a gap to the other the field may rise in no cell
-  static std::shared_ptr<const SurfaceCells> of(const VolumeImplementation& volume, const RayQuery& query,
-                                                unsigned threads);
+  static std::shared_ptr<const SurfaceCells> of(const LoadedDataset& dataset, const RayQuery& query, unsigned threads);
 
   std::span<const Block> blocks() const { return blocks_; }
   std::span<const Cell> cells() const { return cells_; }

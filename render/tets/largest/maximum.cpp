@@ -36,15 +36,14 @@ RHORAY_INLINE void look_at(const void* context, const RayArrays& rays, const Tet
 }
 
 template <class T>
-TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>& view, const RayQuery& query,
-                         Machine machine) {
+TetMaximumField field_of(const LoadedDataset& dataset, const TetData<T>& view, const RayQuery& query, Machine machine) {
   const formats::CellClustersView& clusters = view.clusters();
   TetMaximumField field{
       .points = view.points().data()->data(),
       .values = view.values().data(),
       .is_single = sizeof(T) == sizeof(float),
-      .has_gaps = volume.field.no_data_count > 0,
-      .range = volume.field.range,
+      .has_gaps = dataset.field.no_data_count > 0,
+      .range = dataset.field.range,
       .table_starts = clusters.table_starts.data(),
       .tables = clusters.tables.data(),
       .corners = clusters.corners.data()->data(),
@@ -57,16 +56,16 @@ TetMaximumField field_of(const VolumeImplementation& volume, const TetVolume<T>&
       .low = {},
       .high = {},
       .time_phases = query.time_phases,
-      .look = compiled_for<look_at<TetVolume<T>>>(machine),
+      .look = compiled_for<look_at<TetData<T>>>(machine),
       .cell_id = [](const void* context,
-                    std::uint32_t tet) { return static_cast<const TetVolume<T>*>(context)->cell_id(tet); },
+                    std::uint32_t tet) { return static_cast<const TetData<T>*>(context)->cell_id(tet); },
       .context = &view};
   for (int level = 0; level <= field.top_level; ++level) {
     field.boxes[level] = clusters.boxes[static_cast<std::size_t>(level)].data();
     field.ranges[level] = view.cluster_ranges()[static_cast<std::size_t>(level)].data();
   }
   for (int axis = 0; axis < 3; ++axis)
-    field.low[axis] = volume.bounds_volume.min[axis], field.high[axis] = volume.bounds_volume.max[axis];
+    field.low[axis] = dataset.bounds_data.min[axis], field.high[axis] = dataset.bounds_data.max[axis];
   return field;
 }
 
@@ -77,26 +76,26 @@ bool is_same_object(const std::weak_ptr<const FacetsCache>& a, const std::shared
 }
 
 /// Returns the thread's memory, without cached clusters of another volume.
-TetMaximumScratch& prepared(Scratch& scratch, const VolumeImplementation& volume) {
+TetMaximumScratch& prepared(Scratch& scratch, const LoadedDataset& dataset) {
   TetMaximumScratch& memory = scratch.as<TetMaximumScratch>();
-  if (!is_same_object(memory.of_volume, volume.facets)) {
+  if (!is_same_object(memory.of_dataset, dataset.facets)) {
     for (LocalCluster& cluster : memory.clusters) cluster.cluster = LocalCluster::none;
-    memory.of_volume = volume.facets;
+    memory.of_dataset = dataset.facets;
   }
   return memory;
 }
 
 template <Machine machine>
-void largest_values(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void largest_values(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                     KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (is_mesh<View>) {
           const Kernel reference = reference_kernels(view, query.method.algorithm).largest;
-          if (!query.use_hierarchy) return reference(volume, query, rays, hits, scratch);
+          if (!query.use_hierarchy) return reference(dataset, query, rays, hits, scratch);
           scratch.counters.rays_wide += rays.count;
-          const TetMaximumField field = field_of(volume, view, query, machine);
-          TetMaximumScratch& memory = prepared(scratch.for_largest, volume);
+          const TetMaximumField field = field_of(dataset, view, query, machine);
+          TetMaximumScratch& memory = prepared(scratch.for_largest, dataset);
           const TetLargestValues search = tet_largest_values_on(machine);
           for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
             const std::size_t count = std::min(RayGroup::size, rays.count - first);
@@ -106,16 +105,16 @@ void largest_values(const VolumeImplementation& volume, const RayQuery& query, c
               hit.cost = memory.cost[lane_of(r)];
               hits.set(first + r, hit);
             }
-            if (left != 0) ask_again(reference, volume, query, rays, first, left, hits, memory.others, scratch);
+            if (left != 0) ask_again(reference, dataset, query, rays, first, left, hits, memory.others, scratch);
           }
         }
       },
-      volume.view);
+      dataset.view);
 }
 
 /// True for a mesh with clusters whose products of lengths and values stay far from the limits of
 /// doubles.
-bool is_fit(const VolumeImplementation& volume) {
+bool is_fit(const LoadedDataset& dataset) {
   const bool has_clusters = std::visit(
       []<class View>(const View& view) {
         if constexpr (is_mesh<View>)
@@ -123,10 +122,10 @@ bool is_fit(const VolumeImplementation& volume) {
         else
           return false;
       },
-      volume.view);
-  const Vec3 size = volume.bounds_volume.size();
+      dataset.view);
+  const Vec3 size = dataset.bounds_data.size();
   const double longest = std::max({size.x, size.y, size.z});
-  const Interval<double>& range = volume.field.range;
+  const Interval<double>& range = dataset.field.range;
   return has_clusters && longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
          (range.is_empty() || (std::abs(range.lo) <= largest_magnitude && std::abs(range.hi) <= largest_magnitude));
 }
@@ -138,8 +137,8 @@ bool is_direct(Method::Algorithm algorithm) {
 
 }  // namespace
 
-Kernel largest_value_in_tets_kernel(const VolumeImplementation& volume, const Method& method, Machine machine) {
-  if (!is_direct(method.algorithm) || !is_fit(volume)) return nullptr;
+Kernel largest_value_in_tets_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
+  if (!is_direct(method.algorithm) || !is_fit(dataset)) return nullptr;
   return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<wide>; });
 }
 

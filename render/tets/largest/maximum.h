@@ -10,6 +10,6 @@ namespace rhoray::render::wide {
 /// bit for bit. Null where the scalar kernels are used: for other volumes; for meshes with leaf
 /// lists, or whose size or values exceed what products of doubles can hold; and for methods other
 /// than direct (and preview and slack, which are equivalent here).
-Kernel largest_value_in_tets_kernel(const VolumeImplementation& volume, const Method& method, Machine machine);
+Kernel largest_value_in_tets_kernel(const LoadedDataset& dataset, const Method& method, Machine machine);
 
 }  // namespace rhoray::render::wide

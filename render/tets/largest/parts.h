@@ -118,7 +118,7 @@ struct alignas(64) TetMaximumScratch {
   /// The volume that they belong to. Every loaded volume has a FacetsCache of its own. A weak
   /// pointer distinguishes it from that of volumes loaded later, even if one is at the same
   /// address.
-  std::weak_ptr<const FacetsCache> of_volume;
+  std::weak_ptr<const FacetsCache> of_dataset;
 
   FewRays others;  ///< rays passed to the reference
 };

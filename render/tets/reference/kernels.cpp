@@ -23,9 +23,9 @@ Kernel redoing_kernel(const View&) {
   return kernel_of<View, certified_first_crossing_redone<View>>;
 }
 
-template ReferenceKernels reference_kernels(const TetVolume<float>&, Method::Algorithm);
-template ReferenceKernels reference_kernels(const TetVolume<double>&, Method::Algorithm);
-template Kernel redoing_kernel(const TetVolume<float>&);
-template Kernel redoing_kernel(const TetVolume<double>&);
+template ReferenceKernels reference_kernels(const TetData<float>&, Method::Algorithm);
+template ReferenceKernels reference_kernels(const TetData<double>&, Method::Algorithm);
+template Kernel redoing_kernel(const TetData<float>&);
+template Kernel redoing_kernel(const TetData<double>&);
 
 }  // namespace rhoray::render

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "render/cell/tet_methods.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/kernel_on.h"
 #include "render/tets/is_mesh.h"
 #include "render/tets/reference/kernels.h"
@@ -24,7 +24,7 @@ namespace rhoray::render::wide {
 namespace {
 
 template <class View>
-inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, SurfaceVolume>;
+inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, TriangleData>;
 
 /// @param levels  of the tree above some of the facets
 FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const RayQuery& query, bool is_of_triangles) {
@@ -79,15 +79,14 @@ bool is_answerable(const RayQuery& query) {
 /// Finds out with another kernel, one for first crossings, which of the `chosen` rays have any
 /// crossing (bit r: ray first + r).
 /// @return  a bit for each of these rays that has one
-std::uint64_t ask_whether_any(Kernel kernel, const VolumeImplementation& volume, const RayQuery& query,
-                              const RayBatch& rays, std::size_t first, std::uint64_t chosen, FewRays& few,
-                              KernelScratch& scratch) {
+std::uint64_t ask_whether_any(Kernel kernel, const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays,
+                              std::size_t first, std::uint64_t chosen, FewRays& few, KernelScratch& scratch) {
   few.rays.has_start_sides = rays.has_start_sides;
   few.rays.count = 0;
   for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
     few.rays.set(few.rays.count++, rays[first + static_cast<std::size_t>(std::countr_zero(bits))]);
   scratch.counters.rays_wide -= few.rays.count;
-  kernel(volume, query, few.rays, few.hits, scratch);
+  kernel(dataset, query, few.rays, few.hits, scratch);
   std::uint64_t crossed = 0;
   std::size_t place = 0;
   for (std::uint64_t bits = chosen; bits != 0; bits &= bits - 1)
@@ -151,19 +150,19 @@ std::uint64_t settle_doubts(const View& view, const RayQuery& query, const RayBa
 }
 
 template <Machine machine, bool certified>
-void first_facets(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void first_facets(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                   KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
           const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
           if (!is_answerable(query)) {
-            reference(volume, query, rays, hits, scratch);
+            reference(dataset, query, rays, hits, scratch);
             return;
           }
           scratch.counters.rays_wide += rays.count;
           FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
-          memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
+          memory.facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, 1);
           const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           const FirstFacets answer = first_facets_on(machine, certified);
           const HitArrays answers = arrays_of(hits);
@@ -178,18 +177,19 @@ void first_facets(const VolumeImplementation& volume, const RayQuery& query, con
                 left.whole |= settle_doubts(view, query, rays, first, left.part, memory, hits, scratch.counters);
               other = redoing_kernel(view);
             }
-            if (left.whole != 0) ask_again(other, volume, query, rays, first, left.whole, hits, memory.others, scratch);
+            if (left.whole != 0)
+              ask_again(other, dataset, query, rays, first, left.whole, hits, memory.others, scratch);
           };
           for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
                          scratch.counters, answer_chunk);
         }
       },
-      volume.view);
+      dataset.view);
 }
 
 template <Machine machine>
-void any_facets(const VolumeImplementation& volume, const RayQuery& query, const Occluders* occluders,
-                const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch) {
+void any_facets(const LoadedDataset& dataset, const RayQuery& query, const Occluders* occluders, const RayBatch& rays,
+                std::uint64_t* crossed, KernelScratch& scratch) {
   std::visit(
       [&]<class View>(const View& view) {
         if constexpr (has_facets<View>) {
@@ -201,13 +201,13 @@ void any_facets(const VolumeImplementation& volume, const RayQuery& query, const
               const std::size_t count = std::min(RayGroup::size, rays.count - first);
               const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
               crossed[first / RayGroup::size] =
-                  ask_whether_any(reference, volume, query, rays, first, all, memory.others, scratch);
+                  ask_whether_any(reference, dataset, query, rays, first, all, memory.others, scratch);
             }
             return;
           }
           FacetSurface whole;
           if (occluders == nullptr) {
-            memory.facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, 1);
+            memory.facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, 1);
             whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
           } else {
             whole = surface_of(facets_of(*occluders), query);
@@ -217,13 +217,13 @@ void any_facets(const VolumeImplementation& volume, const RayQuery& query, const
                          [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
                            MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
                            if (met.unanswered != 0)
-                             met.crossed |= ask_whether_any(reference, volume, query, rays, first, met.unanswered,
+                             met.crossed |= ask_whether_any(reference, dataset, query, rays, first, met.unanswered,
                                                             memory.others, scratch);
                            crossed[first / RayGroup::size] = met.crossed;
                          });
         }
       },
-      volume.view);
+      dataset.view);
 }
 
 /// Returns how many crossings of a ray may contribute light, plus a few for edges that are hit
@@ -235,7 +235,7 @@ std::size_t room_for(float passing, float least_light) {
 }
 
 template <Machine machine>
-void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query, const RayBatch& rays,
+void cross_facets(const LoadedDataset& dataset, const AllHitsQuery& query, const RayBatch& rays,
                   std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch,
                   KernelCounters& counters) {
   FacetAllHitsScratch& memory = scratch.as<FacetAllHitsScratch>();
@@ -246,7 +246,7 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
         if constexpr (is_mesh<View>)
           for (std::size_t s = 0; s < lists.size(); ++s) {
             const TransparentSurface& asked = query.surfaces[s];
-            const auto facets = volume.facets->of(view, volume.bounds_volume, asked.isovalue, 1);
+            const auto facets = dataset.facets->of(view, dataset.bounds_data, asked.isovalue, 1);
             const FacetSurface whole = surface_of(
                 *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = query.time_phases}, false);
             FacetLists& found = memory.lists;
@@ -268,27 +268,26 @@ void cross_facets(const VolumeImplementation& volume, const AllHitsQuery& query,
                            answer_chunk);
           }
       },
-      volume.view);
+      dataset.view);
 }
 
 /// True for a mesh or surface whose products of lengths and values stay far from the limits of
 /// doubles.
-bool is_fit(const VolumeImplementation& volume) {
-  const bool has_values = !std::holds_alternative<SurfaceVolume>(volume.view);
-  const Vec3 size = volume.bounds_volume.size();
+bool is_fit(const LoadedDataset& dataset) {
+  const bool has_values = !std::holds_alternative<TriangleData>(dataset.view);
+  const Vec3 size = dataset.bounds_data.size();
   const double longest = std::max({size.x, size.y, size.z});
   return longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
-         (!has_values || (std::abs(volume.field.range.lo) <= largest_magnitude &&
-                          std::abs(volume.field.range.hi) <= largest_magnitude));
+         (!has_values || (std::abs(dataset.field.range.lo) <= largest_magnitude &&
+                          std::abs(dataset.field.range.hi) <= largest_magnitude));
 }
 
-std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, const RayQuery& query,
-                                           unsigned threads) {
+std::optional<SurfaceBoxes> prepare_facets(const LoadedDataset& dataset, const RayQuery& query, unsigned threads) {
   if (!is_answerable(query)) return std::nullopt;
   return std::visit(
       [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
         if constexpr (has_facets<View>) {
-          const auto facets = volume.facets->of(view, volume.bounds_volume, query.isovalue, threads);
+          const auto facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, threads);
           SurfaceBoxes boxes = boxes_of(facets, facets->levels());
           boxes.anchor = facets->anchor();
           boxes.unit = 1 / facets->scale();
@@ -297,32 +296,32 @@ std::optional<SurfaceBoxes> prepare_facets(const VolumeImplementation& volume, c
         }
         return std::nullopt;
       },
-      volume.view);
+      dataset.view);
 }
 
 constexpr OccluderSearch occluder_search{
-    .source = [](const VolumeImplementation& volume, const RayQuery& query, const LightPlace&, unsigned threads)
-        -> std::shared_ptr<const void> { return facets_with_occluders(volume, query, threads); },
+    .source = [](const LoadedDataset& dataset, const RayQuery& query, const LightPlace&, unsigned threads)
+        -> std::shared_ptr<const void> { return facets_with_occluders(dataset, query, threads); },
     .surface = occluding_facets};
 
 }  // namespace
 
-std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const Facets> facets_with_occluders(const LoadedDataset& dataset, const RayQuery& query,
                                                     unsigned threads) {
-  if (!is_answerable(query) || !is_fit(volume)) return nullptr;
+  if (!is_answerable(query) || !is_fit(dataset)) return nullptr;
   return std::visit(
       [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
-        if constexpr (is_mesh<View>) return volume.facets->of(view, volume.bounds_volume, query.isovalue, threads);
+        if constexpr (is_mesh<View>) return dataset.facets->of(view, dataset.bounds_data, query.isovalue, threads);
         return nullptr;
       },
-      volume.view);
+      dataset.view);
 }
 
-void use_facets(const VolumeImplementation& volume, const RayQuery& query, Machine machine, Intersectors& found) {
+void use_facets(const LoadedDataset& dataset, const RayQuery& query, Machine machine, Intersectors& found) {
   const Method& method = query.method;
-  const bool is_surface = std::holds_alternative<SurfaceVolume>(volume.view);
+  const bool is_surface = std::holds_alternative<TriangleData>(dataset.view);
   const bool is_certified = method.algorithm == Method::Algorithm::certified;
-  if (machine == Machine::scalar || !has_wide_crossings(method) || !is_fit(volume) || (is_surface && is_certified))
+  if (machine == Machine::scalar || !has_wide_crossings(method) || !is_fit(dataset) || (is_surface && is_certified))
     return;
   found.first_hit = kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return is_certified ? first_facets<wide, true> : first_facets<wide, false>;

@@ -12,12 +12,12 @@ namespace rhoray::render::wide {
 /// intersectors as they are where the scalar kernels are used: for meshes whose size or values
 /// exceed what products of doubles can hold, and for methods other than those of the table in
 /// render/KERNELS.md. There is no kernel for all hits of triangles, which may have any orientation.
-void use_facets(const VolumeImplementation& volume, const RayQuery& query, Machine machine, Intersectors& found);
+void use_facets(const LoadedDataset& dataset, const RayQuery& query, Machine machine, Intersectors& found);
 
 /// Returns the facets of a mesh's isosurface if only some of them may occlude hits on one of its
 /// sides. Null where that is not known: for triangles, which may have any orientation, and where
 /// scalar kernels are used.
-std::shared_ptr<const Facets> facets_with_occluders(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const Facets> facets_with_occluders(const LoadedDataset& dataset, const RayQuery& query,
                                                     unsigned threads);
 
 }  // namespace rhoray::render::wide

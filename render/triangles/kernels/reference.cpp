@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "render/cell/triangle_crossing.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/query/intersection_timer.h"
 #include "render/query/kernels.h"
 #include "render/triangles/facets.h"
@@ -59,7 +59,7 @@ class BoxPassage {
 /// index.
 class FirstTriangle {
  public:
-  FirstTriangle(const SurfaceVolume& view, const Facets& facets, const RayQuery& query, const Ray& ray,
+  FirstTriangle(const TriangleData& view, const Facets& facets, const RayQuery& query, const Ray& ray,
                 KernelCounters& counters)
       : view_(view), facets_(facets), query_(query), ray_(ray), counters_(counters), shear_(ray) {}
 
@@ -133,7 +133,7 @@ class FirstTriangle {
     hit_.root_count = 1;
   }
 
-  const SurfaceVolume& view_;
+  const TriangleData& view_;
   const Facets& facets_;
   const RayQuery& query_;
   const Ray& ray_;
@@ -151,10 +151,10 @@ bool is_ray(const Ray& ray) {
   return largest > 0 && std::isfinite(1 / largest) && ray.t_min <= ray.t_max;
 }
 
-void first_triangles(const VolumeImplementation& volume, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
+void first_triangles(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
-  const SurfaceVolume& view = std::get<SurfaceVolume>(volume.view);
-  const std::shared_ptr<const Facets> facets = volume.facets->of(view, volume.bounds_volume, 0, 1);
+  const TriangleData& view = std::get<TriangleData>(dataset.view);
+  const std::shared_ptr<const Facets> facets = dataset.facets->of(view, dataset.bounds_data, 0, 1);
   for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
     const Ray ray = rays[r];
@@ -165,14 +165,14 @@ void first_triangles(const VolumeImplementation& volume, const RayQuery& query, 
 }
 
 /// A surface has no values.
-void no_values(const VolumeImplementation&, const RayQuery&, const RayBatch& rays, HitBatch& hits, KernelScratch&) {
+void no_values(const LoadedDataset&, const RayQuery&, const RayBatch& rays, HitBatch& hits, KernelScratch&) {
   for (std::size_t r = 0; r < rays.count; ++r) hits.set(r, {});
 }
 
 }  // namespace
 
 template <>
-ReferenceKernels reference_kernels(const SurfaceVolume&, Method::Algorithm) {
+ReferenceKernels reference_kernels(const TriangleData&, Method::Algorithm) {
   return {.first_hit = first_triangles, .largest = no_values, .queue_entries = 0};
 }
 

@@ -173,7 +173,7 @@ std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_
   });
 }
 
-std::shared_ptr<const OccludingSurface> occluding_facets(const VolumeImplementation&, const RayQuery&,
+std::shared_ptr<const OccludingSurface> occluding_facets(const LoadedDataset&, const RayQuery&,
                                                          std::shared_ptr<const void> facets, unsigned) {
   return std::make_shared<const OccludingFacets>(std::static_pointer_cast<const Facets>(std::move(facets)));
 }

@@ -60,7 +60,7 @@ std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_
                                                    const LightPlace& light);
 
 /// The facets of an isosurface as OccluderSearch::surface returns them.
-std::shared_ptr<const OccludingSurface> occluding_facets(const VolumeImplementation& volume, const RayQuery& query,
+std::shared_ptr<const OccludingSurface> occluding_facets(const LoadedDataset& dataset, const RayQuery& query,
                                                          std::shared_ptr<const void> facets, unsigned threads);
 
 }  // namespace rhoray::render::wide

@@ -15,7 +15,7 @@
 /// Building blocks from which the families make their cases.
 namespace rhoray::tests {
 
-using Pack = std::function<std::unique_ptr<TracedVolume>()>;
+using Pack = std::function<std::unique_ptr<TracedDataset>()>;
 using Rays = std::vector<render::Ray>;
 
 inline constexpr double no_hit = std::numeric_limits<double>::infinity();
@@ -23,11 +23,11 @@ inline constexpr double no_hit = std::numeric_limits<double>::infinity();
 template <class T>
 Pack grid_of(const Index3& count, std::function<T(const Index3&)> sample, const Affine& world_from_grid = {},
              const preprocess::PackVolumeOptions& options = {}) {
-  return [=] { return std::make_unique<TracedVolume>(volume_of<T>(count, sample, world_from_grid), options); };
+  return [=] { return std::make_unique<TracedDataset>(volume_of<T>(count, sample, world_from_grid), options); };
 }
 
 inline Pack mesh_of(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {}) {
-  return [=] { return std::make_unique<TracedVolume>(mesh, options); };
+  return [=] { return std::make_unique<TracedDataset>(mesh, options); };
 }
 
 inline std::uint64_t hash_of(const Index3& at) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/traverse/ray.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 
 /// The catalogue of numerically hard cases: R a ray in a cell, V the traversal from cell to cell, D
 /// values of the data, T tetrahedra, M largest values. Each case is a small volume or mesh, with
@@ -33,7 +33,7 @@ struct HardCase {
   std::string id;
   std::string story;
   Asked asked = Asked::surface_of_grid;
-  std::function<std::unique_ptr<TracedVolume>()> pack;
+  std::function<std::unique_ptr<TracedDataset>()> pack;
   /// Every ray is traced for each isovalue. For largest values, one arbitrary isovalue.
   std::vector<double> isovalues{0};
   std::vector<render::Ray> rays;

@@ -78,13 +78,13 @@ Hit Trial::ask(const Ray& ray, double isovalue, const Method& method) {
 }
 
 double Trial::t_per_cell(const Ray& ray) const {
-  return case_.cell_edge / traced_->ray_volume(ray).direction.length();
+  return case_.cell_edge / traced_->ray_data(ray).direction.length();
 }
 
 Tally Trial::tally(const NamedMethod& named) {
   Tally tally;
   const bool proves = render::proves(named.method), largest = case_.asked == Asked::largest_value;
-  const auto& range = traced_->volume().field().range;
+  const auto& range = traced_->dataset().field().range;
   const double value_limit = value_tolerance * (range.hi - range.lo);
   const auto complain = [&](int& count, const std::string& text) {
     ++count;

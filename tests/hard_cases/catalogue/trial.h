@@ -61,7 +61,7 @@ class Trial {
   };
 
   const HardCase& case_;
-  std::unique_ptr<TracedVolume> traced_;
+  std::unique_ptr<TracedDataset> traced_;
   std::vector<Truth> truths_;  ///< ordered by isovalue
 
   render::Hit ask(const render::Ray& ray, double isovalue, const render::Method& method);

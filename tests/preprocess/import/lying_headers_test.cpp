@@ -26,8 +26,8 @@
 #include "formats/base/text.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/import/readers.h"
 #include "preprocess/import/reading/zip_archive.h"
 #include "tests/support/resealed.h"
@@ -467,7 +467,7 @@ void packed(const std::filesystem::path& path) {
   const std::string& kind = file.description().kind;
   if (kind == "grid") formats::BrickGrid{file};
   if (kind == "tets") formats::TetMesh{file};
-  if (kind == formats::SurfaceMesh::kind) formats::SurfaceMesh{file};
+  if (kind == formats::TriangleMesh::kind) formats::TriangleMesh{file};
   if (kind == formats::ColorGrid::kind) formats::ColorGrid{file};
 }
 

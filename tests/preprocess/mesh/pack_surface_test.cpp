@@ -20,10 +20,10 @@ using tests::surface_of;
 
 class PackSurface : public testing::Test {
  protected:
-  formats::SurfaceMesh packed(const NeutralSurface& surface) {
+  formats::TriangleMesh packed(const NeutralSurface& surface) {
     report_ =
         pack_surface(surface, folder_ / "a.rho", {.command = "made", .source_name = "a.off", .replace_existing = true});
-    const formats::SurfaceMesh mesh(formats::PackedFile::open(folder_ / "a.rho"));
+    const formats::TriangleMesh mesh(formats::PackedFile::open(folder_ / "a.rho"));
     EXPECT_THAT(formats::deep_findings(mesh), testing::IsEmpty());
     EXPECT_EQ(report_.file_bytes, mesh.file().file_bytes());
     return mesh;
@@ -35,8 +35,8 @@ class PackSurface : public testing::Test {
 
 TEST_F(PackSurface, keeps_triangles_as_they_are) {
   const NeutralSurface cube = tests::cube_surface();
-  const formats::SurfaceMesh mesh = packed(cube);
-  const formats::SurfaceMeshDescription& d = mesh.description();
+  const formats::TriangleMesh mesh = packed(cube);
+  const formats::TriangleMeshDescription& d = mesh.description();
   EXPECT_EQ(d.point_count, 8U);
   EXPECT_EQ(d.triangle_count, 12U);
   EXPECT_EQ(d.bounds, Box3(Vec3(0), Vec3(1)));
@@ -52,13 +52,13 @@ TEST_F(PackSurface, keeps_triangles_as_they_are) {
 TEST_F(PackSurface, keeps_every_bit_of_points) {
   NeutralSurface cube = tests::cube_surface();
   cube.points[7][1] = 0.1;
-  const formats::SurfaceMesh mesh = packed(cube);
+  const formats::TriangleMesh mesh = packed(cube);
   EXPECT_EQ(mesh.description().point_type, formats::ElementType::F64);
   for (std::uint64_t p = 0; p < 8; ++p) EXPECT_EQ(mesh.point(p), cube.points[p]);
 }
 
 TEST_F(PackSurface, cuts_squares_and_leads_back_to_them) {
-  const formats::SurfaceMesh mesh = packed(tests::cube_surface(false));
+  const formats::TriangleMesh mesh = packed(tests::cube_surface(false));
   EXPECT_EQ(mesh.description().triangle_count, 12U);
   for (std::uint64_t t = 0; t < 12; ++t) EXPECT_EQ(mesh.triangle_id(t), t / 2);
   EXPECT_THAT(report_.notes, testing::ElementsAre("6 facets with more than three corners cut into triangles"));
@@ -68,7 +68,7 @@ TEST_F(PackSurface, drops_what_is_no_triangle_and_says_so) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const NeutralSurface surface = surface_of({{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 0, 0}, {2, 0, 0}},
                                             {{1, 2, 2}, {1, 2, 3}, {1, 2, 4}, {1, 2, 5}});
-  const formats::SurfaceMesh mesh = packed(surface);
+  const formats::TriangleMesh mesh = packed(surface);
   EXPECT_EQ(mesh.description().triangle_count, 2U);
   EXPECT_EQ(mesh.description().dropped_facet_count, 2U);
   EXPECT_EQ(mesh.description().flat_triangle_count, 1U);

@@ -28,7 +28,7 @@ bool is_tight(const Enclosure& e) {
 constexpr Vec3 low{0, 0, 0}, high{1, 1, 1};
 constexpr double width = 1e-14;
 
-TEST(JudgeCell, R01_a_plane_is_crossed_where_it_stands) {
+TEST(ExactCell, R01_a_plane_is_crossed_where_it_stands) {
   const TrilinearCell plane = cell_of([](double u, double v, double w) { return u + 2 * v + 4 * w; });
   const CellVerdict verdict = exact_crossing(plane, {0, 0.25, 0.5}, {1, 0.25 + 1e-17, 0.5}, 3, false, width);
   ASSERT_TRUE(verdict.changes);
@@ -37,7 +37,7 @@ TEST(JudgeCell, R01_a_plane_is_crossed_where_it_stands) {
   EXPECT_EQ(verdict.root_count, 1);
 }
 
-TEST(JudgeCell, R02_a_bilinear_patch_is_crossed_twice) {
+TEST(ExactCell, R02_a_bilinear_patch_is_crossed_twice) {
   // u (1 - v) + (1 - u) v along the diagonal: 2 s (1 - s) = 3/8 at 1/4 and 3/4.
   const TrilinearCell saddle = cell_of([](double u, double v, double) { return u * (1 - v) + (1 - u) * v; });
   const CellVerdict verdict = exact_crossing(saddle, low, {1, 1, 0}, 0.375, false, width);
@@ -47,19 +47,19 @@ TEST(JudgeCell, R02_a_bilinear_patch_is_crossed_twice) {
   EXPECT_TRUE(verdict.s.contains(0.25));
 }
 
-TEST(JudgeCell, R03_a_linear_field_has_its_exact_root) {
+TEST(ExactCell, R03_a_linear_field_has_its_exact_root) {
   const TrilinearCell linear = cell_of([](double u, double, double) { return u; });
   const CellVerdict verdict = exact_crossing(linear, {0, 0.5, 0.5}, {1, 0.5, 0.5}, 1.0 / 3, false, width);
   EXPECT_TRUE(verdict.s.contains(1.0 / 3));
 }
 
-TEST(JudgeCell, R04_a_constant_cell_has_no_surface) {
+TEST(ExactCell, R04_a_constant_cell_has_no_surface) {
   const TrilinearCell constant = cell_of([](double, double, double) { return 7; });
   EXPECT_FALSE(exact_crossing(constant, low, high, 8, false, width).changes);
   EXPECT_FALSE(exact_crossing(constant, low, high, 6, true, width).changes);
 }
 
-TEST(JudgeCell, R05_a_constant_cell_at_the_isovalue_is_inside) {
+TEST(ExactCell, R05_a_constant_cell_at_the_isovalue_is_inside) {
   const TrilinearCell constant = cell_of([](double, double, double) { return 7; });
   const CellVerdict from_outside = exact_crossing(constant, low, high, 7, false, width);
   ASSERT_TRUE(from_outside.changes);
@@ -69,7 +69,7 @@ TEST(JudgeCell, R05_a_constant_cell_at_the_isovalue_is_inside) {
   EXPECT_FALSE(exact_crossing(constant, low, high, 7, true, width).changes);
 }
 
-TEST(JudgeCell, R06_a_double_root_touches) {
+TEST(ExactCell, R06_a_double_root_touches) {
   const TrilinearCell saddle = cell_of([](double u, double v, double) { return u * (1 - v) + (1 - u) * v; });
   const CellVerdict verdict = exact_crossing(saddle, low, {1, 1, 0}, 0.5, false, width);
   ASSERT_TRUE(verdict.changes);
@@ -80,7 +80,7 @@ TEST(JudgeCell, R06_a_double_root_touches) {
   EXPECT_EQ(verdict.road, Road::exact);
 }
 
-TEST(JudgeCell, R07_R08_one_ulp_decides_between_a_miss_and_two_roots) {
+TEST(ExactCell, R07_R08_one_ulp_decides_between_a_miss_and_two_roots) {
   const TrilinearCell saddle = cell_of([](double u, double v, double) { return u * (1 - v) + (1 - u) * v; });
   EXPECT_FALSE(exact_crossing(saddle, low, {1, 1, 0}, std::nextafter(0.5, 1), false, width).changes);
   const CellVerdict inside = exact_crossing(saddle, low, {1, 1, 0}, std::nextafter(0.5, 0), false, width);
@@ -91,7 +91,7 @@ TEST(JudgeCell, R07_R08_one_ulp_decides_between_a_miss_and_two_roots) {
   EXPECT_NEAR(inside.s.lo, 0.5 - std::sqrt(0x1p-55), 1e-14);
 }
 
-TEST(JudgeCell, R09_a_triple_root_is_crossed_once) {
+TEST(ExactCell, R09_a_triple_root_is_crossed_once) {
   // (u - 1/2) (v - 1/2) (w - 1/2) along the diagonal
   const TrilinearCell cell = cell_of([](double u, double v, double w) { return (u - 0.5) * (v - 0.5) * (w - 0.5); });
   const CellVerdict verdict = exact_crossing(cell, low, high, 0, false, width);
@@ -101,18 +101,18 @@ TEST(JudgeCell, R09_a_triple_root_is_crossed_once) {
   EXPECT_EQ(verdict.s.lo, 0.5);
 }
 
-TEST(JudgeCell, R10_of_three_roots_the_first_is_given) {
+TEST(ExactCell, R10_of_three_roots_the_first_is_given) {
   // (u - 1/4) (v - 1/2) (w - 3/4) along the diagonal
   const TrilinearCell cell = cell_of([](double u, double v, double w) { return (u - 0.25) * (v - 0.5) * (w - 0.75); });
   const CellVerdict verdict = exact_crossing(cell, low, high, 0, false, width);
   EXPECT_EQ(verdict.root_count, 3);
   EXPECT_TRUE(verdict.s.contains(0.25));
-  const std::vector<Enclosure> roots = judge_roots(cell, low, high, 0, width);
+  const std::vector<Enclosure> roots = exact_roots(cell, low, high, 0, width);
   ASSERT_EQ(roots.size(), 3);
   EXPECT_TRUE(roots[0].contains(0.25) && roots[1].contains(0.5) && roots[2].contains(0.75));
 }
 
-TEST(JudgeCell, R11_two_roots_between_ends_on_one_side_are_seen) {
+TEST(ExactCell, R11_two_roots_between_ends_on_one_side_are_seen) {
   // 4 u (1 - v) - 1/4 along the diagonal: both ends at -1/4, the middle above 0.
   const TrilinearCell cell = cell_of([](double u, double v, double) { return 4 * u * (1 - v) - 0.25; });
   const CellVerdict verdict = exact_crossing(cell, low, {1, 1, 0}, 0, false, width);
@@ -120,7 +120,7 @@ TEST(JudgeCell, R11_two_roots_between_ends_on_one_side_are_seen) {
   EXPECT_NEAR(verdict.s.lo, 0.5 - std::sqrt(3.0) / 4, 1e-14);
 }
 
-TEST(JudgeCell, R12_R13_roots_at_the_ends_are_exact) {
+TEST(ExactCell, R12_R13_roots_at_the_ends_are_exact) {
   const TrilinearCell linear = cell_of([](double u, double, double) { return u; });
   const CellVerdict at_start = exact_crossing(linear, low, high, 0, false, width);
   EXPECT_TRUE(at_start.changes);
@@ -139,7 +139,7 @@ TEST(JudgeCell, R12_R13_roots_at_the_ends_are_exact) {
   EXPECT_EQ(leaves.s.hi, 0);
 }
 
-TEST(JudgeCell, R21_an_ambiguous_face_follows_the_trilinear_field) {
+TEST(ExactCell, R21_an_ambiguous_face_follows_the_trilinear_field) {
   const TrilinearCell alternating =
       cell_of([](double u, double v, double w) { return (2 * u - 1) * (2 * v - 1) * (2 * w - 1); });
   // On the face w = 1 the asymptotes cross in the middle: just beside it, the two connections are
@@ -150,7 +150,7 @@ TEST(JudgeCell, R21_an_ambiguous_face_follows_the_trilinear_field) {
   EXPECT_TRUE(exact_crossing(alternating, {0, 0, 1}, {1, 1, 1}, 1e-300, true, width).changes);
 }
 
-TEST(JudgeCell, R22_the_saddle_in_the_body_decides_about_the_tunnel) {
+TEST(ExactCell, R22_the_saddle_in_the_body_decides_about_the_tunnel) {
   // Two opposite corners at 3, the others at -1: the value at the centre is 0.
   const TrilinearCell cell{{3, -1, -1, -1, -1, -1, -1, 3}};
   const tests::SturmChart through(tests::cubic_along(cell, low, high, 0), 0, 1);
@@ -162,7 +162,7 @@ TEST(JudgeCell, R22_the_saddle_in_the_body_decides_about_the_tunnel) {
   EXPECT_FALSE(exact_crossing(cell, low, high, -1e-300, true, width).changes);
 }
 
-TEST(JudgeCell, judges_a_chord_of_length_zero) {
+TEST(ExactCell, judges_a_chord_of_length_zero) {
   const TrilinearCell linear = cell_of([](double u, double, double) { return u; });
   const Vec3 p(0.5, 0.5, 0.5);
   const CellVerdict at_isovalue = exact_crossing(linear, p, p, 0.5, false, width);
@@ -172,14 +172,14 @@ TEST(JudgeCell, judges_a_chord_of_length_zero) {
   EXPECT_TRUE(exact_crossing(linear, p, p, 0.75, true, width).changes);
 }
 
-TEST(JudgeCell, judges_a_start_on_the_other_side_at_once) {
+TEST(ExactCell, judges_a_start_on_the_other_side_at_once) {
   const TrilinearCell linear = cell_of([](double u, double, double) { return u; });
   const CellVerdict verdict = exact_crossing(linear, {0.5, 0, 0}, {1, 0, 0}, 0.25, false, width);
   EXPECT_TRUE(verdict.changes);
   EXPECT_EQ(verdict.s.hi, 0);
 }
 
-TEST(JudgeCell, judges_values_at_the_ends_of_the_range_of_doubles) {
+TEST(ExactCell, judges_values_at_the_ends_of_the_range_of_doubles) {
   const double largest = std::numeric_limits<double>::max(), smallest = std::numeric_limits<double>::denorm_min();
   const TrilinearCell huge = cell_of([&](double u, double, double) { return u > 0.5 ? largest : -largest; });
   EXPECT_TRUE(exact_crossing(huge, {0, 0, 0}, {1, 0, 0}, 0, false, width).s.contains(0.5));
@@ -228,7 +228,7 @@ HardChord hard_chord(Dice& dice) {
   return hard;
 }
 
-TEST(JudgeCell, gives_the_same_verdict_with_and_without_the_filter) {
+TEST(ExactCell, gives_the_same_verdict_with_and_without_the_filter) {
   Dice dice(3);
   int filtered = 0, changed = 0, several = 0;
   for (int round = 0; round < 20000; ++round) {
@@ -253,7 +253,7 @@ TEST(JudgeCell, gives_the_same_verdict_with_and_without_the_filter) {
   EXPECT_GT(several, 300);
 }
 
-TEST(JudgeCell, agrees_with_sturms_theorem_on_numbers_of_another_library) {
+TEST(ExactCell, agrees_with_sturms_theorem_on_numbers_of_another_library) {
   Dice dice(4);
   int changed = 0, touched = 0;
   for (int round = 0; round < 200; ++round) {
@@ -274,7 +274,7 @@ TEST(JudgeCell, agrees_with_sturms_theorem_on_numbers_of_another_library) {
   EXPECT_GT(touched, 5);
 }
 
-TEST(JudgeCell, finds_the_papers_maximum_that_no_face_shows) {
+TEST(ExactCell, finds_the_papers_maximum_that_no_face_shows) {
   const TrilinearCell saddle = cell_of([](double u, double v, double) { return u * (1 - v) + (1 - u) * v; });
   const MaximumVerdict verdict = exact_maximum_unfiltered(saddle, low, {1, 1, 0}, width);
   EXPECT_EQ(verdict.value.lo, 0.5);
@@ -283,14 +283,14 @@ TEST(JudgeCell, finds_the_papers_maximum_that_no_face_shows) {
   EXPECT_EQ(verdict.s.hi, 0.5);
 }
 
-TEST(JudgeCell, gives_the_first_of_equal_maxima) {
+TEST(ExactCell, gives_the_first_of_equal_maxima) {
   const TrilinearCell constant = cell_of([](double, double, double) { return 3; });
   EXPECT_EQ(exact_maximum(constant, low, high, width).s.hi, 0);
   const TrilinearCell valley = cell_of([](double u, double v, double) { return (1 - u) * (1 - v) + u * v; });
   EXPECT_EQ(exact_maximum(valley, low, {1, 1, 0}, width).s.hi, 0);
 }
 
-TEST(JudgeCell, gives_the_same_maximum_with_and_without_the_filter_and_none_above_it) {
+TEST(ExactCell, gives_the_same_maximum_with_and_without_the_filter_and_none_above_it) {
   Dice dice(5);
   int filtered = 0, inside = 0;
   for (int round = 0; round < 10000; ++round) {

@@ -182,7 +182,7 @@ std::optional<BruteHit> first_crossing_by_brute_force(const TestGrid& grid, cons
   return std::nullopt;
 }
 
-TEST(JudgeGrid, agrees_with_brute_force_on_stressful_rays) {
+TEST(ExactGrid, agrees_with_brute_force_on_stressful_rays) {
   Dice dice(11);
   int hits = 0, touches = 0, exact_cells = 0, filtered = 0;
   for (int round = 0; round < 60; ++round) {
@@ -210,7 +210,7 @@ TEST(JudgeGrid, agrees_with_brute_force_on_stressful_rays) {
   EXPECT_GT(filtered, 30);
 }
 
-TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
+TEST(ExactGrid, finds_the_largest_value_of_brute_force) {
   Dice dice(12);
   int found = 0;
   for (int round = 0; round < 25; ++round) {
@@ -252,7 +252,7 @@ TEST(JudgeGrid, finds_the_largest_value_of_brute_force) {
   EXPECT_GT(found, 40);
 }
 
-TEST(JudgeGrid, skips_regions_without_changing_a_verdict) {
+TEST(ExactGrid, skips_regions_without_changing_a_verdict) {
   Dice dice(13);
   int skipped = 0;
   for (int round = 0; round < 300; ++round) {
@@ -282,7 +282,7 @@ TestGrid ramp() {
   return TestGrid({4, 4, 4}, [](double x, double, double) { return x; });
 }
 
-TEST(JudgeGrid, crosses_at_a_face_once_and_says_in_which_cell) {
+TEST(ExactGrid, crosses_at_a_face_once_and_says_in_which_cell) {
   const GridRayVerdict from_outside = exact_first_crossing(ramp(), {{-1, 1.5, 1.5}, {1, 0, 0}}, 2, width);
   ASSERT_TRUE(from_outside.is_hit);
   EXPECT_EQ(from_outside.t.lo, 3);
@@ -294,7 +294,7 @@ TEST(JudgeGrid, crosses_at_a_face_once_and_says_in_which_cell) {
   EXPECT_EQ(from_inside.cell, Index3(1, 1, 1)) << "the cell behind";
 }
 
-TEST(JudgeGrid, touches_where_a_ridge_lies_in_a_face) {
+TEST(ExactGrid, touches_where_a_ridge_lies_in_a_face) {
   const TestGrid ridge({4, 4, 4}, [](double x, double, double) { return -std::abs(x - 2); });
   const GridRayVerdict verdict = exact_first_crossing(ridge, {{-1, 1.5, 1.5}, {1, 0, 0}}, 0, width);
   ASSERT_TRUE(verdict.is_hit);
@@ -305,7 +305,7 @@ TEST(JudgeGrid, touches_where_a_ridge_lies_in_a_face) {
   EXPECT_TRUE(border.is_hit && border.touches);
 }
 
-TEST(JudgeGrid, V07_sees_a_ray_in_an_outer_face) {
+TEST(ExactGrid, V07_sees_a_ray_in_an_outer_face) {
   const GridRayVerdict verdict = exact_first_crossing(ramp(), {{-1, 4, 0}, {1, 0, -0.0}}, 1.5, width);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(verdict.t.contains(2.5));
@@ -313,16 +313,16 @@ TEST(JudgeGrid, V07_sees_a_ray_in_an_outer_face) {
   EXPECT_FALSE(exact_first_crossing(ramp(), {{-1, std::nextafter(4, 5), 0}, {1, 0, 0}}, 1.5, width).is_hit);
 }
 
-TEST(JudgeGrid, V08_has_no_hit_where_a_ray_meets_a_corner_only) {
+TEST(ExactGrid, V08_has_no_hit_where_a_ray_meets_a_corner_only) {
   EXPECT_FALSE(exact_first_crossing(ramp(), {{-1, 1, 2}, {1, -1, 0}}, 0, width).is_hit);
   EXPECT_FALSE(exact_largest_value(ramp(), {{-1, 1, 2}, {1, -1, 0}}, width).has_value);
 }
 
-TEST(JudgeGrid, R15_goes_through_the_upper_cell_of_a_plane) {
+TEST(ExactGrid, R15_goes_through_the_upper_cell_of_a_plane) {
   EXPECT_EQ(exact_first_crossing(ramp(), {{-1, 2, 2}, {1, 0, 0}}, 1.5, width).cell, Index3(1, 2, 2));
 }
 
-TEST(JudgeGrid, R17_follows_a_diagonal_through_lattice_points) {
+TEST(ExactGrid, R17_follows_a_diagonal_through_lattice_points) {
   const TestGrid sum({8, 8, 8}, [](double x, double y, double z) { return x + y + z; });
   const GridRayVerdict verdict = exact_first_crossing(sum, {{-1, -1, -1}, {1, 1, 1}}, 10, width);
   ASSERT_TRUE(verdict.is_hit);
@@ -330,7 +330,7 @@ TEST(JudgeGrid, R17_follows_a_diagonal_through_lattice_points) {
   EXPECT_EQ(verdict.effort.cells_visited, 4);
 }
 
-TEST(JudgeGrid, honours_t_min_and_t_max) {
+TEST(ExactGrid, honours_t_min_and_t_max) {
   const Ray ray{{-1, 1.5, 1.5}, {1, 0, 0}};
   EXPECT_TRUE(exact_first_crossing(ramp(), {ray.origin, ray.direction, 0, 3}, 2, width).is_hit);
   EXPECT_FALSE(exact_first_crossing(ramp(), {ray.origin, ray.direction, 0, std::nextafter(3, 2)}, 2, width).is_hit);
@@ -338,34 +338,34 @@ TEST(JudgeGrid, honours_t_min_and_t_max) {
   EXPECT_EQ(exact_largest_value(ramp(), {ray.origin, ray.direction, 0, 2.25}, width).value.lo, 1.25);
 }
 
-TEST(JudgeGrid, R31_starts_inside_on_the_surface_itself) {
+TEST(ExactGrid, R31_starts_inside_on_the_surface_itself) {
   EXPECT_FALSE(exact_first_crossing(ramp(), {{2, 1.5, 1.5}, {1, 0, 0}}, 2, width).is_hit);
   const GridRayVerdict down = exact_first_crossing(ramp(), {{2, 1.5, 1.5}, {-1, 0, 0}}, 2, width);
   ASSERT_TRUE(down.is_hit) << "leaves at once";
   EXPECT_EQ(down.t.hi, 0);
 }
 
-TEST(JudgeGrid, D07_sees_no_surface_against_missing_data) {
+TEST(ExactGrid, D07_sees_no_surface_against_missing_data) {
   TestGrid grid({5, 1, 1}, [](double x, double, double) { return x < 3 ? -1 : 1; });
   grid.at({2, 0, 0}) = grid.at({3, 0, 0}) = nan;
   EXPECT_FALSE(exact_first_crossing(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, 0, width).is_hit);
   EXPECT_EQ(exact_largest_value(grid, {{-1, 0.5, 0.5}, {1, 0, 0}}, width).t.lo, 5);
 }
 
-TEST(JudgeGrid, refuses_what_is_no_ray) {
+TEST(ExactGrid, refuses_what_is_no_ray) {
   for (const Ray& ray :
        {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{nan, 1, 1}, {1, 0, 0}}, Ray{{0, 1, 1}, {infinity, 0, 0}},
         Ray{{0, 1, 1}, {1e-320, 0, 0}}, Ray{{0, 1, 1}, {1, 0, 0}, nan}, Ray{{0, 1, 1}, {1, 0, 0}, 2, 1}})
     EXPECT_FALSE(exact_first_crossing(ramp(), ray, 2, width).is_hit);
 }
 
-TEST(JudgeGrid, V19_keeps_its_width_from_far_away) {
+TEST(ExactGrid, V19_keeps_its_width_from_far_away) {
   const GridRayVerdict verdict = exact_first_crossing(ramp(), {{-1e7, 1.3, 1.4}, {1, 1e-9, 0}}, 1.0 / 3, 1e-12);
   ASSERT_TRUE(verdict.is_hit);
   EXPECT_TRUE(std::nextafter(verdict.t.lo, infinity) >= verdict.t.hi);
 }
 
-TEST(JudgeGrid, M02_gives_the_first_t_of_a_plateau) {
+TEST(ExactGrid, M02_gives_the_first_t_of_a_plateau) {
   const TestGrid plateau({6, 2, 2}, [](double x, double, double) { return std::min(x, 2.0); });
   const GridMaximumVerdict verdict = exact_largest_value(plateau, {{-1, 0.5, 0.5}, {1, 0, 0}}, width);
   EXPECT_EQ(verdict.value.hi, 2);
@@ -373,7 +373,7 @@ TEST(JudgeGrid, M02_gives_the_first_t_of_a_plateau) {
   EXPECT_EQ(verdict.cell, Index3(1, 0, 0));
 }
 
-TEST(JudgeGrid, M03_gives_the_first_of_equal_maxima_in_distant_cells) {
+TEST(ExactGrid, M03_gives_the_first_of_equal_maxima_in_distant_cells) {
   // A field of period 2 along a diagonal: the same cubic repeats, and its maximum is usually
   // irrational.
   Dice dice(14);

@@ -29,7 +29,7 @@ ExactTet corner_tet(std::array<double, 4> values, std::uint64_t id = 0) {
   return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, values, id};
 }
 
-TEST(JudgeTets, crosses_a_plane_where_it_stands) {
+TEST(ExactTetsAlongRay, crosses_a_plane_where_it_stands) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
   const TetRayVerdict verdict = exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1.0 / 3, width);
   ASSERT_TRUE(verdict.is_hit);
@@ -38,7 +38,7 @@ TEST(JudgeTets, crosses_a_plane_where_it_stands) {
   EXPECT_EQ(verdict.road, Road::filter);
 }
 
-TEST(JudgeTets, T17_sees_nothing_where_the_field_is_flat_along_the_ray) {
+TEST(ExactTetsAlongRay, T17_sees_nothing_where_the_field_is_flat_along_the_ray) {
   const std::array tets{corner_tet({0, 0, 1, 0})};
   const Ray ray{{-1, 0.25, 0.1}, {1, 0, 0}};
   EXPECT_FALSE(exact_first_crossing(tets, ray, 0.3, width).is_hit);
@@ -46,12 +46,12 @@ TEST(JudgeTets, T17_sees_nothing_where_the_field_is_flat_along_the_ray) {
   EXPECT_FALSE(exact_first_crossing(tets, ray, 0.25, width).is_hit) << "at the isovalue, so inside";
 }
 
-TEST(JudgeTets, T22_sees_no_surface_where_the_mesh_begins) {
+TEST(ExactTetsAlongRay, T22_sees_no_surface_where_the_mesh_begins) {
   const std::array tets{corner_tet({2, 2, 2, 2})};
   EXPECT_FALSE(exact_first_crossing(tets, {{-1, 0.1, 0.1}, {1, 0, 0}}, 1, width).is_hit);
 }
 
-TEST(JudgeTets, forgets_its_side_in_a_gap) {
+TEST(ExactTetsAlongRay, forgets_its_side_in_a_gap) {
   ExactTet far = corner_tet({2, 2, 2, 2}, 1);
   for (Vec3& p : far.point) p.x += 3;
   const std::array tets{corner_tet({0, 0, 0, 0}), far};
@@ -66,7 +66,7 @@ std::array<ExactTet, 2> two_sides(double before, double behind) {
           ExactTet{{a, b, c, Vec3(1, 0.2, 0.2)}, {0, 0, 0, behind}, 3}};
 }
 
-TEST(JudgeTets, T15_a_face_at_the_isovalue_is_crossed_once_touched_or_left) {
+TEST(ExactTetsAlongRay, T15_a_face_at_the_isovalue_is_crossed_once_touched_or_left) {
   const Ray ray{{-2, 0.2, 0.2}, {1, 0, 0}};
   const TetRayVerdict crossed = exact_first_crossing(two_sides(-1, 1), ray, 0, width);
   ASSERT_TRUE(crossed.is_hit);
@@ -82,7 +82,7 @@ TEST(JudgeTets, T15_a_face_at_the_isovalue_is_crossed_once_touched_or_left) {
   EXPECT_FALSE(exact_first_crossing(two_sides(1, 1), ray, 0, width).is_hit);
 }
 
-TEST(JudgeTets, T08_T10_cells_without_volume_change_nothing) {
+TEST(ExactTetsAlongRay, T08_T10_cells_without_volume_change_nothing) {
   auto two = two_sides(-1, 1);
   std::vector<ExactTet> tets(two.begin(), two.end());
   const Ray ray{{-2, 0.2, 0.2}, {1, 0, 0}};
@@ -96,14 +96,14 @@ TEST(JudgeTets, T08_T10_cells_without_volume_change_nothing) {
   EXPECT_TRUE(with.t.lo <= without.t.hi && with.t.hi >= without.t.lo);
 }
 
-TEST(JudgeTets, T11_an_inverted_cell_is_like_its_twin) {
+TEST(ExactTetsAlongRay, T11_an_inverted_cell_is_like_its_twin) {
   ExactTet tet = corner_tet({0, 1, 0, 0});
   std::swap(tet.point[0], tet.point[1]);
   std::swap(tet.value[0], tet.value[1]);
   EXPECT_TRUE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).t.contains(1.25));
 }
 
-TEST(JudgeTets, T26_cells_that_are_not_finite_are_absent) {
+TEST(ExactTetsAlongRay, T26_cells_that_are_not_finite_are_absent) {
   ExactTet tet = corner_tet({0, std::nan(""), 0, 0});
   EXPECT_FALSE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
   EXPECT_FALSE(exact_largest_value(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}).has_value);
@@ -112,7 +112,7 @@ TEST(JudgeTets, T26_cells_that_are_not_finite_are_absent) {
   EXPECT_FALSE(exact_first_crossing(std::array{tet}, {{-1, 0.1, 0.1}, {1, 0, 0}}, 0.25, width).is_hit);
 }
 
-TEST(JudgeTets, T28_starts_on_the_side_where_the_ray_starts) {
+TEST(ExactTetsAlongRay, T28_starts_on_the_side_where_the_ray_starts) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
   EXPECT_FALSE(exact_first_crossing(tets, {{0.5, 0.1, 0.1}, {1, 0, 0}}, 0.5, width).is_hit) << "on the surface: inside";
   const TetRayVerdict leaves = exact_first_crossing(tets, {{0.5, 0.1, 0.1}, {-1, 0, 0}}, 0.5, width);
@@ -123,7 +123,7 @@ TEST(JudgeTets, T28_starts_on_the_side_where_the_ray_starts) {
   EXPECT_FALSE(exact_first_crossing(tets, {{0.25, 0.1, 0.1}, {1, 0, 0}, 0, 0.125}, 0.5, width).is_hit);
 }
 
-TEST(JudgeTets, refuses_what_is_no_ray) {
+TEST(ExactTetsAlongRay, refuses_what_is_no_ray) {
   const std::array tets{corner_tet({0, 1, 0, 0})};
   for (const Ray& ray : {Ray{{-1, 0.1, 0.1}, {0, 0, 0}}, Ray{{-1, 0.1, std::nan("")}, {1, 0, 0}},
                          Ray{{-1, 0.1, 0.1}, {1, 0, 0}, infinity}, Ray{{-1, 0.1, 0.1}, {1, 0, 0}, 2, 1}})
@@ -214,7 +214,7 @@ Ray aimed_ray(const std::vector<ExactTet>& tets, Dice& dice) {
   return ray;
 }
 
-TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
+TEST(ExactTetsAlongRay, says_what_is_true_at_points_of_the_ray) {
   Dice dice(21);
   int hits = 0, exact_road = 0, before = 0;
   for (int round = 0; round < 80; ++round) {
@@ -258,7 +258,7 @@ TEST(JudgeTets, says_what_is_true_at_points_of_the_ray) {
   EXPECT_GT(before, 150);
 }
 
-TEST(JudgeTets, gives_the_same_verdict_from_active_cells_alone) {
+TEST(ExactTetsAlongRay, gives_the_same_verdict_from_active_cells_alone) {
   Dice dice(22);
   int hits = 0, only_touch_differs = 0;
   for (int round = 0; round < 1500; ++round) {
@@ -287,7 +287,7 @@ TEST(JudgeTets, gives_the_same_verdict_from_active_cells_alone) {
   EXPECT_GT(only_touch_differs, 0) << "the docstring's exception is no longer met";
 }
 
-TEST(JudgeTets, does_not_depend_on_the_order_of_cells) {
+TEST(ExactTetsAlongRay, does_not_depend_on_the_order_of_cells) {
   Dice dice(23);
   for (int round = 0; round < 200; ++round) {
     auto tets = block(2, dice, dice.coin() ? 0 : 0.15, {0, 0, 0}, true);
@@ -307,7 +307,7 @@ TEST(JudgeTets, does_not_depend_on_the_order_of_cells) {
   }
 }
 
-TEST(JudgeTets, finds_a_largest_value_that_is_reached_and_not_passed) {
+TEST(ExactTetsAlongRay, finds_a_largest_value_that_is_reached_and_not_passed) {
   Dice dice(24);
   int found = 0;
   for (int round = 0; round < 30; ++round) {

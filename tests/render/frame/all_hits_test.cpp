@@ -34,25 +34,25 @@ double sheets(const Vec3& p) {
 
 struct Shown {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   Shown() {
     const Box3 box{{-1, -1, -1}, {1, 1, 1}};
     const Index3 few(27, 26, 25), many(97, 93, 91);
-    volumes.push_back(packed(folder, "waves.rho", sampled_volume<float>(few, lattice_over(box, few), waves)));
-    volumes.push_back(packed(folder, "distance.rho", sampled_volume<float>(many, lattice_over(box, many), distance)));
-    volumes.push_back(
+    datasets.push_back(packed(folder, "waves.rho", sampled_volume<float>(few, lattice_over(box, few), waves)));
+    datasets.push_back(packed(folder, "distance.rho", sampled_volume<float>(many, lattice_over(box, many), distance)));
+    datasets.push_back(
         packed(folder, "sheets.rho", sampled_volume<std::int16_t>(many, lattice_over(box, many), sheets)));
     preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 9}, .box = box, .jitter = 0.1});
     add_point_field(mesh, "value", waves);
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
+    datasets.push_back(packed(folder, "mesh.rho", mesh));
   }
 };
 
-Layer surface(std::size_t volume, double isovalue, const Vec3& color, double opacity) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
-  layer.surface.color = color;
-  layer.surface.opacity = opacity;
+Layer surface(std::size_t dataset, double isovalue, const Vec3& color, double opacity) {
+  Layer layer{.dataset = dataset, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
+  layer.material.color = color;
+  layer.material.opacity = opacity;
   return layer;
 }
 
@@ -70,11 +70,11 @@ struct Picture {
   FrameStatistics statistics;
 };
 
-Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, bool one_pass,
+Picture picture_of(const std::vector<render::Dataset>& datasets, const Scene& scene, bool one_pass,
                    unsigned threads = 1) {
   Picture picture;
   picture.statistics = render::render(
-      volumes, scene,
+      datasets, scene,
       {.width = edge, .height = edge, .channels = all_channels, .threads = threads, .one_pass = one_pass},
       picture.pixels);
   return picture;
@@ -126,7 +126,7 @@ TEST(OnePass, shows_what_is_shown_crossing_by_crossing) {
   for (const std::vector<Layer>& layers : scenes()) {
     SCOPED_TRACE(layers.size());
     const Scene scene = scene_of(layers);
-    const Picture found = picture_of(shown.volumes, scene, true), reference = picture_of(shown.volumes, scene, false);
+    const Picture found = picture_of(shown.datasets, scene, true), reference = picture_of(shown.datasets, scene, false);
     expect_the_same(found, reference, edge * edge / 1000);
     EXPECT_LT(found.statistics.macrocells_visited, reference.statistics.macrocells_visited);
   }
@@ -135,7 +135,7 @@ TEST(OnePass, shows_what_is_shown_crossing_by_crossing) {
 TEST(OnePass, goes_on_where_a_ray_crosses_more_than_a_list_holds) {
   const Shown shown;
   const Scene scene = scene_of({surface(2, 0, {1, 0, 0}, 0.1), surface(2, 12.3, {0, 1, 0}, 0.1)});
-  const Picture found = picture_of(shown.volumes, scene, true), reference = picture_of(shown.volumes, scene, false);
+  const Picture found = picture_of(shown.datasets, scene, true), reference = picture_of(shown.datasets, scene, false);
   expect_the_same(found, reference, edge * edge / 100);
   EXPECT_GT(found.statistics.clear_crossings, 20U * found.statistics.hits) << "rays no longer cross that many";
 }
@@ -143,8 +143,8 @@ TEST(OnePass, goes_on_where_a_ray_crosses_more_than_a_list_holds) {
 TEST(OnePass, ends_where_the_light_does) {
   const Shown shown;
   const Scene dark = scene_of({surface(2, 0, {1, 0, 0}, 0.9)}), clear = scene_of({surface(2, 0, {1, 0, 0}, 0.5)});
-  const Picture found = picture_of(shown.volumes, dark, true), more = picture_of(shown.volumes, clear, true);
-  expect_the_same(found, picture_of(shown.volumes, dark, false), edge * edge / 1000);
+  const Picture found = picture_of(shown.datasets, dark, true), more = picture_of(shown.datasets, clear, true);
+  expect_the_same(found, picture_of(shown.datasets, dark, false), edge * edge / 1000);
   EXPECT_LT(2 * found.statistics.cells_solved, more.statistics.cells_solved);
   // 0.1^4 is less than 1/1024.
   EXPECT_LE(found.statistics.clear_crossings, 4 * found.statistics.hits);
@@ -155,10 +155,10 @@ TEST(OnePass, shows_the_same_where_no_channels_are_asked_for) {
   const Shown shown;
   for (const std::vector<Layer>& layers : scenes()) {
     const Scene scene = scene_of(layers);
-    const Picture with_channels = picture_of(shown.volumes, scene, true);
+    const Picture with_channels = picture_of(shown.datasets, scene, true);
     Framebuffer colors;
     const FrameStatistics statistics =
-        render::render(shown.volumes, scene, {.width = edge, .height = edge, .threads = 1}, colors);
+        render::render(shown.datasets, scene, {.width = edge, .height = edge, .threads = 1}, colors);
     EXPECT_EQ(colors.color, with_channels.pixels.color);
     EXPECT_EQ(statistics.clear_crossings, with_channels.statistics.clear_crossings);
     EXPECT_TRUE(colors.cell.empty());
@@ -171,16 +171,17 @@ TEST(OnePass, is_cut_by_a_clip_region) {
   for (const bool cuts_away : {false, true}) {
     scene.clip = render::Clip{.box = Box3{{-0.5, -0.6, -0.7}, {0.6, 0.5, 0.4}}};
     scene.clip->cuts_away = cuts_away;
-    expect_the_same(picture_of(shown.volumes, scene, true), picture_of(shown.volumes, scene, false), edge * edge / 500);
+    expect_the_same(picture_of(shown.datasets, scene, true), picture_of(shown.datasets, scene, false),
+                    edge * edge / 500);
   }
 }
 
 TEST(OnePass, gives_the_same_picture_for_any_threads_and_order_of_layers) {
   const Shown shown;
   for (std::vector<Layer> layers : scenes()) {
-    const Picture one = picture_of(shown.volumes, scene_of(layers), true);
+    const Picture one = picture_of(shown.datasets, scene_of(layers), true);
     std::reverse(layers.begin(), layers.end());
-    const Picture three = picture_of(shown.volumes, scene_of(layers), true, 3);
+    const Picture three = picture_of(shown.datasets, scene_of(layers), true, 3);
     EXPECT_EQ(one.pixels.color, three.pixels.color);
     EXPECT_EQ(one.statistics.clear_crossings, three.statistics.clear_crossings);
   }

@@ -26,9 +26,9 @@ struct Answer {
   FrameStatistics statistics;
 };
 
-Answer traced(std::span<const render::Volume> volumes, const Scene& scene, const FrameOptions& options) {
+Answer traced(std::span<const render::Dataset> datasets, const Scene& scene, const FrameOptions& options) {
   Answer answer;
-  answer.statistics = render::render(volumes, scene, options, answer.picture);
+  answer.statistics = render::render(datasets, scene, options, answer.picture);
   return answer;
 }
 
@@ -61,9 +61,9 @@ double area(const std::vector<Vec3>& polygon) {
 /// A flat plane bounded by the data: a rotated square in the picture, all of one colour.
 struct Square {
   TemporaryFolder folder;
-  render::Volume volume = packed(folder, "plane.rho",
-                                 sampled_volume<float>({5, 5, 5}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {5, 5, 5}),
-                                                       [](const Vec3& p) { return p.z - 0.125; }));
+  render::Dataset dataset = packed(folder, "plane.rho",
+                                   sampled_volume<float>({5, 5, 5}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {5, 5, 5}),
+                                                         [](const Vec3& p) { return p.z - 0.125; }));
   double turn = 0.3;
   double height = 3.4;
 
@@ -124,7 +124,7 @@ TEST(Antialiasing, comes_near_the_share_of_a_pixel_that_an_edge_leaves) {
   for (const Bound& bound : {Bound{8, 0.26, 0.09}, {16, 0.17, 0.045}, {64, 0.1, 0.025}})
     for (const double turn : {0.02, 0.3, std::numbers::pi / 4, 1.2}) {
       square.turn = turn;
-      const Answer answer = traced({&square.volume, 1}, square.scene(),
+      const Answer answer = traced({&square.dataset, 1}, square.scene(),
                                    {.width = edge, .height = edge, .antialiasing = bound.samples, .threads = 1});
       const Errors errors = coverage_errors(square, answer.picture);
       EXPECT_LE(errors.largest, bound.largest) << bound.samples << " at " << turn;
@@ -135,8 +135,8 @@ TEST(Antialiasing, comes_near_the_share_of_a_pixel_that_an_edge_leaves) {
 TEST(Antialiasing, samples_only_pixels_beside_edges) {
   const Square square;
   const Answer answer =
-      traced({&square.volume, 1}, square.scene(), {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
-  const Answer plain = traced({&square.volume, 1}, square.scene(), {.width = edge, .height = edge, .threads = 1});
+      traced({&square.dataset, 1}, square.scene(), {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
+  const Answer plain = traced({&square.dataset, 1}, square.scene(), {.width = edge, .height = edge, .threads = 1});
   std::uint64_t beside_edges = 0;
   for (int y = 0; y < edge; ++y)
     for (int x = 0; x < edge; ++x) {
@@ -154,8 +154,8 @@ TEST(Antialiasing, samples_only_pixels_beside_edges) {
 
 TEST(Antialiasing, gives_a_slanted_plane_no_further_sample) {
   TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = [&] {
-    std::vector<render::Volume> all;
+  const std::vector<render::Dataset> datasets = [&] {
+    std::vector<render::Dataset> all;
     all.push_back(packed(folder, "slant.rho",
                          sampled_volume<float>({5, 5, 5}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {5, 5, 5}),
                                                [](const Vec3& p) { return p.z - 0.7 * p.x; })));
@@ -168,7 +168,7 @@ TEST(Antialiasing, gives_a_slanted_plane_no_further_sample) {
                     .vertical_fov_deg = 8,
                     .orthographic = orthographic,
                     .orthographic_height = 0.4};
-    const Answer answer = traced(volumes, scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
+    const Answer answer = traced(datasets, scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
     EXPECT_EQ(answer.statistics.hits, edge * edge);
     EXPECT_EQ(answer.statistics.edge_pixels, 0U);
   }
@@ -178,9 +178,9 @@ TEST(Antialiasing, gives_a_slanted_plane_no_further_sample) {
 /// between them.
 TEST(Antialiasing, finds_an_edge_that_only_depths_tell) {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
   const auto steps = [](const Vec3& p) { return std::max(p.z - (p.x < 0 ? 0.5 : -0.5), -1.0); };
-  volumes.push_back(
+  datasets.push_back(
       packed(folder, "step.rho",
              sampled_volume<float>({257, 5, 257}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {257, 5, 257}), steps)));
   Scene scene;
@@ -189,27 +189,27 @@ TEST(Antialiasing, finds_an_edge_that_only_depths_tell) {
                   .up = {0, 1, 0},
                   .orthographic = true,
                   .orthographic_height = 1};
-  const Answer answer = traced(volumes, scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
+  const Answer answer = traced(datasets, scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
   EXPECT_GE(answer.statistics.edge_pixels, 2U * edge);
   EXPECT_LE(answer.statistics.edge_pixels, 4U * edge);
 }
 
 struct Layers {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
   Scene scene;
 
   Layers() {
     const Box3 box{{-1, -1, -1}, {1, 1, 1}};
     const auto waves = [](const Vec3& p) { return std::sin(5 * p.x + 1) + std::sin(4 * p.y) * std::cos(6 * p.z); };
-    volumes.push_back(
+    datasets.push_back(
         packed(folder, "grid.rho", sampled_volume<float>({25, 25, 25}, lattice_over(box, {25, 25, 25}), waves)));
     preprocess::NeutralMesh mesh = box_mesh({.cells = {6, 6, 6}, .box = box, .jitter = 0.1});
     add_point_field(mesh, "value", [](const Vec3& p) { return p.length(); });
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
-    scene.layers = {Layer{.volume = 0, .isovalue = 0.4}, Layer{.volume = 1, .isovalue = 0.8}};
-    scene.layers[1].surface.opacity = 0.5;
-    scene.layers[1].surface.color = {0.1, 0.2, 0.9};
+    datasets.push_back(packed(folder, "mesh.rho", mesh));
+    scene.layers = {Layer{.dataset = 0, .isovalue = 0.4}, Layer{.dataset = 1, .isovalue = 0.8}};
+    scene.layers[1].material.opacity = 0.5;
+    scene.layers[1].material.color = {0.1, 0.2, 0.9};
     scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -1, 1}, .casts_shadows = true}};
     scene.occlusion = {.samples = 4, .radius = 0.3};
     scene.camera = render::fit_camera(box, {.azimuth_deg = 33, .elevation_deg = 21}, 1);
@@ -234,18 +234,18 @@ TEST(Antialiasing, shows_what_a_clip_region_leaves) {
   Layers shown;
   shown.scene.lights = {{}};
   shown.scene.occlusion = {};
-  Layer slice{.volume = 0, .mode = render::Mode::slice};
+  Layer slice{.dataset = 0, .mode = render::Mode::slice};
   slice.plane = {.point = {0.1, 0, 0}, .normal = {1, 0, 0}};
-  slice.surface.color_by = render::FieldColors{.field = shown.volumes[0].field().name, .range = {.lo = -2, .hi = 2}};
+  slice.material.color_by = render::FieldColors{.field = shown.datasets[0].field().name, .range = {.lo = -2, .hi = 2}};
   shown.scene.layers.push_back(slice);
   shown.scene.layers[0].clipped = false;
   constexpr int square = 6;
   for (const bool cuts_away : {false, true}) {
     shown.scene.clip = render::Clip{.planes = {{.point = {0.1, 0, 0}, .normal = {1, 0, 0}}}, .cuts_away = cuts_away};
     const Answer smooth =
-        traced(shown.volumes, shown.scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
+        traced(shown.datasets, shown.scene, {.width = edge, .height = edge, .antialiasing = 16, .threads = 1});
     const Answer fine =
-        traced(shown.volumes, shown.scene, {.width = square * edge, .height = square * edge, .threads = 1});
+        traced(shown.datasets, shown.scene, {.width = square * edge, .height = square * edge, .threads = 1});
     const std::vector<double> means = means_of(fine.picture, square);
     std::size_t differing = 0;
     for (std::size_t i = 0; i < means.size(); ++i)
@@ -260,38 +260,38 @@ TEST(Antialiasing, shows_what_a_clip_region_leaves) {
 TEST(Antialiasing, is_the_same_for_any_number_of_threads_and_in_passes) {
   const Layers shown;
   const FrameOptions one{.width = edge, .height = edge, .channels = all_channels, .antialiasing = 16, .threads = 1};
-  const Answer first = traced(shown.volumes, shown.scene, one);
+  const Answer first = traced(shown.datasets, shown.scene, one);
   EXPECT_GT(first.statistics.edge_pixels, 0U);
   FrameOptions three = one;
   three.threads = 3;
-  const Answer second = traced(shown.volumes, shown.scene, three);
+  const Answer second = traced(shown.datasets, shown.scene, three);
   EXPECT_TRUE(same_bytes(first.picture.color, second.picture.color));
   EXPECT_EQ(first.statistics.edge_samples, second.statistics.edge_samples);
   Framebuffer refined;
   render::RenderContext memory;
-  render::refine(shown.volumes, shown.scene, three, {.first_spacing = 4}, refined, memory);
+  render::refine(shown.datasets, shown.scene, three, {.first_spacing = 4}, refined, memory);
   EXPECT_TRUE(same_bytes(first.picture.color, refined.color));
 }
 
 TEST(Antialiasing, changes_no_channel_and_keeps_those_asked_for_alone) {
   const Layers shown;
   FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};
-  const Answer plain = traced(shown.volumes, shown.scene, options);
+  const Answer plain = traced(shown.datasets, shown.scene, options);
   options.antialiasing = 8;
-  const Answer smooth = traced(shown.volumes, shown.scene, options);
+  const Answer smooth = traced(shown.datasets, shown.scene, options);
   EXPECT_FALSE(same_bytes(plain.picture.color, smooth.picture.color));
   EXPECT_TRUE(same_bytes(plain.picture.depth, smooth.picture.depth));
   EXPECT_TRUE(same_bytes(plain.picture.normal, smooth.picture.normal));
   EXPECT_TRUE(same_bytes(plain.picture.cell, smooth.picture.cell));
   options.channels = {};
-  const Answer color_alone = traced(shown.volumes, shown.scene, options);
+  const Answer color_alone = traced(shown.datasets, shown.scene, options);
   EXPECT_TRUE(same_bytes(smooth.picture.color, color_alone.picture.color));
   EXPECT_TRUE(color_alone.picture.depth.empty() && color_alone.picture.normal.empty());
 }
 
 TEST(Antialiasing, off_traces_and_counts_nothing_more) {
   const Layers shown;
-  const Answer plain = traced(shown.volumes, shown.scene, {.width = edge, .height = edge, .threads = 1});
+  const Answer plain = traced(shown.datasets, shown.scene, {.width = edge, .height = edge, .threads = 1});
   EXPECT_EQ(plain.statistics.edge_pixels, 0U);
   EXPECT_EQ(plain.statistics.edge_samples, 0U);
   EXPECT_EQ(plain.statistics.rays, edge * edge);
@@ -301,10 +301,11 @@ TEST(Antialiasing, off_traces_and_counts_nothing_more) {
 TEST(Antialiasing, of_several_layers_comes_near_a_picture_of_more_pixels) {
   const Layers shown;
   constexpr int finer = 8;
-  const Answer fine = traced(shown.volumes, shown.scene, {.width = edge * finer, .height = edge * finer, .threads = 1});
+  const Answer fine =
+      traced(shown.datasets, shown.scene, {.width = edge * finer, .height = edge * finer, .threads = 1});
   const auto error_of = [&](int samples) {
     const Answer answer =
-        traced(shown.volumes, shown.scene, {.width = edge, .height = edge, .antialiasing = samples, .threads = 1});
+        traced(shown.datasets, shown.scene, {.width = edge, .height = edge, .antialiasing = samples, .threads = 1});
     double sum = 0;
     for (int y = 0; y < edge; ++y)
       for (int x = 0; x < edge; ++x)
@@ -326,16 +327,16 @@ TEST(Antialiasing, of_several_layers_comes_near_a_picture_of_more_pixels) {
 
 TEST(Antialiasing, of_a_projection_looks_at_colours_alone) {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
-  volumes.push_back(packed(folder, "ball.rho",
-                           sampled_volume<float>({33, 33, 33}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {33, 33, 33}),
-                                                 [](const Vec3& p) { return p.length() < 0.5 ? 1.0 : 0.0; })));
+  std::vector<render::Dataset> datasets;
+  datasets.push_back(packed(folder, "ball.rho",
+                            sampled_volume<float>({33, 33, 33}, lattice_over({{-1, -1, -1}, {1, 1, 1}}, {33, 33, 33}),
+                                                  [](const Vec3& p) { return p.length() < 0.5 ? 1.0 : 0.0; })));
   Scene scene;
   scene.layers[0].mode = Mode::mip;
   scene.layers[0].window = {.lo = 0, .hi = 1};
   scene.background = {0, 0, 0};
-  scene.camera = render::fit_camera(volumes[0].bounds(), {}, 1);
-  const Answer answer = traced(volumes, scene, {.width = edge, .height = edge, .antialiasing = 8, .threads = 1});
+  scene.camera = render::fit_camera(datasets[0].bounds(), {}, 1);
+  const Answer answer = traced(datasets, scene, {.width = edge, .height = edge, .antialiasing = 8, .threads = 1});
   EXPECT_GT(answer.statistics.edge_pixels, 0U);
   EXPECT_LT(answer.statistics.edge_pixels, edge * edge / 4U);
 }
@@ -345,7 +346,7 @@ TEST(Antialiasing, refuses_a_number_of_samples_that_is_none) {
   Framebuffer out;
   for (const int samples : {0, -3, render::most_samples + 1})
     expect_error(ErrorCode::usage, "samples of a pixel", [&] {
-      render::render(square.volume, square.scene(), {.width = 8, .height = 8, .antialiasing = samples}, out);
+      render::render(square.dataset, square.scene(), {.width = 8, .height = 8, .antialiasing = samples}, out);
     });
 }
 

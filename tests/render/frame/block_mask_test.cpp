@@ -69,7 +69,7 @@ std::vector<char> blocks_of(const BlockMask& mask, const PixelLattice& lattice) 
 }
 
 /// Returns the blocks in which a pixel's ray hits one of the boxes.
-std::vector<char> blocks_by_rays(const CameraRays& camera, const Affine& volume_from_world, const PixelLattice& lattice,
+std::vector<char> blocks_by_rays(const CameraRays& camera, const Affine& data_from_world, const PixelLattice& lattice,
                                  const std::vector<Box3>& boxes) {
   const int across = (lattice.columns() + edge - 1) / edge, down = (lattice.rows() + edge - 1) / edge;
   std::vector<char> met(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
@@ -77,7 +77,7 @@ std::vector<char> blocks_by_rays(const CameraRays& camera, const Affine& volume_
     for (int column = 0; column < lattice.columns(); ++column) {
       const Ray world =
           camera.through_pixel(lattice.x_first + column * lattice.spacing, lattice.y_first + row * lattice.spacing);
-      const Ray ray{volume_from_world.point(world.origin), volume_from_world.vector(world.direction)};
+      const Ray ray{data_from_world.point(world.origin), data_from_world.vector(world.direction)};
       for (const Box3& box : boxes)
         if (meets(ray, box)) met[static_cast<std::size_t>(row / edge * across + column / edge)] = 1;
     }
@@ -103,7 +103,7 @@ Box3 any_box(Dice& dice, double largest) {
 }
 
 /// From afar, near by, inside a box, on its face, or with the box behind.
-Camera any_camera(Dice& dice, const Affine& world_from_volume, const Box3& box) {
+Camera any_camera(Dice& dice, const Affine& world_from_data, const Box3& box) {
   Vec3 eye = dice.point(box.min, box.max);
   const std::int64_t place = dice.below(4);
   const double size = std::max(1.0, box.size().length());
@@ -111,12 +111,12 @@ Camera any_camera(Dice& dice, const Affine& world_from_volume, const Box3& box) 
   if (place == 1) eye += dice.direction() * size * 2;
   if (place == 2) eye[static_cast<int>(dice.below(3))] = dice.coin() ? box.min.x : box.max.x;
   const Vec3 target = dice.below(3) == 0 ? eye + dice.direction() * size : dice.point(box.min, box.max);
-  return {.position = world_from_volume.point(eye),
-          .target = world_from_volume.point(target),
+  return {.position = world_from_data.point(eye),
+          .target = world_from_data.point(target),
           .up = dice.direction(),
           .vertical_fov_deg = dice.one_of(std::array<double, 5>{40, 90, 3, 150, 0.01}),
           .orthographic = dice.below(3) == 0,
-          .orthographic_height = size * std::cbrt(std::abs(world_from_volume.determinant()))};
+          .orthographic_height = size * std::cbrt(std::abs(world_from_data.determinant()))};
 }
 
 PixelLattice any_lattice(Dice& dice) {
@@ -138,7 +138,7 @@ TEST(BlockMask, has_every_block_in_which_a_ray_meets_a_box) {
   Dice dice(20261121);
   int scenes = 0, lost = 0, needed = 0, marked = 0, blocks = 0;
   for (int round = 0; round < 1500; ++round) {
-    const Affine world_from_volume = any_map(dice), volume_from_world = world_from_volume.inverse();
+    const Affine world_from_data = any_map(dice), data_from_world = world_from_data.inverse();
     std::vector<Box3> boxes;
     const std::int64_t count = dice.one_of(std::array<std::int64_t, 4>{1, 1, 7, 40});
     Box3 bounds;
@@ -146,17 +146,17 @@ TEST(BlockMask, has_every_block_in_which_a_ray_meets_a_box) {
       boxes.push_back(any_box(dice, count == 1 ? 30 : 4));
       bounds.extendBy(boxes.back());
     }
-    const Camera camera = any_camera(dice, world_from_volume, boxes[static_cast<std::size_t>(dice.below(count))]);
+    const Camera camera = any_camera(dice, world_from_data, boxes[static_cast<std::size_t>(dice.below(count))]);
     const PixelLattice lattice = any_lattice(dice);
     const Vec3 forward = (camera.target - camera.position).normalized();
     if (!(forward.cross(camera.up).length() > 1e-6)) continue;
     const CameraRays rays(camera, lattice.width, lattice.height);
-    const BoxProjection projection(rays, volume_from_world, world_from_volume, bounds);
+    const BoxProjection projection(rays, data_from_world, world_from_data, bounds);
     ASSERT_TRUE(projection.is_certain());
     const auto levels = tree_of(boxes);
     const BlockMask mask = blocks_that_may_meet(render::boxes_of(levels, *levels), projection, lattice);
     const std::vector<char> has = blocks_of(mask, lattice);
-    const std::vector<char> met = blocks_by_rays(rays, volume_from_world, lattice, boxes);
+    const std::vector<char> met = blocks_by_rays(rays, data_from_world, lattice, boxes);
     ++scenes;
     for (std::size_t b = 0; b < has.size(); ++b) {
       lost += met[b] && !has[b];
@@ -215,9 +215,9 @@ TEST(BoxProjection, is_the_same_on_every_machine) {
   const auto levels = tree_of(boxes);
   for (int round = 0; round < 50; ++round) {
     const PixelLattice lattice{.width = 150, .height = 70};
-    const Affine world_from_volume = any_map(dice);
-    const CameraRays rays(any_camera(dice, world_from_volume, bounds), lattice.width, lattice.height);
-    const BoxProjection projection(rays, world_from_volume.inverse(), world_from_volume, bounds);
+    const Affine world_from_data = any_map(dice);
+    const CameraRays rays(any_camera(dice, world_from_data, bounds), lattice.width, lattice.height);
+    const BoxProjection projection(rays, world_from_data.inverse(), world_from_data, bounds);
     render::ProjectedNode expected, got;
     const SurfaceBoxes tree = render::boxes_of(levels, *levels);
     BoxProjection::OntoLattice(projection, tree, lattice, render::Machine::scalar)

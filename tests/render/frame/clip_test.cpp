@@ -35,10 +35,10 @@ TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
   for (const bool orthographic : {false, true})
     for (std::size_t v = 0; v < 3; ++v) {
       const Scene whole = scene_of({surface(v, isovalues[v], render::Accuracy::float32)}, {}, orthographic);
-      const render::Volume& volume = shown.volumes[v];
-      render::RayCaster judge(volume, isovalues[v], render::method_of(render::Accuracy::exact));
-      const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
-      const Affine& world = world_from_ray_frame(volume);
+      const render::Dataset& dataset = shown.datasets[v];
+      render::RayCaster judge(dataset, isovalues[v], render::method_of(render::Accuracy::exact));
+      const std::vector<Ray> rays = camera_rays(dataset, whole.camera, edge, edge);
+      const Affine& world = world_from_ray_frame(dataset);
       std::vector<std::vector<double>> crossings;
       for (const Ray& ray : rays) crossings.push_back(crossings_on(judge, ray));
       for (const render::Accuracy accuracy :
@@ -48,7 +48,7 @@ TEST(Clip, shows_the_first_of_the_exact_crossings_that_is_kept) {
           Scene scene = whole;
           scene.clip = clip;
           scene.layers[0].method = render::method_of(accuracy);
-          const Picture found = picture_of(shown.volumes, scene);
+          const Picture found = picture_of(shown.datasets, scene);
           EXPECT_GT(found.statistics.rays_clipped, 100);
           for (std::size_t p = 0; p < rays.size(); ++p) {
             double expected = infinity;
@@ -80,11 +80,11 @@ TEST(Clip, parts_a_picture_into_what_is_kept_and_what_is_cut_away) {
     for (const Clip& clip : regions()) {
       if (clip.cuts_away) continue;
       Scene scene = scene_of({surface(v, 0.35, render::Accuracy::float64)});
-      const Picture whole = picture_of(shown.volumes, scene);
+      const Picture whole = picture_of(shown.datasets, scene);
       scene.clip = clip;
-      const Picture inside = picture_of(shown.volumes, scene);
+      const Picture inside = picture_of(shown.datasets, scene);
       scene.clip->cuts_away = true;
-      const Picture outside = picture_of(shown.volumes, scene);
+      const Picture outside = picture_of(shown.datasets, scene);
       std::size_t differing = 0;
       for (std::size_t p = 0; p < whole.pixels.pixel_count(); ++p) {
         const float nearest = std::min(inside.pixels.depth[p], outside.pixels.depth[p]);
@@ -102,17 +102,17 @@ TEST(Clip, parts_a_picture_into_what_is_kept_and_what_is_cut_away) {
 TEST(Clip, ends_largest_values_at_its_faces) {
   const Shown shown;
   for (const std::size_t v : {0, 1, 2}) {
-    Layer layer{.volume = v, .mode = Mode::mip, .window = {-2, 2}};
+    Layer layer{.dataset = v, .mode = Mode::mip, .window = {-2, 2}};
     const Scene whole = scene_of({layer});
-    const render::Volume& volume = shown.volumes[v];
-    render::RayCaster kernel(volume, 0, render::Method{});
-    const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
-    const Affine& world = world_from_ray_frame(volume);
+    const render::Dataset& dataset = shown.datasets[v];
+    render::RayCaster kernel(dataset, 0, render::Method{});
+    const std::vector<Ray> rays = camera_rays(dataset, whole.camera, edge, edge);
+    const Affine& world = world_from_ray_frame(dataset);
     std::size_t different_from_whole = 0;
     for (const Clip& clip : regions()) {
       Scene scene = whole;
       scene.clip = clip;
-      const Picture found = picture_of(shown.volumes, scene);
+      const Picture found = picture_of(shown.datasets, scene);
       for (std::size_t p = 0; p < rays.size(); ++p) {
         // Computed from the half spaces: the range of t in which the ray is inside the region.
         double from = -infinity, to = infinity;
@@ -152,8 +152,8 @@ TEST(Clip, ends_largest_values_at_its_faces) {
 TEST(Clip, cuts_a_ball_where_formulas_say) {
   const TemporaryFolder folder;
   const Index3 samples(129, 129, 129);
-  std::vector<render::Volume> volumes;
-  volumes.push_back(packed(
+  std::vector<render::Dataset> datasets;
+  datasets.push_back(packed(
       folder, "ball.rho",
       sampled_volume<float>(samples, lattice_over(cube, samples), [](const Vec3& p) { return 1 - p.length2(); })));
   const double radius = 0.8, isovalue = 1 - radius * radius, height = 0.3;
@@ -162,7 +162,7 @@ TEST(Clip, cuts_a_ball_where_formulas_say) {
   scene.camera = render::fit_camera(cube, {.azimuth_deg = 0, .elevation_deg = 90, .orthographic = true}, 1);
   const int wide = 400;
   Framebuffer found;
-  render::render(volumes[0], scene, {.width = wide, .height = wide, .channels = all_channels, .threads = 2}, found);
+  render::render(datasets[0], scene, {.width = wide, .height = wide, .channels = all_channels, .threads = 2}, found);
   const double pixel = scene.camera.orthographic_height / wide;
   std::size_t bowl = 0, rim = 0;
   for (std::size_t p = 0; p < found.pixel_count(); ++p) {
@@ -191,22 +191,22 @@ TEST(Clip, cuts_a_ball_where_formulas_say) {
 /// A field that is z, seen along z from above: every number is exact.
 struct Ramp {
   TemporaryFolder folder;
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   explicit Ramp(double far_away = 0) {
     const Index3 samples(9, 9, 9);
     Affine map;
     map.origin = Vec3(far_away);
-    volumes.push_back(
+    datasets.push_back(
         packed(folder, "grid.rho", sampled_volume<float>(samples, map, [=](const Vec3& p) { return p.z - far_away; })));
     preprocess::NeutralMesh mesh =
         box_mesh({.cells = {4, 4, 4}, .box = {Vec3(far_away), Vec3(far_away) + Vec3(8, 8, 8)}});
     add_point_field(mesh, "value", [=](const Vec3& p) { return p.z - far_away; });
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
+    datasets.push_back(packed(folder, "mesh.rho", mesh));
   }
 
-  Scene scene(std::size_t volume, double isovalue, const Clip& clip, double far_away = 0) const {
-    Scene scene = scene_of({surface(volume, isovalue, render::Accuracy::float64)}, clip);
+  Scene scene(std::size_t dataset, double isovalue, const Clip& clip, double far_away = 0) const {
+    Scene scene = scene_of({surface(dataset, isovalue, render::Accuracy::float64)}, clip);
     scene.camera = {.position = Vec3(far_away) + Vec3(4, 4, 16),
                     .target = Vec3(far_away) + Vec3(4, 4, 0),
                     .up = {0, 1, 0},
@@ -225,7 +225,7 @@ TEST(Clip, decides_on_t_on_which_side_of_a_face_a_crossing_is) {
         for (const bool cuts_away : {false, true}) {
           const auto hits_at = [&](double isovalue, double sign) {
             const Clip clip{.planes = {{Vec3(far_away) + Vec3(0, 0, z), {0, 0, 3 * sign}}}, .cuts_away = cuts_away};
-            return hit_count(picture_of(ramp.volumes, ramp.scene(v, isovalue, clip, far_away)).pixels);
+            return hit_count(picture_of(ramp.datasets, ramp.scene(v, isovalue, clip, far_away)).pixels);
           };
           const double above = cuts_away ? -1 : 1;
           EXPECT_EQ(hits_at(z + 0x1p-20, above), all);
@@ -246,7 +246,7 @@ TEST(Clip, draws_no_surface_in_its_faces) {
   for (std::size_t v = 0; v < 3; ++v)
     for (const Clip& clip : regions())
       EXPECT_EQ(
-          hit_count(picture_of(shown.volumes, scene_of({surface(v, -3, render::Accuracy::float32)}, clip)).pixels), 0);
+          hit_count(picture_of(shown.datasets, scene_of({surface(v, -3, render::Accuracy::float32)}, clip)).pixels), 0);
 }
 
 TEST(Clip, leaves_layers_whole_that_say_so) {
@@ -254,8 +254,8 @@ TEST(Clip, leaves_layers_whole_that_say_so) {
   std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::float32), surface(3, 0, render::Accuracy::float32)};
   layers[1].clipped = false;
   const Clip none_of_it{.box = Box3({5, 5, 5}, {6, 6, 6})};
-  const Picture found = picture_of(shown.volumes, scene_of(layers, none_of_it)),
-                expected = picture_of(shown.volumes, scene_of({layers[1]}));
+  const Picture found = picture_of(shown.datasets, scene_of(layers, none_of_it)),
+                expected = picture_of(shown.datasets, scene_of({layers[1]}));
   EXPECT_EQ(found.pixels.color, expected.pixels.color);
   EXPECT_EQ(found.statistics.rays_clipped, 0);
 }
@@ -264,11 +264,11 @@ TEST(Clip, costs_nothing_where_it_takes_nothing_away) {
   const Shown shown;
   const std::vector<Layer> layers{surface(0, 0.4, render::Accuracy::float32),
                                   surface(1, 0.2, render::Accuracy::float32, 0.5)};
-  const Picture without = picture_of(shown.volumes, scene_of(layers));
+  const Picture without = picture_of(shown.datasets, scene_of(layers));
   for (const Clip& clip :
        {Clip{}, Clip{.box = Box3({-1, -1, -1}, {1, 1, 1})}, Clip{.planes = {{{0, 0, -4}, {0, 0, 1}}}},
         Clip{.box = Box3({2, 2, 2}, {3, 3, 3}), .cuts_away = true}}) {
-    const Picture with = picture_of(shown.volumes, scene_of(layers, clip));
+    const Picture with = picture_of(shown.datasets, scene_of(layers, clip));
     EXPECT_EQ(with.pixels.color, without.pixels.color);
     EXPECT_EQ(with.statistics.rays_clipped, 0);
     EXPECT_EQ(with.statistics.rays_clipped_away, 0);
@@ -284,17 +284,17 @@ TEST(Clip, leaves_out_rays_that_it_leaves_nothing_of) {
     for (const Mode mode : {Mode::isosurface, Mode::mip}) {
       layer.mode = mode;
       layer.window = {-2, 2};
-      const Picture whole = picture_of(shown.volumes, scene_of({layer}));
+      const Picture whole = picture_of(shown.datasets, scene_of({layer}));
       for (const Clip& clip : regions()) {
-        const Picture with = picture_of(shown.volumes, scene_of({layer}, clip)),
-                      slow = picture_of(shown.volumes, scene_of({layer}, clip), 1, false);
+        const Picture with = picture_of(shown.datasets, scene_of({layer}, clip)),
+                      slow = picture_of(shown.datasets, scene_of({layer}, clip), 1, false);
         EXPECT_EQ(with.pixels.depth, slow.pixels.depth);
         EXPECT_EQ(with.pixels.color, slow.pixels.color);
         EXPECT_GE(with.statistics.rays_ruled_out, whole.statistics.rays_ruled_out);
         EXPECT_EQ(slow.statistics.rays_ruled_out, 0);
       }
       const Clip small{.box = Box3({-0.2, -0.2, -0.2}, {0.1, 0.1, 0.1})};
-      const Picture little = picture_of(shown.volumes, scene_of({layer}, small));
+      const Picture little = picture_of(shown.datasets, scene_of({layer}, small));
       EXPECT_GT(little.statistics.rays_ruled_out, whole.statistics.rays_ruled_out + edge * edge / 4);
       EXPECT_LT(little.statistics.macrocells_visited + little.statistics.cells_visited,
                 whole.statistics.macrocells_visited + whole.statistics.cells_visited);
@@ -307,7 +307,7 @@ TEST(Clip, shows_the_background_where_nothing_is_left) {
   const Shown shown;
   for (const Clip& clip : {Clip{.box = Box3({2, 2, 2}, {3, 3, 3})}, Clip{.planes = {{{0, 0, 2}, {0, 0, 1}}}},
                            Clip{.box = Box3({-2, -2, -2}, {3, 3, 3}), .cuts_away = true}}) {
-    const Picture found = picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip));
+    const Picture found = picture_of(shown.datasets, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip));
     EXPECT_EQ(hit_count(found.pixels), 0);
     EXPECT_EQ(found.statistics.rays_ruled_out, found.statistics.rays);
     EXPECT_EQ(found.pixels.color[0], 0.9F);
@@ -321,7 +321,7 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
       surface(0, 0.4, render::Accuracy::float32, 0.2), surface(3, 0, render::Accuracy::float32, 0.4)};
   // Only ambient light: a pixel is then the mix of the layers' colours, and shows how often each
   // was hit.
-  for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
+  for (Layer& layer : layers) layer.material.ambient = 1, layer.material.specular = 0;
   layers[3].clipped = false;
   const Scene whole = scene_of(layers);
   struct Crossing {
@@ -330,21 +330,21 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
   };
   std::vector<std::vector<Crossing>> crossings(std::size_t{edge} * edge);
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const render::Volume& volume = shown.volumes[layers[l].volume];
-    render::RayCaster judge(volume, layers[l].isovalue,
+    const render::Dataset& dataset = shown.datasets[layers[l].dataset];
+    render::RayCaster judge(dataset, layers[l].isovalue,
                             render::method_of(l == 3 ? render::Accuracy::float64 : render::Accuracy::exact));
-    const std::vector<Ray> rays = camera_rays(volume, whole.camera, edge, edge);
+    const std::vector<Ray> rays = camera_rays(dataset, whole.camera, edge, edge);
     for (std::size_t p = 0; p < rays.size(); ++p)
       for (const double t : crossings_on(judge, rays[p])) crossings[p].push_back({t, l});
   }
   for (auto& along : crossings)
     std::sort(along.begin(), along.end(), [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
-  const render::Volume& grid = shown.volumes[0];
+  const render::Dataset& grid = shown.datasets[0];
   const std::vector<Ray> rays = camera_rays(grid, whole.camera, edge, edge);
   for (const Clip& clip : regions()) {
     Scene scene = whole;
     scene.clip = clip;
-    const Picture found = picture_of(shown.volumes, scene, 2);
+    const Picture found = picture_of(shown.datasets, scene, 2);
     std::size_t checked = 0;
     for (std::size_t p = 0; p < rays.size(); ++p) {
       Vec3 light(0, 0, 0);
@@ -357,8 +357,8 @@ TEST(Clip, keeps_the_order_of_clear_surfaces) {
         const std::optional<bool> kept = is_kept(clip, world_from_ray_frame(grid).point(rays[p].at(crossing.t)));
         is_clear_cut &= kept.has_value();
         if (layer.clipped && !kept.value_or(false)) continue;
-        light += through * layer.surface.opacity * layer.surface.color;
-        through *= 1 - layer.surface.opacity;
+        light += through * layer.material.opacity * layer.material.color;
+        through *= 1 - layer.material.opacity;
       }
       if (!is_clear_cut || through < 0.01) continue;
       ++checked;
@@ -378,14 +378,14 @@ TEST(Clip, gives_the_same_bytes_for_any_number_of_threads_and_in_passes) {
   for (const Clip& clip : regions()) {
     Scene scene = scene_of(layers, clip);
     scene.lights.push_back({.kind = render::Light::Kind::point, .place = {-3, -2, 4}, .casts_shadows = true});
-    const Picture one = picture_of(shown.volumes, scene), three = picture_of(shown.volumes, scene, 3);
+    const Picture one = picture_of(shown.datasets, scene), three = picture_of(shown.datasets, scene, 3);
     EXPECT_EQ(one.pixels.color, three.pixels.color);
     EXPECT_EQ(one.pixels.depth, three.pixels.depth);
     EXPECT_EQ(one.statistics.rays_clipped, three.statistics.rays_clipped);
     EXPECT_EQ(one.statistics.rays_clipped_away, three.statistics.rays_clipped_away);
     Framebuffer refined;
     render::RenderContext memory;
-    render::refine(shown.volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
+    render::refine(shown.datasets, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
                    {.first_spacing = 4}, refined, memory);
     EXPECT_EQ(one.pixels.color, refined.color);
   }
@@ -395,7 +395,7 @@ TEST(Clip, refuses_what_is_no_region) {
   const Shown shown;
   const auto refuse = [&](const Clip& clip, const char* what) {
     expect_error(ErrorCode::usage, what,
-                 [&] { picture_of(shown.volumes, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip)); });
+                 [&] { picture_of(shown.datasets, scene_of({surface(0, 0.4, render::Accuracy::float32)}, clip)); });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refuse({.box = Box3({0, 0, 0}, {1, 0, 1})}, "expected one that is not empty");

@@ -32,7 +32,7 @@ inline double waves(const Vec3& p) {
 struct Shown {
   TemporaryFolder folder;
   /// A grid, a mesh, a sparse grid with rotated axes, and a ball of triangles.
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   Shown() {
     const Index3 samples(25, 25, 25);
@@ -40,25 +40,25 @@ struct Shown {
     std::swap(turned.x_axis, turned.z_axis);
     preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 9}, .box = cube, .jitter = 0.1});
     add_point_field(mesh, "value", waves);
-    volumes.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(cube, samples), waves)));
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
-    volumes.push_back(packed(folder, "turned.rho",
-                             sampled_volume<float>(samples, turned,
-                                                   [](const Vec3& p) {
-                                                     return p.x > 0.8 ? std::numeric_limits<double>::quiet_NaN()
-                                                                      : 1 - p.length();
-                                                   }),
-                             {.order = preprocess::SampleOrder::sparse}));
+    datasets.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(cube, samples), waves)));
+    datasets.push_back(packed(folder, "mesh.rho", mesh));
+    datasets.push_back(packed(folder, "turned.rho",
+                              sampled_volume<float>(samples, turned,
+                                                    [](const Vec3& p) {
+                                                      return p.x > 0.8 ? std::numeric_limits<double>::quiet_NaN()
+                                                                       : 1 - p.length();
+                                                    }),
+                              {.order = preprocess::SampleOrder::sparse}));
     preprocess::pack_surface(moved(round_surface(3), Vec3(0), 0.8), folder / "ball.rho");
-    volumes.push_back(render::Volume::load(folder / "ball.rho"));
+    datasets.push_back(render::Dataset::load(folder / "ball.rho"));
   }
 };
 
-inline Layer surface(std::size_t volume, double isovalue, render::Accuracy accuracy, double opacity = 1) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(accuracy)};
-  if (volume == 3) layer.mode = Mode::triangles;
-  layer.surface.color = {0.2 + 0.2 * static_cast<double>(volume), 0.6, 0.3};
-  layer.surface.opacity = opacity;
+inline Layer surface(std::size_t dataset, double isovalue, render::Accuracy accuracy, double opacity = 1) {
+  Layer layer{.dataset = dataset, .isovalue = isovalue, .method = render::method_of(accuracy)};
+  if (dataset == 3) layer.mode = Mode::triangles;
+  layer.material.color = {0.2 + 0.2 * static_cast<double>(dataset), 0.6, 0.3};
+  layer.material.opacity = opacity;
   return layer;
 }
 
@@ -78,11 +78,11 @@ struct Picture {
   render::FrameStatistics statistics;
 };
 
-inline Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1,
+inline Picture picture_of(const std::vector<render::Dataset>& datasets, const Scene& scene, unsigned threads = 1,
                           bool use_hierarchy = true) {
   Picture picture;
   picture.statistics = render::render(
-      volumes, scene,
+      datasets, scene,
       {.width = edge, .height = edge, .channels = all_channels, .threads = threads, .use_hierarchy = use_hierarchy},
       picture.pixels);
   return picture;

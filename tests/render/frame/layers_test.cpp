@@ -31,7 +31,7 @@ double waves(const Vec3& p) {
 struct Shown {
   TemporaryFolder folder;
   /// A grid, a mesh at the same position, a grid with rotated axes.
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   Shown() {
     const Box3 box{{-1, -1, -1}, {1, 1, 1}};
@@ -40,10 +40,10 @@ struct Shown {
     std::swap(turned.x_axis, turned.z_axis);
     preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 9}, .box = box, .jitter = 0.1});
     add_point_field(mesh, "value", waves);
-    volumes.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(box, samples), waves)));
-    volumes.push_back(packed(folder, "mesh.rho", mesh));
-    volumes.push_back(packed(folder, "turned.rho",
-                             sampled_volume<float>(samples, turned, [](const Vec3& p) { return 1 - p.length(); })));
+    datasets.push_back(packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over(box, samples), waves)));
+    datasets.push_back(packed(folder, "mesh.rho", mesh));
+    datasets.push_back(packed(folder, "turned.rho",
+                              sampled_volume<float>(samples, turned, [](const Vec3& p) { return 1 - p.length(); })));
   }
 };
 
@@ -56,19 +56,19 @@ Scene scene_of(const std::vector<Layer>& layers) {
   return scene;
 }
 
-Framebuffer picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1,
+Framebuffer picture_of(const std::vector<render::Dataset>& datasets, const Scene& scene, unsigned threads = 1,
                        render::FrameStatistics* statistics = nullptr) {
   Framebuffer out;
-  const auto found = render::render(volumes, scene,
+  const auto found = render::render(datasets, scene,
                                     {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, out);
   if (statistics != nullptr) *statistics = found;
   return out;
 }
 
-Layer surface(std::size_t volume, double isovalue, const Vec3& color, double opacity = 1) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
-  layer.surface.color = color;
-  layer.surface.opacity = opacity;
+Layer surface(std::size_t dataset, double isovalue, const Vec3& color, double opacity = 1) {
+  Layer layer{.dataset = dataset, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
+  layer.material.color = color;
+  layer.material.opacity = opacity;
   return layer;
 }
 
@@ -76,8 +76,8 @@ TEST(Layers, show_the_nearest_surface) {
   const Shown shown;
   const std::vector<Layer> layers{surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0}), surface(2, 0.35, {0, 0, 1})};
   std::vector<Framebuffer> alone;
-  for (const Layer& layer : layers) alone.push_back(picture_of(shown.volumes, scene_of({layer})));
-  const Framebuffer all = picture_of(shown.volumes, scene_of(layers));
+  for (const Layer& layer : layers) alone.push_back(picture_of(shown.datasets, scene_of({layer})));
+  const Framebuffer all = picture_of(shown.datasets, scene_of(layers));
   std::vector<std::size_t> shown_of(layers.size() + 1);
   for (std::size_t p = 0; p < all.pixel_count(); ++p) {
     std::size_t nearest = 0;
@@ -99,9 +99,9 @@ TEST(Layers, may_come_in_any_order) {
   const Shown shown;
   std::vector<Layer> layers{surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0}, 0.4),
                             surface(2, 0.35, {0, 0, 1}, 0.7), surface(2, 0.6, {1, 1, 0})};
-  const Framebuffer first = picture_of(shown.volumes, scene_of(layers));
+  const Framebuffer first = picture_of(shown.datasets, scene_of(layers));
   std::reverse(layers.begin(), layers.end());
-  const Framebuffer reversed = picture_of(shown.volumes, scene_of(layers), 3);
+  const Framebuffer reversed = picture_of(shown.datasets, scene_of(layers), 3);
   // A ray ends at the nearest opaque layer traced before. Its end may change a crossing in front of
   // it by its last digit: observed with the scalar and the baseline kernels, in one pixel or two.
   std::size_t differing = 0;
@@ -119,13 +119,13 @@ struct Crossing {
   double t;
   std::size_t layer;
 };
-std::vector<Crossing> crossings_on(const std::vector<render::Volume>& volumes, const std::vector<Layer>& layers,
+std::vector<Crossing> crossings_on(const std::vector<render::Dataset>& datasets, const std::vector<Layer>& layers,
                                    const render::Camera& camera, std::size_t pixel) {
   std::vector<Crossing> all;
   for (std::size_t l = 0; l < layers.size(); ++l) {
-    const render::Volume& volume = volumes[layers[l].volume];
-    render::RayCaster judge(volume, layers[l].isovalue, render::method_of(render::Accuracy::exact));
-    render::Ray ray = camera_rays(volume, camera, edge, edge)[pixel];
+    const render::Dataset& dataset = datasets[layers[l].dataset];
+    render::RayCaster judge(dataset, layers[l].isovalue, render::method_of(render::Accuracy::exact));
+    render::Ray ray = camera_rays(dataset, camera, edge, edge)[pixel];
     for (;;) {
       const render::Hit hit = judge.first_crossing(ray);
       if (hit.is_miss()) break;
@@ -143,13 +143,13 @@ TEST(ClearLayers, are_seen_in_their_exact_order) {
   // was hit.
   std::vector<Layer> layers{surface(2, 0.5, {1, 0, 0}, 0.3), surface(2, 0.5 + 0.001 / 12, {0, 1, 0}, 0.5),
                             surface(0, 0.4, {0, 0, 1}, 0.2)};
-  for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
+  for (Layer& layer : layers) layer.material.ambient = 1, layer.material.specular = 0;
   const Scene scene = scene_of(layers);
   render::FrameStatistics statistics;
-  const Framebuffer found = picture_of(shown.volumes, scene, 2, &statistics);
+  const Framebuffer found = picture_of(shown.datasets, scene, 2, &statistics);
   std::size_t crossings = 0, checked = 0, close = 0;
   for (std::size_t p = 0; p < found.pixel_count(); p += 7) {
-    const std::vector<Crossing> all = crossings_on(shown.volumes, layers, scene.camera, p);
+    const std::vector<Crossing> all = crossings_on(shown.datasets, layers, scene.camera, p);
     bool is_clear_cut = true;
     for (std::size_t c = 1; c < all.size(); ++c) {
       // A grazed surface, or two that meet: rounding decides.
@@ -160,7 +160,7 @@ TEST(ClearLayers, are_seen_in_their_exact_order) {
     Vec3 light(0, 0, 0);
     double through = 1;
     for (const Crossing& crossing : all) {
-      const render::Surface& s = layers[crossing.layer].surface;
+      const render::Material& s = layers[crossing.layer].material;
       light += through * s.opacity * s.color;
       through *= 1 - s.opacity;
       if (through < 1.0 / 1024) break;
@@ -183,7 +183,7 @@ TEST(ClearLayers, are_seen_in_their_exact_order) {
 TEST(ClearLayers, cost_nothing_where_there_are_none) {
   const Shown shown;
   render::FrameStatistics statistics;
-  picture_of(shown.volumes, scene_of({surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0})}), 1, &statistics);
+  picture_of(shown.datasets, scene_of({surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0})}), 1, &statistics);
   EXPECT_EQ(statistics.rays_through, 0);
 }
 
@@ -191,23 +191,23 @@ TEST(ClearLayers, that_hold_back_nothing_are_not_traced) {
   const Shown shown;
   render::FrameStatistics with, without;
   const Framebuffer a =
-      picture_of(shown.volumes, scene_of({surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0}, 0)}), 1, &with);
-  const Framebuffer b = picture_of(shown.volumes, scene_of({surface(0, 0.9, {1, 0, 0})}), 1, &without);
+      picture_of(shown.datasets, scene_of({surface(0, 0.9, {1, 0, 0}), surface(1, 0.2, {0, 1, 0}, 0)}), 1, &with);
+  const Framebuffer b = picture_of(shown.datasets, scene_of({surface(0, 0.9, {1, 0, 0})}), 1, &without);
   EXPECT_EQ(a.color, b.color);
   EXPECT_EQ(with.cells_visited, without.cells_visited);
-  const Framebuffer none = picture_of(shown.volumes, scene_of({surface(1, 0.2, {0, 1, 0}, 0)}), 1, &with);
+  const Framebuffer none = picture_of(shown.datasets, scene_of({surface(1, 0.2, {0, 1, 0}, 0)}), 1, &with);
   EXPECT_EQ(with.cells_visited + with.macrocells_visited + with.hits, 0);
   EXPECT_EQ(none.color[0], 0.9F);
 }
 
 TEST(LargestValues, are_added_over_surfaces_up_to_the_nearest) {
   const Shown shown;
-  Layer veil{.volume = 0, .mode = Mode::mip, .window = shown.volumes[0].field().range};
+  Layer veil{.dataset = 0, .mode = Mode::mip, .window = shown.datasets[0].field().range};
   const Layer wall = surface(2, 0.45, {0.3, 0.3, 0.3});
   const Scene scene = scene_of({veil, wall});
-  const Framebuffer both = picture_of(shown.volumes, scene), behind = picture_of(shown.volumes, scene_of({wall}));
-  render::RayCaster queries(shown.volumes[0], 0, {});
-  const auto rays = camera_rays(shown.volumes[0], scene.camera, edge, edge);
+  const Framebuffer both = picture_of(shown.datasets, scene), behind = picture_of(shown.datasets, scene_of({wall}));
+  render::RayCaster queries(shown.datasets[0], 0, {});
+  const auto rays = camera_rays(shown.datasets[0], scene.camera, edge, edge);
   std::size_t cut = 0;
   for (std::size_t p = 0; p < both.pixel_count(); ++p) {
     render::Ray ray = rays[p];
@@ -232,7 +232,7 @@ TEST(Layers, are_refused_where_they_make_no_sense) {
   Framebuffer out;
   const auto refused = [&](const std::vector<Layer>& layers) {
     try {
-      render::render(shown.volumes, scene_of(layers), {.width = 4, .height = 4}, out);
+      render::render(shown.datasets, scene_of(layers), {.width = 4, .height = 4}, out);
     } catch (const Error& error) {
       return error.code() == ErrorCode::usage;
     }

@@ -30,9 +30,9 @@ inline Light lamp(const Vec3& place) {
   return {.kind = Light::Kind::point, .place = place, .casts_shadows = true};
 }
 
-inline Layer matte(std::size_t volume, double isovalue) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
-  layer.surface = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
+inline Layer matte(std::size_t dataset, double isovalue) {
+  Layer layer{.dataset = dataset, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
+  layer.material = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
   return layer;
 }
 
@@ -56,10 +56,10 @@ struct Picture {
   float red(std::size_t p) const { return pixels.color[4 * p]; }
 };
 
-inline Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1) {
+inline Picture picture_of(const std::vector<render::Dataset>& datasets, const Scene& scene, unsigned threads = 1) {
   Picture picture;
   picture.statistics = render::render(
-      volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
+      datasets, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
   return picture;
 }
 
@@ -70,18 +70,18 @@ inline Affine scaled(Affine map, double scale) {
 
 /// Returns a field on [-1, 1]^3 times `scale`, as a grid and as a mesh, with its values times
 /// `steepness`.
-inline std::vector<render::Volume> both_kinds(const TemporaryFolder& folder, const Field& field, std::int64_t cells,
-                                              double scale = 1, double steepness = 1) {
+inline std::vector<render::Dataset> both_kinds(const TemporaryFolder& folder, const Field& field, std::int64_t cells,
+                                               double scale = 1, double steepness = 1) {
   const Field of_world = [&](const Vec3& p) { return steepness * field(p / scale); };
   const Index3 samples(cells + 1, cells + 1, cells + 1);
-  std::vector<render::Volume> volumes;
-  volumes.push_back(packed(folder, "grid.rho",
-                           sampled_volume<double>(samples, scaled(lattice_over(cube, samples), scale), of_world)));
+  std::vector<render::Dataset> datasets;
+  datasets.push_back(packed(folder, "grid.rho",
+                            sampled_volume<double>(samples, scaled(lattice_over(cube, samples), scale), of_world)));
   preprocess::NeutralMesh mesh =
       box_mesh({.cells = {cells, cells, cells}, .box = {scale * cube.min, scale * cube.max}});
   add_point_field(mesh, "value", of_world);
-  volumes.push_back(packed(folder, "mesh.rho", mesh));
-  return volumes;
+  datasets.push_back(packed(folder, "mesh.rho", mesh));
+  return datasets;
 }
 
 inline double ball(const Vec3& p) {
@@ -95,13 +95,13 @@ inline double waves(const Vec3& p) {
 }
 
 /// A ball of radius 0.4 about the origin over a floor at z = -0.75, each a volume of its own.
-inline std::vector<render::Volume> ball_over_floor(const TemporaryFolder& folder, bool floor_is_mesh) {
-  std::vector<render::Volume> volumes;
+inline std::vector<render::Dataset> ball_over_floor(const TemporaryFolder& folder, bool floor_is_mesh) {
+  std::vector<render::Dataset> datasets;
   // The field is a sum of squares: between samples its interpolant is too large by at most 3/4 h^2,
   // which changes the ball's radius by 3/8 h^2 / r.
   const Index3 samples(81, 81, 81);
   const Box3 around{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
-  volumes.push_back(
+  datasets.push_back(
       packed(folder, "ball.rho",
              sampled_volume<double>(samples, lattice_over(around, samples), [](const Vec3& p) { return -p.dot(p); })));
   const Field height = linear_field({0, 0, 1});
@@ -110,11 +110,11 @@ inline std::vector<render::Volume> ball_over_floor(const TemporaryFolder& folder
   if (floor_is_mesh) {
     preprocess::NeutralMesh mesh = box_mesh({.cells = {5, 5, 3}, .box = wide});
     add_point_field(mesh, "value", height);
-    volumes.push_back(packed(folder, "floor.rho", mesh));
+    datasets.push_back(packed(folder, "floor.rho", mesh));
   } else {
-    volumes.push_back(packed(folder, "floor.rho", sampled_volume<double>(few, lattice_over(wide, few), height)));
+    datasets.push_back(packed(folder, "floor.rho", sampled_volume<double>(few, lattice_over(wide, few), height)));
   }
-  return volumes;
+  return datasets;
 }
 
 inline Vec3 place_of(const Scene& scene, const Picture& picture, std::size_t p) {

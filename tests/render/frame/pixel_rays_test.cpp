@@ -17,7 +17,7 @@ using render::PixelRays;
 using render::RayBatch;
 using render::Tile;
 
-const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
+const Affine world_from_data{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
 /// Computes the camera's geometry one ray at a time, with the order of operations that determines
 /// the bits.
@@ -30,8 +30,8 @@ render::Ray by_formula(const Camera& camera, int width, int height, int x, int y
   const Vec3 offset = ((2 * x + 1.0) / width - 1) * across + ((2 * y + 1.0) / height - 1) * down;
   const Vec3 origin = camera.orthographic ? camera.position + offset : camera.position;
   const Vec3 direction = camera.orthographic ? forward : (forward + offset).normalized();
-  const Affine volume_from_world = world_from_volume.inverse();
-  return {.origin = volume_from_world.point(origin), .direction = volume_from_world.vector(direction)};
+  const Affine data_from_world = world_from_data.inverse();
+  return {.origin = data_from_world.point(origin), .direction = data_from_world.vector(direction)};
 }
 
 TEST(PixelRays, are_the_cameras_rays_to_the_last_bit_on_every_machine) {
@@ -44,7 +44,7 @@ TEST(PixelRays, are_the_cameras_rays_to_the_last_bit_on_every_machine) {
         const Camera camera{
             .position = {3, -40.5, 9}, .target = {0.3, 1, 2}, .orthographic = orthographic, .orthographic_height = 55};
         const CameraRays single(camera, lattice.width, lattice.height);
-        const PixelRays wide(single, world_from_volume.inverse(), lattice, machine);
+        const PixelRays wide(single, world_from_data.inverse(), lattice, machine);
         RayBatch batch(render::tile_capacity);
         wide.begin(batch);
         std::size_t count = 0;
@@ -59,7 +59,7 @@ TEST(PixelRays, are_the_cameras_rays_to_the_last_bit_on_every_machine) {
               const render::Ray got = batch[run.first + static_cast<std::size_t>(i)];
               ASSERT_EQ(got.origin, expected.origin) << name_of(machine) << ": " << x << ", " << y;
               ASSERT_EQ(got.direction, expected.direction) << name_of(machine) << ": " << x << ", " << y;
-              ASSERT_EQ(got.direction, world_from_volume.inverse().vector(single.through_pixel(x, y).direction));
+              ASSERT_EQ(got.direction, world_from_data.inverse().vector(single.through_pixel(x, y).direction));
               ASSERT_EQ(got.t_min, 0);
               ASSERT_EQ(got.t_max, std::numeric_limits<double>::infinity());
             }

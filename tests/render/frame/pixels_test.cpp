@@ -20,7 +20,7 @@ using render::Scene;
 using render::Tile;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-const Affine world_from_volume{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
+const Affine world_from_data{{0.7, 0.1, 0}, {-0.2, 1.3, 0.4}, {0.3, 0, -2.1}, {12, -7, 3.3}};
 
 /// Synthetic rays and hits for one tile: every second one a hit, some without a gradient.
 std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
@@ -28,7 +28,7 @@ std::unique_ptr<render::LayerWork> made_up_hits(const Tile& tile) {
   Dice dice(20261121);
   worker->rays.count = tile.count();
   for (std::size_t r = 0; r < tile.count(); ++r) {
-    worker->rays.set(r, {.origin = {0, 0, 0}, .direction = world_from_volume.inverse().vector(dice.direction())});
+    worker->rays.set(r, {.origin = {0, 0, 0}, .direction = world_from_data.inverse().vector(dice.direction())});
     render::Hit hit;
     if (dice.coin()) {
       hit.t = dice.between(1, 100), hit.value = dice.between(-1, 2), hit.cell = static_cast<std::uint64_t>(r);
@@ -46,8 +46,8 @@ Framebuffer picture_of(const Scene& scene, const Tile& tile, Machine machine, co
   const auto work = made_up_hits(tile);
   const render::LayerShading shading{.layer = scene.layers[0],
                                      .effects = effects_called_for(scene, scene.layers[0]),
-                                     .facing = render::Facing(world_from_volume),
-                                     .lights = lights_of(scene, world_from_volume),
+                                     .facing = render::Facing(world_from_data),
+                                     .lights = lights_of(scene, world_from_data),
                                      .fog = scene.fog,
                                      .proves = false,
                                      .machine = machine};
@@ -81,7 +81,7 @@ TEST(Pixels, have_the_same_bits_on_every_machine) {
       Scene scene;
       scene.layers[0].mode = mode;
       scene.layers[0].window = {0, 1};
-      scene.layers[0].surface.shininess = shininess;
+      scene.layers[0].material.shininess = shininess;
       if (has_lights) {
         scene.lights = {{},
                         {.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .color = {1, 0.5, 0.2}},
@@ -115,10 +115,10 @@ TEST(Pixels, are_the_formulas_in_double_within_a_quarter_step_of_16_bit_colour) 
       Vec3 color = scene.background;
       if (!hit.is_miss()) {
         const bool has_gradient = hit.gradient != Vec3(0, 0, 0);
-        const Vec3 normal = world_from_volume.gradient(hit.gradient).normalized();
+        const Vec3 normal = world_from_data.gradient(hit.gradient).normalized();
         const double cosine =
-            has_gradient ? std::abs(normal.dot(world_from_volume.vector(worker->rays[r].direction))) : 1;
-        const render::Surface& surface = scene.layers[0].surface;
+            has_gradient ? std::abs(normal.dot(world_from_data.vector(worker->rays[r].direction))) : 1;
+        const render::Material& surface = scene.layers[0].material;
         const double highlight = surface.specular * std::pow(cosine, surface.shininess);
         color =
             (surface.ambient + (1 - surface.ambient) * cosine) * surface.color + Vec3(highlight, highlight, highlight);

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "render/render.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -37,29 +37,29 @@ Field blob() {
   return [](const Vec3& p) { return 7 - (p - Vec3(12, 10, 13)).length() + std::sin(p.x) * std::cos(1.3 * p.y); };
 }
 
-Scene scene_of(const render::Volume& volume, Mode mode, double aspect) {
+Scene scene_of(const render::Dataset& dataset, Mode mode, double aspect) {
   Scene scene;
   scene.layers[0].mode = mode;
-  scene.camera = fit_camera(volume.bounds(), render::named_view("iso"), aspect);
+  scene.camera = fit_camera(dataset.bounds(), render::named_view("iso"), aspect);
   scene.layers[0].window = {.lo = -10, .hi = 10};
   return scene;
 }
 
 TEST(Refine, ends_with_the_plain_frame_bit_for_bit) {
-  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  const TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const Mode mode : {Mode::isosurface, Mode::mip})
       for (const auto& [width, height] : {std::pair(1, 1), {2, 9}, {131, 70}})
         for (const int spacing : {1, 2, 8})
           for (const unsigned threads : {1U, 3U}) {
-            const Scene scene = scene_of(traced->volume(), mode, static_cast<double>(width) / height);
+            const Scene scene = scene_of(traced->dataset(), mode, static_cast<double>(width) / height);
             const FrameOptions options{.width = width, .height = height, .channels = all_channels, .threads = threads};
             Framebuffer plain, refined;
-            const FrameStatistics once = render::render(traced->volume(), scene, options, plain);
+            const FrameStatistics once = render::render(traced->dataset(), scene, options, plain);
             RenderContext memory;
             std::vector<int> spacings;
-            const FrameStatistics all = render::refine(traced->volume(), scene, options,
+            const FrameStatistics all = render::refine(traced->dataset(), scene, options,
                                                        {.first_spacing = spacing,
                                                         .pass_done =
                                                             [&](int done) {
@@ -80,12 +80,12 @@ TEST(Refine, ends_with_the_plain_frame_bit_for_bit) {
 // After a pass, each pixel shows what the plain frame shows at the traced pixel to its left and
 // above.
 TEST(Refine, shows_real_rays_at_every_pass) {
-  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
   constexpr int width = 117, height = 75;
-  const Scene scene = scene_of(traced.volume(), Mode::isosurface, static_cast<double>(width) / height);
+  const Scene scene = scene_of(traced.dataset(), Mode::isosurface, static_cast<double>(width) / height);
   const FrameOptions options{.width = width, .height = height, .channels = {.depth = true, .cell = true}};
   Framebuffer plain, shown;
-  render::render(traced.volume(), scene, options, plain);
+  render::render(traced.dataset(), scene, options, plain);
   RenderContext memory;
   int passes = 0;
   const auto check = [&](int spacing) {
@@ -101,18 +101,18 @@ TEST(Refine, shows_real_rays_at_every_pass) {
     EXPECT_EQ(wrong, 0) << "at a spacing of " << spacing;
     return true;
   };
-  render::refine(traced.volume(), scene, options, {.first_spacing = 4, .pass_done = check}, shown, memory);
+  render::refine(traced.dataset(), scene, options, {.first_spacing = 4, .pass_done = check}, shown, memory);
   EXPECT_EQ(passes, 3);
 }
 
 TEST(Refine, ends_when_it_is_told_to) {
-  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const Scene scene = scene_of(traced.volume(), Mode::isosurface, 1);
+  const TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const Scene scene = scene_of(traced.dataset(), Mode::isosurface, 1);
   const FrameOptions options{.width = 256, .height = 256, .threads = 2};
   Framebuffer picture;
   RenderContext memory;
   const FrameStatistics quarter = render::refine(
-      traced.volume(), scene, options, {.first_spacing = 2, .pass_done = [](int) { return false; }}, picture, memory);
+      traced.dataset(), scene, options, {.first_spacing = 2, .pass_done = [](int) { return false; }}, picture, memory);
   EXPECT_EQ(quarter.rays, 128U * 128U);
 
   std::stop_source source;
@@ -121,44 +121,44 @@ TEST(Refine, ends_when_it_is_told_to) {
     return true;
   };
   const FrameStatistics stopped = render::refine(
-      traced.volume(), scene, options,
+      traced.dataset(), scene, options,
       {.first_spacing = 2, .pass_done = stop_in_second_pass, .stop = source.get_token()}, picture, memory);
   EXPECT_EQ(stopped.rays, 128U * 128U);
-  const FrameStatistics nothing = render::refine(traced.volume(), scene, options,
+  const FrameStatistics nothing = render::refine(traced.dataset(), scene, options,
                                                  {.first_spacing = 2, .stop = source.get_token()}, picture, memory);
   EXPECT_EQ(nothing.rays, 0U);
   EXPECT_EQ(nothing.hits, 0U);
 }
 
 TEST(Refine, refuses_spacings_that_do_not_halve) {
-  const TracedVolume traced(sampled_volume<float>({9, 9, 9}, {}, blob()));
+  const TracedDataset traced(sampled_volume<float>({9, 9, 9}, {}, blob()));
   RenderContext memory;
   for (const int spacing : {0, -1, 3, 32})
     expect_error(ErrorCode::usage, "expected 1, 2, 4, 8 or 16", [&] {
       Framebuffer picture;
-      render::refine(traced.volume(), scene_of(traced.volume(), Mode::isosurface, 1), {.width = 8, .height = 8},
+      render::refine(traced.dataset(), scene_of(traced.dataset(), Mode::isosurface, 1), {.width = 8, .height = 8},
                      {.first_spacing = spacing}, picture, memory);
     });
 }
 
 TEST(RenderContext, changes_no_picture_and_no_count) {
-  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  const TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   RenderContext memory;
   Framebuffer kept;
   for (const unsigned threads : {1U, 4U, 2U})
     for (const int edge : {64, 45})
-      for (const TracedVolume* traced : {&grid, &mesh})
+      for (const TracedDataset* traced : {&grid, &mesh})
         for (const Mode mode : {Mode::isosurface, Mode::mip})
           for (const ChannelSet& channels : {all_channels, ChannelSet{}}) {
-            Scene scene = scene_of(traced->volume(), mode, 1);
+            Scene scene = scene_of(traced->dataset(), mode, 1);
             // Wide kernels use single precision; each frame has another isovalue.
             if (edge == 45) scene.layers[0].method = method_of(render::Accuracy::float32);
             scene.layers[0].isovalue = 0.1 * threads;
             const FrameOptions options{.width = edge, .height = edge, .channels = channels, .threads = threads};
             Framebuffer fresh;
-            const FrameStatistics first = render::render(traced->volume(), scene, options, fresh);
-            const FrameStatistics again = render::render(traced->volume(), scene, options, kept, memory);
+            const FrameStatistics first = render::render(traced->dataset(), scene, options, fresh);
+            const FrameStatistics again = render::render(traced->dataset(), scene, options, kept, memory);
             EXPECT_TRUE(same_bytes(fresh, kept));
             EXPECT_EQ(again.rays, first.rays);
             EXPECT_EQ(again.hits, first.hits);

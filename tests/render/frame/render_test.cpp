@@ -10,7 +10,7 @@
 
 #include "formats/base/error.h"
 #include "tests/render/support/allocation_count.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -37,10 +37,10 @@ bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
          same_bytes(a.normal, b.normal) && same_bytes(a.cell, b.cell) && same_bytes(a.value, b.value);
 }
 
-Scene scene_of(const render::Volume& volume, Mode mode, std::string_view view = "iso", double aspect = 1) {
+Scene scene_of(const render::Dataset& dataset, Mode mode, std::string_view view = "iso", double aspect = 1) {
   Scene scene;
   scene.layers[0].mode = mode;
-  scene.camera = fit_camera(volume.bounds(), render::named_view(view), aspect);
+  scene.camera = fit_camera(dataset.bounds(), render::named_view(view), aspect);
   scene.layers[0].isovalue = 0;
   scene.layers[0].window = {.lo = -10, .hi = 10};
   return scene;
@@ -50,20 +50,20 @@ Field blob() {
   return [](const Vec3& p) { return 7 - (p - Vec3(12, 10, 13)).length() + std::sin(p.x) * std::cos(1.3 * p.y); };
 }
 TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
-  TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const Mode mode : {Mode::isosurface, Mode::mip})
       for (const auto& [width, height] : {std::pair(1, 1), {1, 7}, {33, 65}, {64, 32}, {131, 70}}) {
-        const Scene scene = scene_of(traced->volume(), mode, "iso", static_cast<double>(width) / height);
+        const Scene scene = scene_of(traced->dataset(), mode, "iso", static_cast<double>(width) / height);
         FrameOptions options{.width = width, .height = height, .channels = all_channels, .threads = 1};
         Framebuffer one, many;
-        const FrameStatistics first = render::render(traced->volume(), scene, options, one);
+        const FrameStatistics first = render::render(traced->dataset(), scene, options, one);
         EXPECT_EQ(first.rays, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
         EXPECT_GT(first.hits, 0U);
         for (const unsigned threads : {2U, 8U}) {
           options.threads = threads;
-          const FrameStatistics again = render::render(traced->volume(), scene, options, many);
+          const FrameStatistics again = render::render(traced->dataset(), scene, options, many);
           EXPECT_TRUE(same_bytes(one, many)) << width << " x " << height << ", " << threads << " threads";
           EXPECT_EQ(again.hits, first.hits);
           EXPECT_EQ(again.macrocells_visited, first.macrocells_visited);
@@ -77,29 +77,29 @@ TEST(Render, gives_the_same_bytes_and_counts_for_any_number_of_threads) {
 /// Lookups that effects need in addition to hits do not change the hits, are counted, and are not
 /// done for a scene without these effects.
 TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_no_others) {
-  TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const auto accuracy : {render::Accuracy::float32, render::Accuracy::float64, render::Accuracy::certified}) {
-      const render::Volume& volume = traced->volume();
-      Scene scene = scene_of(volume, Mode::isosurface);
+      const render::Dataset& dataset = traced->dataset();
+      Scene scene = scene_of(dataset, Mode::isosurface);
       scene.layers[0].method = method_of(accuracy);
-      scene.layers[0].surface.ambient = 1, scene.layers[0].surface.specular = 0;
+      scene.layers[0].material.ambient = 1, scene.layers[0].material.specular = 0;
       FrameOptions options{.width = 61, .height = 47, .channels = all_channels};
       Framebuffer plain, looked_up, again;
-      const FrameStatistics without = render::render(volume, scene, options, plain);
+      const FrameStatistics without = render::render(dataset, scene, options, plain);
       EXPECT_GT(without.hits, 100U);
       EXPECT_EQ(without.normals_smoothed + without.colors_looked_up, 0U);
 
-      scene.layers[0].surface.color_by = {.field = "value", .map = render::ColorMap::cubehelix, .range = {-3, 5}};
-      if (volume.is_mesh()) scene.layers[0].surface.normals = render::Normals::smooth;
+      scene.layers[0].material.color_by = {.field = "value", .map = render::ColorMap::cubehelix, .range = {-3, 5}};
+      if (dataset.is_mesh()) scene.layers[0].material.normals = render::Normals::smooth;
       options.threads = 1;
-      const FrameStatistics with = render::render(volume, scene, options, looked_up);
+      const FrameStatistics with = render::render(dataset, scene, options, looked_up);
       EXPECT_EQ(with.hits, without.hits);
       EXPECT_EQ(with.colors_looked_up, with.hits);
-      EXPECT_EQ(with.normals_smoothed, volume.is_mesh() ? with.hits : 0);
+      EXPECT_EQ(with.normals_smoothed, dataset.is_mesh() ? with.hits : 0);
       EXPECT_TRUE(same_bytes(plain.depth, looked_up.depth) && same_bytes(plain.cell, looked_up.cell));
-      EXPECT_EQ(same_bytes(plain.normal, looked_up.normal), !volume.is_mesh());
+      EXPECT_EQ(same_bytes(plain.normal, looked_up.normal), !dataset.is_mesh());
       const Vec3 expected = color_of(render::ColorMap::cubehelix, 3.0 / 8);
       for (std::size_t pixel = 0; pixel < looked_up.pixel_count(); ++pixel) {
         if (looked_up.color[4 * pixel + 3] == 0) continue;
@@ -107,24 +107,24 @@ TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_n
           ASSERT_NEAR(looked_up.color[4 * pixel + c], expected[static_cast<int>(c)], 2e-5);
       }
       options.threads = 3;
-      render::render(volume, scene, options, again);
+      render::render(dataset, scene, options, again);
       EXPECT_TRUE(same_bytes(looked_up, again));
 
-      scene.layers[0].surface.color_by = {};
-      scene.layers[0].surface.normals = {};
-      const FrameStatistics after = render::render(volume, scene, options, again);
+      scene.layers[0].material.color_by = {};
+      scene.layers[0].material.normals = {};
+      const FrameStatistics after = render::render(dataset, scene, options, again);
       EXPECT_TRUE(same_bytes(plain, again));
       EXPECT_EQ(after.normals_smoothed + after.colors_looked_up, 0U);
     }
 }
 
 TEST(Render, refuses_colours_that_it_cannot_show) {
-  TracedVolume mesh(box_mesh({}, blob()));
-  Scene scene = scene_of(mesh.volume(), Mode::isosurface);
+  TracedDataset mesh(box_mesh({}, blob()));
+  Scene scene = scene_of(mesh.dataset(), Mode::isosurface);
   Framebuffer picture;
   const auto render_by = [&](const std::string& field, const Interval<double>& range) {
-    scene.layers[0].surface.color_by = {.field = field, .range = range};
-    render::render(mesh.volume(), scene, {.width = 4, .height = 4}, picture);
+    scene.layers[0].material.color_by = {.field = field, .range = range};
+    render::render(mesh.dataset(), scene, {.width = 4, .height = 4}, picture);
   };
   expect_error(ErrorCode::usage, "expected a finite range", [&] { render_by("value", {}); });
   expect_error(ErrorCode::usage, "no field 'colour'", [&] { render_by("colour", {0, 1}); });
@@ -132,42 +132,42 @@ TEST(Render, refuses_colours_that_it_cannot_show) {
 }
 
 TEST(Render, gives_the_same_picture_without_hierarchy_and_without_last_t) {
-  const TracedVolume traced = TracedVolume(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset traced = TracedDataset(sampled_volume<float>({25, 22, 27}, {}, blob()));
   for (const Mode mode : {Mode::isosurface, Mode::mip})
     for (const Method& method : {Method{}, face_rule}) {
       // Along axes and diagonals, where rays pass several planes at once.
       for (const std::string_view view : {"iso", "+x", "-z"})
         for (const bool orthographic : {false, true}) {
-          Scene scene = scene_of(traced.volume(), mode, view);
+          Scene scene = scene_of(traced.dataset(), mode, view);
           scene.layers[0].method = method;
           scene.camera.orthographic = orthographic;
           scene.camera.orthographic_height = 32;
           FrameOptions options{.width = 64, .height = 64, .channels = all_channels};
           Framebuffer reference, other;
-          render::render(traced.volume(), scene, options, reference);
+          render::render(traced.dataset(), scene, options, reference);
           options.use_hierarchy = false;
-          render::render(traced.volume(), scene, options, other);
+          render::render(traced.dataset(), scene, options, other);
           EXPECT_TRUE(same_bytes(reference, other)) << "hierarchy, from " << view;
           options.use_hierarchy = true;
           options.use_last_t = false;
-          render::render(traced.volume(), scene, options, other);
+          render::render(traced.dataset(), scene, options, other);
           EXPECT_TRUE(same_bytes(reference, other)) << "last t, from " << view;
           options.time_phases = true;
-          render::render(traced.volume(), scene, options, other);
+          render::render(traced.dataset(), scene, options, other);
           EXPECT_TRUE(same_bytes(reference, other)) << "timed, from " << view;
         }
     }
 }
 
 TEST(Render, fills_the_channels_that_are_asked_for_and_no_others) {
-  const TracedVolume traced(sampled_volume<double>({21, 21, 21}, {}, linear_field({1, 0, 0}, -7.25)));
-  Scene scene = scene_of(traced.volume(), Mode::isosurface, "-x");
+  const TracedDataset traced(sampled_volume<double>({21, 21, 21}, {}, linear_field({1, 0, 0}, -7.25)));
+  Scene scene = scene_of(traced.dataset(), Mode::isosurface, "-x");
   scene.background = {0.1, 0.2, 0.3};
   Framebuffer picture;
-  render::render(traced.volume(), scene, {.width = 40, .height = 30}, picture);
+  render::render(traced.dataset(), scene, {.width = 40, .height = 30}, picture);
   EXPECT_EQ(picture.color.size(), 4U * 40 * 30);
   EXPECT_TRUE(picture.depth.empty() && picture.normal.empty() && picture.cell.empty() && picture.value.empty());
-  render::render(traced.volume(), scene, {.width = 40, .height = 30, .channels = all_channels}, picture);
+  render::render(traced.dataset(), scene, {.width = 40, .height = 30, .channels = all_channels}, picture);
   const std::size_t middle = 15 * 40 + 20, corner = 0;
   EXPECT_NEAR(picture.depth[middle], (7.25 - scene.camera.position.x), 0.1);
   EXPECT_EQ(picture.normal[3 * middle], -1) << "towards the eye, against the gradient";
@@ -186,13 +186,13 @@ TEST(Render, fills_the_channels_that_are_asked_for_and_no_others) {
 TEST(Render, shows_things_at_their_size_in_both_projections) {
   Affine map;
   map.origin = {-10, -10, -10};
-  const TracedVolume traced(sampled_volume<double>({21, 21, 21}, map, [](const Vec3& p) { return 5 - p.length(); }));
-  Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  const TracedDataset traced(sampled_volume<double>({21, 21, 21}, map, [](const Vec3& p) { return 5 - p.length(); }));
+  Scene scene = scene_of(traced.dataset(), Mode::isosurface);
   scene.camera = {.position = {0, -50, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}};
   const int n = 200;
   const auto share_covered = [&] {
     Framebuffer picture;
-    return static_cast<double>(render::render(traced.volume(), scene, {.width = n, .height = n}, picture).hits) /
+    return static_cast<double>(render::render(traced.dataset(), scene, {.width = n, .height = n}, picture).hits) /
            (n * n);
   };
   scene.camera.orthographic = true;
@@ -216,13 +216,13 @@ TEST(Render, of_a_mirrored_volume_is_the_mirrored_picture) {
   Affine mirrored = centered;
   mirrored.x_axis = -mirrored.x_axis;
   mirrored.origin.x = 11.5;
-  const TracedVolume plain(volume_of<float>(count, value, centered)), mirror(volume_of<float>(count, value, mirrored));
+  const TracedDataset plain(volume_of<float>(count, value, centered)), mirror(volume_of<float>(count, value, mirrored));
   for (const Mode mode : {Mode::isosurface, Mode::mip}) {
-    Scene scene = scene_of(plain.volume(), mode, "-y");
+    Scene scene = scene_of(plain.dataset(), mode, "-y");
     Framebuffer a, b;
     const FrameOptions options{.width = 61, .height = 47, .channels = all_channels};
-    EXPECT_GT(render::render(plain.volume(), scene, options, a).hits, 200U);
-    render::render(mirror.volume(), scene, options, b);
+    EXPECT_GT(render::render(plain.dataset(), scene, options, a).hits, 200U);
+    render::render(mirror.dataset(), scene, options, b);
     int different = 0;
     for (std::size_t y = 0; y < 47; ++y)
       for (std::size_t x = 0; x < 61; ++x) {
@@ -239,13 +239,13 @@ TEST(Render, of_a_mirrored_volume_is_the_mirrored_picture) {
 }
 
 TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
-  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  const TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
   Framebuffer picture;
-  const auto machine_of = [&](const TracedVolume& traced, const Method& method, bool use_hierarchy) {
-    Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  const auto machine_of = [&](const TracedDataset& traced, const Method& method, bool use_hierarchy) {
+    Scene scene = scene_of(traced.dataset(), Mode::isosurface);
     scene.layers[0].method = method;
-    return render::render(traced.volume(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
+    return render::render(traced.dataset(), scene, {.width = 20, .height = 20, .use_hierarchy = use_hierarchy}, picture)
         .machine;
   };
   const Method single = method_of(render::Accuracy::float32);
@@ -258,53 +258,53 @@ TEST(Render, says_for_which_machine_the_kernel_that_answered_is_compiled) {
 }
 
 TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
-  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  Scene scene = scene_of(mesh.volume(), Mode::isosurface);
+  const TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  Scene scene = scene_of(mesh.dataset(), Mode::isosurface);
   scene.layers[0].method = method_of(render::Accuracy::float32);
   Framebuffer picture;
-  const FrameStatistics first = render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
+  const FrameStatistics first = render::render(mesh.dataset(), scene, {.width = 20, .height = 20}, picture);
   EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
   EXPECT_LT(first.preparation_s, first.wall_s);
-  const auto kept = mesh.volume().implementation().facets;
-  const auto& view = std::get<render::TetVolume<double>>(mesh.volume().implementation().view);
-  const Box3& bounds = mesh.volume().implementation().bounds_volume;
+  const auto kept = mesh.dataset().implementation().facets;
+  const auto& view = std::get<render::TetData<double>>(mesh.dataset().implementation().view);
+  const Box3& bounds = mesh.dataset().implementation().bounds_data;
   const auto facets = kept->of(view, bounds, scene.layers[0].isovalue, 1);
-  render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture);
+  render::render(mesh.dataset(), scene, {.width = 20, .height = 20}, picture);
   EXPECT_EQ(kept->of(view, bounds, scene.layers[0].isovalue, 1), facets);
   scene.layers[0].method = {};
-  EXPECT_EQ(render::render(mesh.volume(), scene, {.width = 20, .height = 20}, picture).preparation_s, 0);
+  EXPECT_EQ(render::render(mesh.dataset(), scene, {.width = 20, .height = 20}, picture).preparation_s, 0);
 }
 
 TEST(Render, shades_no_highlight_that_the_scene_does_not_call_for) {
-  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  const TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  Scene scene = scene_of(traced.dataset(), Mode::isosurface);
   Framebuffer picture;
   const FrameOptions options{.width = 50, .height = 50};
-  const FrameStatistics glossy = render::render(traced.volume(), scene, options, picture);
+  const FrameStatistics glossy = render::render(traced.dataset(), scene, options, picture);
   EXPECT_GT(glossy.hits, 100U);
   EXPECT_EQ(glossy.highlights_shaded, glossy.hits);
-  scene.layers[0].surface.specular = 0;
-  EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
-  scene.layers[0].surface.specular = 1;
+  scene.layers[0].material.specular = 0;
+  EXPECT_EQ(render::render(traced.dataset(), scene, options, picture).highlights_shaded, 0U);
+  scene.layers[0].material.specular = 1;
   scene.layers[0].mode = Mode::mip;
-  EXPECT_EQ(render::render(traced.volume(), scene, options, picture).highlights_shaded, 0U);
+  EXPECT_EQ(render::render(traced.dataset(), scene, options, picture).highlights_shaded, 0U);
 }
 
 TEST(Render, allocates_nothing_per_ray) {
-  const TracedVolume grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const TracedVolume mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  const TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const TracedDataset mesh(box_mesh({.cells = {8, 7, 9}, .box = Box3({0, 0, 0}, {24, 21, 26})}, blob()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const Mode mode : {Mode::isosurface, Mode::mip}) {
-      Scene scene = scene_of(traced->volume(), mode);
+      Scene scene = scene_of(traced->dataset(), mode);
       scene.lights.push_back({.kind = Light::Kind::directional, .place = {1, 2, 3}, .casts_shadows = true});
       scene.occlusion = {.samples = 2, .radius = 5};
       const auto allocations_of = [&](int edge) {
         Framebuffer picture;
         FrameOptions options{.width = edge, .height = edge, .channels = all_channels, .threads = 1};
         // The first frame also allocates the thread pool's own memory.
-        render::render(traced->volume(), scene, options, picture);
+        render::render(traced->dataset(), scene, options, picture);
         const std::size_t before = allocation_count();
-        render::render(traced->volume(), scene, options, picture);
+        render::render(traced->dataset(), scene, options, picture);
         return allocation_count() - before;
       };
       // One tile each: from one ray to a thousand.
@@ -315,15 +315,15 @@ TEST(Render, allocates_nothing_per_ray) {
 }
 
 TEST(Render, measures_the_phases_when_asked) {
-  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const Scene scene = scene_of(traced.volume(), Mode::isosurface);
+  const TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const Scene scene = scene_of(traced.dataset(), Mode::isosurface);
   Framebuffer picture;
   FrameOptions options{.width = 100, .height = 100, .threads = 1};
-  const FrameStatistics untimed = render::render(traced.volume(), scene, options, picture);
+  const FrameStatistics untimed = render::render(traced.dataset(), scene, options, picture);
   EXPECT_EQ(untimed.phases.traversal, 0);
   EXPECT_EQ(untimed.phases.intersection, 0);
   options.time_phases = true;
-  const FrameStatistics timed = render::render(traced.volume(), scene, options, picture);
+  const FrameStatistics timed = render::render(traced.dataset(), scene, options, picture);
   EXPECT_GT(timed.phases.traversal, 0);
   EXPECT_GT(timed.phases.intersection, 0);
   EXPECT_GT(timed.phases.shading, 0);
@@ -331,12 +331,12 @@ TEST(Render, measures_the_phases_when_asked) {
 }
 
 TEST(Render, refuses_pictures_and_scenes_that_make_no_sense) {
-  const TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
-  const Scene good = scene_of(traced.volume(), Mode::isosurface), mip = scene_of(traced.volume(), Mode::mip);
+  const TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  const Scene good = scene_of(traced.dataset(), Mode::isosurface), mip = scene_of(traced.dataset(), Mode::mip);
   const auto refused = [&](const Scene& scene, int width, int height) {
     Framebuffer picture;
     try {
-      render::render(traced.volume(), scene, {.width = width, .height = height}, picture);
+      render::render(traced.dataset(), scene, {.width = width, .height = height}, picture);
       return false;
     } catch (const Error& error) {
       return error.code() == ErrorCode::usage;

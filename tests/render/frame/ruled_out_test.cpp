@@ -7,7 +7,7 @@
 #include "render/ray_caster.h"
 #include "render/render.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -62,7 +62,7 @@ struct Shown {
   std::vector<Hit> hits;  ///< of all rays, one by one
 };
 
-Shown show(const render::Volume& volume, const Scene& scene, FrameOptions options) {
+Shown show(const render::Dataset& dataset, const Scene& scene, FrameOptions options) {
   Shown shown;
   const Method& method = scene.layers[0].method;
   options.channels = {.depth = true,
@@ -73,10 +73,10 @@ Shown show(const render::Volume& volume, const Scene& scene, FrameOptions option
                       .roots = true,
                       .iterations = true,
                       .cost = true};
-  shown.statistics = render::render(volume, scene, options, shown.picture);
-  const std::vector<render::Ray> rays = render::camera_rays(volume, scene.camera, options.width, options.height);
+  shown.statistics = render::render(dataset, scene, options, shown.picture);
+  const std::vector<render::Ray> rays = render::camera_rays(dataset, scene.camera, options.width, options.height);
   shown.hits.resize(rays.size());
-  render::RayCaster queries(volume, scene.layers[0].isovalue, method);
+  render::RayCaster queries(dataset, scene.layers[0].isovalue, method);
   if (scene.layers[0].mode == Mode::mip)
     queries.largest_values(rays, shown.hits);
   else
@@ -86,8 +86,8 @@ Shown show(const render::Volume& volume, const Scene& scene, FrameOptions option
 
 /// From afar with much background, near, inside with most of the data behind the eye, and from a
 /// face of the box.
-std::vector<render::Camera> cameras_of(const render::Volume& volume) {
-  const Box3 box = volume.bounds();
+std::vector<render::Camera> cameras_of(const render::Dataset& dataset) {
+  const Box3 box = dataset.bounds();
   const Vec3 middle = box.center(), size = box.size();
   render::Camera far = fit_camera(box, render::named_view("iso"), 1.3);
   far.position = middle + 2.0 * (far.position - middle);
@@ -102,10 +102,10 @@ std::vector<render::Camera> cameras_of(const render::Volume& volume) {
 }
 
 TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
-  const TracedVolume grid(sampled_volume<float>(
+  const TracedDataset grid(sampled_volume<float>(
       {49, 43, 45}, oriented(), [](const Vec3& p) { return two_balls()(oriented().inverse().point(p)); }));
-  const TracedVolume mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  const TracedDataset mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const Accuracy accuracy :
          {Accuracy::preview, Accuracy::float32, Accuracy::float64, Accuracy::certified, Accuracy::exact})
       for (const Mode mode : {Mode::isosurface, Mode::mip}) {
@@ -120,13 +120,13 @@ TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
                                                        : 41,
                                    .threads = 2};
         std::uint64_t ruled_out = 0, rays = 0, missed = 0;
-        for (const render::Camera& camera : cameras_of(traced->volume())) {
+        for (const render::Camera& camera : cameras_of(traced->dataset())) {
           Scene scene;
           scene.camera = camera;
           scene.layers[0].mode = mode;
           scene.layers[0].method = method_of(accuracy);
           scene.layers[0].window = {.lo = -30, .hi = 10};
-          const Shown shown = show(traced->volume(), scene, options);
+          const Shown shown = show(traced->dataset(), scene, options);
           EXPECT_EQ(different_pixels(shown.picture, shown.hits), 0) << static_cast<int>(accuracy);
           const auto misses = static_cast<std::uint64_t>(
               std::count_if(shown.hits.begin(), shown.hits.end(), [](const Hit& hit) { return hit.is_miss(); }));
@@ -145,13 +145,13 @@ TEST(RuledOut, rays_are_those_that_miss_and_pictures_stay_the_same) {
 }
 
 TEST(RuledOut, all_rays_are_where_the_isovalue_is_passed_nowhere) {
-  const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
-  const TracedVolume mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
-  for (const TracedVolume* traced : {&grid, &mesh})
+  const TracedDataset grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
+  const TracedDataset mesh(box_mesh({.cells = {12, 10, 11}, .box = Box3({0, 0, 0}, {48, 42, 44})}, two_balls()));
+  for (const TracedDataset* traced : {&grid, &mesh})
     for (const int spacing : {1, 4}) {
       Scene scene;
       scene.background = {0.25, 0.5, 0.75};
-      scene.camera = fit_camera(traced->volume().bounds(), render::named_view("iso"), 1);
+      scene.camera = fit_camera(traced->dataset().bounds(), render::named_view("iso"), 1);
       scene.layers[0].isovalue = 100;
       scene.layers[0].method = method_of(Accuracy::float32);
       const FrameOptions options{.width = 75, .height = 53, .channels = {.depth = true, .cell = true, .cost = true}};
@@ -159,7 +159,7 @@ TEST(RuledOut, all_rays_are_where_the_isovalue_is_passed_nowhere) {
       std::fill(picture.color.begin(), picture.color.end(), -1.0F);
       render::RenderContext memory;
       const FrameStatistics statistics =
-          render::refine(traced->volume(), scene, options, {.first_spacing = spacing}, picture, memory);
+          render::refine(traced->dataset(), scene, options, {.first_spacing = spacing}, picture, memory);
       EXPECT_EQ(statistics.rays, 75U * 53U);
       EXPECT_EQ(statistics.machine, name_of(render::chosen_machine()));
       if (render::chosen_machine() != render::Machine::scalar) {
@@ -178,30 +178,30 @@ TEST(RuledOut, all_rays_are_where_the_isovalue_is_passed_nowhere) {
 }
 
 TEST(RuledOut, no_rays_are_without_the_hierarchy) {
-  const TracedVolume grid(sampled_volume<float>({20, 21, 22}, {}, two_balls()));
+  const TracedDataset grid(sampled_volume<float>({20, 21, 22}, {}, two_balls()));
   Scene scene;
-  scene.camera = cameras_of(grid.volume()).front();
+  scene.camera = cameras_of(grid.dataset()).front();
   scene.layers[0].window = {.lo = -30, .hi = 10};
   Framebuffer picture;
   for (const Mode mode : {Mode::isosurface, Mode::mip}) {
     scene.layers[0].mode = mode;
     const FrameOptions options{.width = 40, .height = 40, .use_hierarchy = false};
-    EXPECT_EQ(render::render(grid.volume(), scene, options, picture).rays_ruled_out, 0U);
+    EXPECT_EQ(render::render(grid.dataset(), scene, options, picture).rays_ruled_out, 0U);
   }
 }
 
 // The mask that rules rays out is computed again for each lattice of pixels.
 TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
-  const TracedVolume grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
+  const TracedDataset grid(sampled_volume<float>({49, 43, 45}, {}, two_balls()));
   Scene scene;
-  scene.camera = cameras_of(grid.volume()).front();
+  scene.camera = cameras_of(grid.dataset()).front();
   scene.layers[0].method = method_of(Accuracy::float32);
   const FrameOptions options{.width = 300, .height = 220};
   Framebuffer plain, refined;
   render::RenderContext memory;
-  const FrameStatistics at_once = render::render(grid.volume(), scene, options, plain);
+  const FrameStatistics at_once = render::render(grid.dataset(), scene, options, plain);
   const FrameStatistics in_passes =
-      render::refine(grid.volume(), scene, options, {.first_spacing = 2}, refined, memory);
+      render::refine(grid.dataset(), scene, options, {.first_spacing = 2}, refined, memory);
   EXPECT_EQ(plain.color, refined.color);
   EXPECT_GT(in_passes.rays_ruled_out, at_once.rays_ruled_out * 9 / 10);
   EXPECT_GT(at_once.hits, 300U);
@@ -209,40 +209,40 @@ TEST(RuledOut, rays_of_refined_pictures_are_about_as_many) {
 
 TEST(RuledOut, layers_outside_the_view_are_not_looked_at_unless_they_shade_what_is_in_it) {
   const Affine beside{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {500, 0, 0}};
-  const std::vector<render::Volume> volumes = [&] {
-    std::vector<render::Volume> both;
-    both.push_back(TracedVolume(sampled_volume<float>({49, 43, 45}, {}, two_balls())).volume());
-    both.push_back(TracedVolume(sampled_volume<float>({49, 43, 45}, beside, [&](const Vec3& p) {
+  const std::vector<render::Dataset> datasets = [&] {
+    std::vector<render::Dataset> both;
+    both.push_back(TracedDataset(sampled_volume<float>({49, 43, 45}, {}, two_balls())).dataset());
+    both.push_back(TracedDataset(sampled_volume<float>({49, 43, 45}, beside, [&](const Vec3& p) {
                      return two_balls()(beside.inverse().point(p));
-                   })).volume());
+                   })).dataset());
     return both;
   }();
   Scene scene;
-  scene.camera = fit_camera(volumes[0].bounds(), render::named_view("-y"), 1);
+  scene.camera = fit_camera(datasets[0].bounds(), render::named_view("-y"), 1);
   const FrameOptions options{.width = 90, .height = 90, .channels = {.cell = true}};
   const auto drawn = [&](const Scene& shown) {
     Framebuffer picture;
-    const FrameStatistics statistics = render::render(volumes, shown, options, picture);
+    const FrameStatistics statistics = render::render(datasets, shown, options, picture);
     return std::pair{picture.color, statistics};
   };
   const auto alone = drawn(scene);
   EXPECT_GT(alone.second.hits, 100U);
   render::Layer far = scene.layers[0];
-  far.volume = 1;
-  far.surface.color_by = render::FieldColors{.field = "not there", .range = {.lo = 0, .hi = 1}};
+  far.dataset = 1;
+  far.material.color_by = render::FieldColors{.field = "not there", .range = {.lo = 0, .hi = 1}};
   scene.layers.push_back(far);
   const auto with_far = drawn(scene);  // would be refused in view
   EXPECT_EQ(with_far.first, alone.first);
   EXPECT_EQ(with_far.second.cells_visited, alone.second.cells_visited);
   EXPECT_EQ(with_far.second.macrocells_visited, alone.second.macrocells_visited);
 
-  scene.camera = fit_camera(volumes[1].bounds(), render::named_view("-y"), 1);
+  scene.camera = fit_camera(datasets[1].bounds(), render::named_view("-y"), 1);
   EXPECT_THROW(drawn(scene), Error);
 
   // Low light from the side of the far volume: that volume occludes it, whether it is in view or
   // not.
-  scene.layers[1].surface.color_by.reset();
-  scene.camera = fit_camera(volumes[0].bounds(), render::named_view("-y"), 1);
+  scene.layers[1].material.color_by.reset();
+  scene.camera = fit_camera(datasets[0].bounds(), render::named_view("-y"), 1);
   scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, 0, 0}, .casts_shadows = true}};
   Scene without = scene;
   without.layers.pop_back();

@@ -23,11 +23,11 @@ TEST(Shadows, are_not_seen_on_a_ball_towards_the_light) {
   for (const double scale : scales)
     for (const double steepness : {1.0, 1e-15, 1e15}) {
       const TemporaryFolder folder;
-      const std::vector<render::Volume> volumes = both_kinds(folder, ball, 24, scale, steepness);
-      for (std::size_t v = 0; v < volumes.size(); ++v)
+      const std::vector<render::Dataset> datasets = both_kinds(folder, ball, 24, scale, steepness);
+      for (std::size_t v = 0; v < datasets.size(); ++v)
         for (const Light& light : {sun({-2, -1, 1.5}), lamp(scale * Vec3(-3, -2, 4))}) {
           const Scene scene = scene_of({matte(v, 0.01 * steepness)}, {light}, {scale * cube.min, scale * cube.max});
-          const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+          const Picture with = picture_of(datasets, scene), none = picture_of(datasets, without_shadows(scene));
           std::size_t towards = 0, away = 0;
           for (std::size_t p = 0; p < with.pixels.pixel_count(); ++p) {
             if (!with.is_hit(p)) continue;
@@ -53,13 +53,13 @@ TEST(Shadows, do_not_fall_from_a_plane_on_itself) {
   for (const double scale : scales)
     for (const Vec3& slope : {Vec3(0, 0, 1), Vec3(0, -1, 0), Vec3(1, 1, 0), Vec3(1, 1, 1), Vec3(0.3, -0.7, 0.2)}) {
       const TemporaryFolder folder;
-      const std::vector<render::Volume> volumes = both_kinds(folder, linear_field(slope), 8, scale);
+      const std::vector<render::Dataset> datasets = both_kinds(folder, linear_field(slope), 8, scale);
       for (const double isovalue : {0.0, 0.25, 0.1234567})  // in planes of cells and between them
-        for (std::size_t v = 0; v < volumes.size(); ++v)
+        for (std::size_t v = 0; v < datasets.size(); ++v)
           for (const Light& light :
                {sun({1, -2, 1.5}), sun(slope + Vec3(100, 1, -37)), lamp(scale * Vec3(0.5, -2, 0.7))}) {
             const Scene scene = scene_of({matte(v, isovalue)}, {light}, {scale * cube.min, scale * cube.max});
-            const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+            const Picture with = picture_of(datasets, scene), none = picture_of(datasets, without_shadows(scene));
             ASSERT_EQ(with.pixels.color, none.pixels.color) << slope << ' ' << isovalue << ' ' << v << ' ' << scale;
             for (std::size_t p = 0; p < none.pixels.pixel_count(); ++p) lit += none.is_hit(p) && none.red(p) > 0.25F;
           }
@@ -74,13 +74,13 @@ TEST(Shadows, do_not_fall_from_a_saddle_on_itself) {
   for (const double scale : scales)
     for (const double steepness : {1.0, 1e-15, 1e15}) {
       const TemporaryFolder folder;
-      const std::vector<render::Volume> volumes = both_kinds(folder, saddle, 12, scale, steepness);
+      const std::vector<render::Dataset> datasets = both_kinds(folder, saddle, 12, scale, steepness);
       for (const double isovalue : {0.0, 0.0517})  // through lattice points and beside them
-        for (std::size_t v = 0; v < volumes.size(); ++v)
+        for (std::size_t v = 0; v < datasets.size(); ++v)
           for (const Light& light : {sun({1, -2, 3}), sun({-1, 1, 1.6}), lamp(scale * Vec3(0.5, -2, 9))}) {
             const Scene scene =
                 scene_of({matte(v, isovalue * steepness)}, {light}, {scale * cube.min, scale * cube.max});
-            const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+            const Picture with = picture_of(datasets, scene), none = picture_of(datasets, without_shadows(scene));
             ASSERT_EQ(with.pixels.color, none.pixels.color) << isovalue << ' ' << v << ' ' << scale << ' ' << steepness;
             EXPECT_GT(with.statistics.shadow_rays, 1000);
           }
@@ -94,9 +94,9 @@ TEST(Shadows, do_not_fall_from_slivers_on_themselves) {
     const TemporaryFolder folder;
     preprocess::NeutralMesh mesh = box_mesh({.cells = {9, 9, 1}, .box = flat});
     add_point_field(mesh, "value", linear_field(slope));
-    const std::vector<render::Volume> volumes{packed(folder, "mesh.rho", mesh)};
+    const std::vector<render::Dataset> datasets{packed(folder, "mesh.rho", mesh)};
     const Scene scene = scene_of({matte(0, 1e-6)}, {sun({1, -2, 1.5}), sun({-1, 1, 0.02})});
-    const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+    const Picture with = picture_of(datasets, scene), none = picture_of(datasets, without_shadows(scene));
     EXPECT_EQ(with.pixels.color, none.pixels.color) << slope;
     EXPECT_GT(with.statistics.shadow_rays, 50);
   }
@@ -117,9 +117,9 @@ TEST(Shadows, of_a_ball_on_a_floor_are_where_they_must_be) {
   for (const bool floor_is_mesh : {false, true})
     for (const Light& light : {sun({1, -0.7, 1.9}), lamp({0.3, 0.2, 1.5}), lamp({0, 0.7, 0.6}), lamp({0, 0, -0.6})}) {
       const TemporaryFolder folder;
-      const std::vector<render::Volume> volumes = ball_over_floor(folder, floor_is_mesh);
+      const std::vector<render::Dataset> datasets = ball_over_floor(folder, floor_is_mesh);
       const Scene scene = scene_of({matte(0, -0.16), matte(1, -0.75)}, {light});
-      const Picture found = picture_of(volumes, scene);
+      const Picture found = picture_of(datasets, scene);
       std::size_t dark = 0, lit = 0, skipped = 0;
       for (std::size_t p = 0; p < found.pixels.pixel_count(); ++p) {
         if (!found.is_hit(p)) continue;
@@ -143,11 +143,11 @@ TEST(Shadows, of_a_ball_on_a_floor_are_where_they_must_be) {
 
 TEST(Shadows, fall_on_clear_surfaces_but_not_from_them) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder, true);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder, true);
   Scene scene = scene_of({matte(0, -0.16), matte(1, -0.75)}, {sun({1, -0.7, 1.9})});
-  const Picture opaque = picture_of(volumes, scene);
-  scene.layers[1].surface.opacity = 0.5;
-  const Picture floor_clear = picture_of(volumes, scene);
+  const Picture opaque = picture_of(datasets, scene);
+  scene.layers[1].material.opacity = 0.5;
+  const Picture floor_clear = picture_of(datasets, scene);
   std::size_t dark = 0;
   for (std::size_t p = 0; p < opaque.pixels.pixel_count(); ++p) {
     if (!opaque.is_hit(p) || place_of(scene, opaque, p).z > -0.749) continue;
@@ -155,8 +155,8 @@ TEST(Shadows, fall_on_clear_surfaces_but_not_from_them) {
     dark += opaque.red(p) == 0.25F;
   }
   EXPECT_GT(dark, 100);
-  scene.layers[1].surface.opacity = 1, scene.layers[0].surface.opacity = 0.5;
-  EXPECT_EQ(picture_of(volumes, scene).pixels.color, picture_of(volumes, without_shadows(scene)).pixels.color);
+  scene.layers[1].material.opacity = 1, scene.layers[0].material.opacity = 0.5;
+  EXPECT_EQ(picture_of(datasets, scene).pixels.color, picture_of(datasets, without_shadows(scene)).pixels.color);
 }
 
 double saddle(const Vec3& p) {
@@ -170,18 +170,18 @@ TEST(Shadows, are_those_of_rays_that_start_beside_the_surface) {
   for (const Field& field : {Field(ball), Field(saddle), Field(waves)}) {
     const TemporaryFolder folder;
     constexpr std::int64_t cells = 16;
-    const std::vector<render::Volume> volumes = both_kinds(folder, field, cells);
+    const std::vector<render::Dataset> datasets = both_kinds(folder, field, cells);
     for (const std::vector<Layer>& layers : {std::vector{matte(0, 0.0123)}, std::vector{matte(1, 0.0123)},
                                              std::vector{matte(0, 0.2), matte(1, -0.1), matte(1, 0.35)}})
       for (const Light& light : {sun({1, -2, 1.5}), lamp({0.1, -0.4, 0.9})}) {
         const Scene scene = scene_of(layers, {light});
-        const Picture with = picture_of(volumes, scene), none = picture_of(volumes, without_shadows(scene));
+        const Picture with = picture_of(datasets, scene), none = picture_of(datasets, without_shadows(scene));
         std::vector<std::unique_ptr<render::RayCaster>> queries;
         std::vector<Affine> world_from;
         for (const Layer& layer : layers) {
           queries.push_back(
-              std::make_unique<render::RayCaster>(volumes[layer.volume], layer.isovalue, render::Method{}));
-          world_from.push_back(world_from_ray_frame(volumes[layer.volume]));
+              std::make_unique<render::RayCaster>(datasets[layer.dataset], layer.isovalue, render::Method{}));
+          world_from.push_back(world_from_ray_frame(datasets[layer.dataset]));
         }
         for (std::size_t p = 0; p < with.pixels.pixel_count(); p += 3) {
           if (!with.is_hit(p) || none.red(p) < 0.26F) continue;  // behind the surface
@@ -217,14 +217,14 @@ TEST(Shadows, are_those_of_rays_that_start_beside_the_surface) {
 
 TEST(Shadows, do_not_fall_between_surfaces_that_are_one) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder, ball, 24);
-  for (std::size_t v = 0; v < volumes.size(); ++v) {
+  const std::vector<render::Dataset> datasets = both_kinds(folder, ball, 24);
+  for (std::size_t v = 0; v < datasets.size(); ++v) {
     const Light light = sun({1, -2, 1.5});
-    const Picture one = picture_of(volumes, scene_of({matte(v, 0.01)}, {light}));
+    const Picture one = picture_of(datasets, scene_of({matte(v, 0.01)}, {light}));
     // The same surface twice, and then with a second one inside, a millionth of a cell away, which
     // is completely in its shadow.
     for (const double inner : {0.01, 0.01 + 1e-6 / 12}) {
-      const Picture two = picture_of(volumes, scene_of({matte(v, 0.01), matte(v, inner)}, {light}));
+      const Picture two = picture_of(datasets, scene_of({matte(v, 0.01), matte(v, inner)}, {light}));
       // For a ray that ends at the nearest surface the root is rounded differently.
       for (std::size_t i = 0; i < one.pixels.color.size(); ++i)
         ASSERT_NEAR(two.pixels.color[i], one.pixels.color[i], 1e-5) << v << ' ' << inner;
@@ -234,8 +234,8 @@ TEST(Shadows, do_not_fall_between_surfaces_that_are_one) {
 
 TEST(Shadows, ask_nothing_where_no_light_is_held_back) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder, linear_field({0, 0, 1}), 8);
-  const auto rays_of = [&](const Scene& scene) { return picture_of(volumes, scene).statistics.shadow_rays; };
+  const std::vector<render::Dataset> datasets = both_kinds(folder, linear_field({0, 0, 1}), 8);
+  const auto rays_of = [&](const Scene& scene) { return picture_of(datasets, scene).statistics.shadow_rays; };
   const Scene lit = scene_of({matte(0, 0)}, {sun({1, -2, 1.5})});
   EXPECT_GT(rays_of(lit), 1000);
   EXPECT_EQ(rays_of(scene_of({matte(0, 0)}, {sun({1, -2, -1.5})})), 0) << "behind the surface";
@@ -243,22 +243,22 @@ TEST(Shadows, ask_nothing_where_no_light_is_held_back) {
   EXPECT_EQ(rays_of(without_shadows(lit)), 0);
   EXPECT_EQ(rays_of(scene_of({matte(0, 0)}, {{.casts_shadows = true}})), 0) << "at the eye";
   Scene other = lit;
-  other.layers[0].surface.opacity = 0.5;
+  other.layers[0].material.opacity = 0.5;
   EXPECT_EQ(rays_of(other), 0) << "clear";
   other = lit;
-  other.layers[0].surface.ambient = 1;
+  other.layers[0].material.ambient = 1;
   EXPECT_EQ(rays_of(other), 0) << "ambient light only";
   other = lit;
-  other.layers[0].mode = render::Mode::mip, other.layers[0].window = volumes[0].field().range;
+  other.layers[0].mode = render::Mode::mip, other.layers[0].window = datasets[0].field().range;
   EXPECT_EQ(rays_of(other), 0) << "no surface";
 }
 
 // Occluders are kept while the light does not move; a frame does not depend on those before it.
 TEST(Shadows, are_the_same_whatever_frames_were_before) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(
+  const std::vector<render::Dataset> datasets = both_kinds(
       folder, [](const Vec3& p) { return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z); }, 16);
-  for (std::size_t v = 0; v < volumes.size(); ++v) {
+  for (std::size_t v = 0; v < datasets.size(); ++v) {
     render::RenderContext memory;
     std::size_t frame = 0;
     for (const double isovalue : {0.2, 0.2, 0.1, 0.2})
@@ -268,12 +268,12 @@ TEST(Shadows, are_the_same_whatever_frames_were_before) {
         scene.camera = render::fit_camera(cube, {.azimuth_deg = 33.0 + static_cast<double>(frame++ % 3)}, 1);
         Picture picture;
         picture.statistics =
-            render::render(volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
+            render::render(datasets, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 2},
                            picture.pixels, memory);
-        const Picture fresh = picture_of(volumes, scene);
+        const Picture fresh = picture_of(datasets, scene);
         ASSERT_EQ(picture.pixels.color, fresh.pixels.color) << frame << " of " << v;
         EXPECT_EQ(picture.statistics.shadow_rays, fresh.statistics.shadow_rays);
-        EXPECT_NE(picture.pixels.color, picture_of(volumes, without_shadows(scene)).pixels.color);
+        EXPECT_NE(picture.pixels.color, picture_of(datasets, without_shadows(scene)).pixels.color);
       }
   }
 }

@@ -20,8 +20,8 @@ using namespace lit;
 
 constexpr double floor_height = -0.5;
 
-render::Volume grid_of(const TemporaryFolder& folder, const char* name, std::int64_t samples, const Box3& box,
-                       const Field& field) {
+render::Dataset grid_of(const TemporaryFolder& folder, const char* name, std::int64_t samples, const Box3& box,
+                        const Field& field) {
   const Index3 count(samples, samples, samples);
   return packed(folder, name, sampled_volume<double>(count, lattice_over(box, count), field));
 }
@@ -97,13 +97,13 @@ Scene without_shadows(Scene scene) {
 TEST(SoftShadows, of_half_a_plane_leave_the_share_of_the_sun_that_its_edge_does) {
   const TemporaryFolder folder;
   const Field height = linear_field({0, 0, 1});
-  const std::vector<render::Volume> volumes{grid_of(folder, "floor.rho", 7, {{-9, -9, -9}, {9, 9, 9}}, height),
-                                            grid_of(folder, "sheet.rho", 7, {{-9, -9, 0}, {0, 9, 0.4}}, height)};
+  const std::vector<render::Dataset> datasets{grid_of(folder, "floor.rho", 7, {{-9, -9, -9}, {9, 9, 9}}, height),
+                                              grid_of(folder, "sheet.rho", 7, {{-9, -9, 0}, {0, 9, 0.4}}, height)};
   constexpr double degrees = 24, sheet_height = 0.2 - floor_height;
   const double half_angle = degrees / 2 * std::numbers::pi / 180;
   for (const int samples : {16, 256}) {
     const Scene scene = scene_of({matte(0, floor_height), matte(1, 0.2)}, sun(degrees, samples));
-    const Picture with = picture_of(volumes, scene), plain = picture_of(volumes, without_shadows(scene));
+    const Picture with = picture_of(datasets, scene), plain = picture_of(datasets, without_shadows(scene));
     const Errors errors = errors_on_floor(scene, with, plain, 1, [&](const Vec3& place) {
       return share_of_cone({0, 0, 1}, half_angle,
                            [&](const Vec3& way) { return place.x + sheet_height * way.x / way.z > 0; });
@@ -116,7 +116,7 @@ TEST(SoftShadows, of_half_a_plane_leave_the_share_of_the_sun_that_its_edge_does)
 }
 
 /// A ball of radius 0.4 about the origin over a floor.
-std::vector<render::Volume> ball_over_floor(const TemporaryFolder& folder) {
+std::vector<render::Dataset> ball_over_floor(const TemporaryFolder& folder) {
   return {grid_of(folder, "floor.rho", 7, {{-9, -9, -9}, {9, 9, 9}}, linear_field({0, 0, 1})),
           grid_of(folder, "ball.rho", 81, {{-0.45, -0.45, -0.45}, {0.45, 0.45, 0.45}},
                   [](const Vec3& p) { return -p.dot(p); })};
@@ -124,11 +124,11 @@ std::vector<render::Volume> ball_over_floor(const TemporaryFolder& folder) {
 
 TEST(SoftShadows, of_a_ball_leave_the_share_of_a_lamp_that_it_does_not_hide) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder);
   for (const Light& light : {lamp({0.2, 0.1, 1.3}, 0.3, 64), lamp({0, 0, 0.9}, 0.45, 64), sun(20, 64)}) {
     const bool is_sun = light.kind == Light::Kind::directional;
     const Scene scene = scene_of({matte(0, floor_height), matte(1, -0.16)}, light);
-    const Picture with = picture_of(volumes, scene), plain = picture_of(volumes, without_shadows(scene));
+    const Picture with = picture_of(datasets, scene), plain = picture_of(datasets, without_shadows(scene));
     const Errors errors = errors_on_floor(scene, with, plain, 5, [&](const Vec3& place) {
       const Vec3 to_light = is_sun ? light.place : light.place - place;
       const double half_angle =
@@ -147,11 +147,11 @@ TEST(SoftShadows, of_a_ball_leave_the_share_of_a_lamp_that_it_does_not_hide) {
 
 TEST(SoftShadows, of_a_light_without_a_size_are_sharp_by_one_ray) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder);
   Scene scene = scene_of({matte(0, floor_height), matte(1, -0.16)}, sun(0, 1));
-  const Picture one = picture_of(volumes, scene);
+  const Picture one = picture_of(datasets, scene);
   scene.lights[0].samples = 4096;
-  const Picture many = picture_of(volumes, scene);
+  const Picture many = picture_of(datasets, scene);
   expect_same_bits(one.pixels, many.pixels);
   EXPECT_EQ(many.statistics.shadow_rays, one.statistics.shadow_rays);
   EXPECT_GT(one.statistics.shadow_rays, 1000U);
@@ -162,11 +162,11 @@ TEST(SoftShadows, of_a_light_without_a_size_are_sharp_by_one_ray) {
 // below the plane get no rays.
 TEST(SoftShadows, take_as_many_rays_as_said_and_leave_a_plane_as_it_is) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder);
   for (const auto& [place, is_whole] : {std::pair{Vec3(0.3, -0.2, 1), true}, {Vec3(5, -1, 0.4), false}}) {
     Scene scene = scene_of({matte(0, floor_height)}, sun(30, 7));
     scene.lights[0].place = place;
-    const Picture soft = picture_of(volumes, scene), plain = picture_of(volumes, without_shadows(scene));
+    const Picture soft = picture_of(datasets, scene), plain = picture_of(datasets, without_shadows(scene));
     EXPECT_TRUE(same_bits(soft.pixels.color, plain.pixels.color));
     EXPECT_EQ(plain.statistics.shadow_rays, 0U);
     if (is_whole)
@@ -179,29 +179,29 @@ TEST(SoftShadows, take_as_many_rays_as_said_and_leave_a_plane_as_it_is) {
 
 TEST(SoftShadows, are_the_same_for_any_number_of_threads) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder);
   Scene scene = scene_of({matte(0, floor_height), matte(1, -0.16)}, sun(10, 5));
   scene.lights.push_back(lamp({0.4, -0.5, 0.7}, 0.1, 3));
-  scene.layers[1].surface.opacity = 0.5;
+  scene.layers[1].material.opacity = 0.5;
   scene.layers.push_back(matte(1, -0.09));
-  const Picture one = picture_of(volumes, scene), three = picture_of(volumes, scene, 3);
+  const Picture one = picture_of(datasets, scene), three = picture_of(datasets, scene, 3);
   expect_same_bits(one.pixels, three.pixels);
   EXPECT_EQ(one.statistics.shadow_rays, three.statistics.shadow_rays);
   render::Framebuffer refined;
   render::RenderContext memory;
-  render::refine(volumes, scene, {.width = edge, .height = edge, .channels = all_channels}, {.first_spacing = 4},
+  render::refine(datasets, scene, {.width = edge, .height = edge, .channels = all_channels}, {.first_spacing = 4},
                  refined, memory);
   expect_same_bits(one.pixels, refined);
 }
 
 TEST(SoftShadows, are_refused_where_a_size_makes_no_sense) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = ball_over_floor(folder);
+  const std::vector<render::Dataset> datasets = ball_over_floor(folder);
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const Light& light : {sun(-1), sun(181), sun(nan), lamp({0, 0, 1}, -1), lamp({0, 0, 1}, infinity),
                              lamp({0, 0, 1}, nan), sun(1, 0), sun(1, 4097)})
     expect_error(ErrorCode::usage, "a light of size",
-                 [&] { picture_of(volumes, scene_of({matte(0, floor_height)}, light)); });
+                 [&] { picture_of(datasets, scene_of({matte(0, floor_height)}, light)); });
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -35,7 +35,7 @@ std::vector<Ray> rays_around(const Vec3& size, std::size_t count, std::uint64_t 
 TEST(GridFirstCrossing, meets_the_plane_of_a_linear_field_at_its_exact_t) {
   const Vec3 slope(0.3, -0.7, 0.2);
   const Index3 samples(17, 12, 21);
-  TracedVolume traced(sampled_volume<double>(samples, {}, linear_field(slope, 1)));
+  TracedDataset traced(sampled_volume<double>(samples, {}, linear_field(slope, 1)));
   int hits = 0;
   for (const Ray& ray : rays_around({16, 11, 20}, 2000, 1)) {
     for (const double iso : {0.0, -1.25, 3.0}) {
@@ -63,7 +63,7 @@ TEST(GridFirstCrossing, meets_the_plane_of_a_linear_field_at_its_exact_t) {
 TEST(GridFirstCrossing, meets_the_saddle_x_y_z_where_it_is) {
   Affine map;
   map.origin = {-4.5, -3.5, -4.5};
-  TracedVolume traced(sampled_volume<double>({10, 8, 10}, map, product_field()));
+  TracedDataset traced(sampled_volume<double>({10, 8, 10}, map, product_field()));
   int hits = 0;
   for (Ray ray : rays_around({9, 7, 9}, 2000, 2)) {
     ray.origin += map.origin;
@@ -97,7 +97,7 @@ TEST(GridFirstCrossing, is_the_first_change_of_side_of_the_interpolant) {
     return static_cast<double>(
         static_cast<float>(r + 0.8 * std::sin(3 * static_cast<double>(at.x + 2 * at.y + 5 * at.z))));
   };
-  TracedVolume traced(volume_of<float>(count, [&](const Index3& at) { return static_cast<float>(samples(at)); }));
+  TracedDataset traced(volume_of<float>(count, [&](const Index3& at) { return static_cast<float>(samples(at)); }));
   int hits = 0, misses = 0;
   for (const Ray& ray : rays_around(to_vec3(cells), 1000, 3)) {
     const double iso = 4.2;
@@ -133,7 +133,7 @@ TYPED_TEST(GridFirstCrossingOf, samples_of_every_type_finds_the_same_surface) {
     return volume_of<decltype(type)>(
         {9, 7, 8}, [](const Index3& at) { return static_cast<decltype(type)>(10 * at.x + at.y * at.z); });
   };
-  TracedVolume traced(make(TypeParam{})), reference(make(double{}));
+  TracedDataset traced(make(TypeParam{})), reference(make(double{}));
   for (const Ray& ray : rays_around({8, 6, 7}, 300, 4)) {
     EXPECT_TRUE(same_bits(traced.first_crossing(ray, 43.5), reference.first_crossing(ray, 43.5)));
     EXPECT_TRUE(same_bits(traced.largest_value(ray), reference.largest_value(ray)));
@@ -145,7 +145,7 @@ TYPED_TEST(GridFirstCrossingOf, the_full_range_of_a_type_is_not_cut_off) {
   // Doubles within 1e300: sums of the largest ones would overflow.
   constexpr T low = std::is_same_v<T, double> ? static_cast<T>(-1e300) : std::numeric_limits<T>::lowest();
   constexpr T high = std::is_same_v<T, double> ? static_cast<T>(1e300) : std::numeric_limits<T>::max();
-  TracedVolume traced(volume_of<T>({2, 2, 9}, [&](const Index3& at) { return at.z < 4 ? low : high; }));
+  TracedDataset traced(volume_of<T>({2, 2, 9}, [&](const Index3& at) { return at.z < 4 ? low : high; }));
   const Ray ray{.origin = {0.5, 0.5, -1}, .direction = {0, 0, 1}};
   const Hit hit = traced.first_crossing(ray, static_cast<double>(low) / 4 + static_cast<double>(high) / 4);
   EXPECT_GT(hit.t, 4);
@@ -176,7 +176,7 @@ TEST(GridFirstCrossing, is_the_same_with_and_without_hierarchy_bit_for_bit) {
   int hits = 0;
   for (const auto& field : fields_of_all_kinds())
     for (const int factor : {2, 3, 4}) {
-      TracedVolume traced(volume_of<double>({20, 18, 23}, field), {.macro_factor = factor, .macro_level_count = 2});
+      TracedDataset traced(volume_of<double>({20, 18, 23}, field), {.macro_factor = factor, .macro_level_count = 2});
       for (const Ray& ray : stressful_rays({19, 17, 22}, 700, 5)) {
         const Hit with = traced.first_crossing(ray, 0), without = traced.first_crossing(ray, 0, false);
         ASSERT_TRUE(same_bits(with, without)) << ray.origin << " + t " << ray.direction << ": " << with.t << " in cell "
@@ -189,7 +189,7 @@ TEST(GridFirstCrossing, is_the_same_with_and_without_hierarchy_bit_for_bit) {
 
 TEST(GridFirstCrossing, is_the_same_in_bricks_and_in_linear_order_bit_for_bit) {
   for (const auto& field : fields_of_all_kinds()) {
-    TracedVolume bricked(volume_of<double>({20, 18, 23}, field)),
+    TracedDataset bricked(volume_of<double>({20, 18, 23}, field)),
         linear(volume_of<double>({20, 18, 23}, field), {.order = preprocess::SampleOrder::linear});
     for (const Ray& ray : stressful_rays({19, 17, 22}, 400, 6)) {
       ASSERT_TRUE(same_bits(bricked.first_crossing(ray, 0), linear.first_crossing(ray, 0)));
@@ -199,7 +199,7 @@ TEST(GridFirstCrossing, is_the_same_in_bricks_and_in_linear_order_bit_for_bit) {
 }
 
 TEST(GridFirstCrossing, from_inside_is_where_the_ray_comes_out) {
-  TracedVolume traced(sampled_volume<double>({21, 21, 21}, {}, [](const Vec3& p) { return 7 - std::abs(p.x - 10); }));
+  TracedDataset traced(sampled_volume<double>({21, 21, 21}, {}, [](const Vec3& p) { return 7 - std::abs(p.x - 10); }));
   const Hit out = traced.first_crossing({.origin = {10, 9.5, 9.5}, .direction = {1, 0, 0}}, 2);
   EXPECT_NEAR(out.t, 5, 1e-13);
   const Hit at_the_surface = traced.first_crossing({.origin = {15, 9.5, 9.5}, .direction = {-1, 0, 0}}, 2);
@@ -207,7 +207,7 @@ TEST(GridFirstCrossing, from_inside_is_where_the_ray_comes_out) {
 }
 
 TEST(GridFirstCrossing, gives_no_surface_where_the_ray_enters_or_leaves_the_volume) {
-  TracedVolume traced(volume_of<std::uint8_t>({5, 5, 5}, [](const Index3&) { return 200; }));
+  TracedDataset traced(volume_of<std::uint8_t>({5, 5, 5}, [](const Index3&) { return 200; }));
   for (const Ray& ray : rays_around({4, 4, 4}, 200, 7)) {
     EXPECT_TRUE(traced.first_crossing(ray, 100).is_miss());
     EXPECT_TRUE(traced.first_crossing(ray, 200).is_miss());
@@ -221,7 +221,7 @@ TEST(GridFirstCrossing, gives_no_surface_where_the_ray_enters_or_leaves_the_volu
 TEST(GridFirstCrossing, gives_no_surface_against_a_region_without_data) {
   for (const bool use_hierarchy : {false, true})
     for (int first = 6; first < 13; ++first) {
-      TracedVolume traced(volume_of<float>({20, 20, 20}, [=](const Index3& at) {
+      TracedDataset traced(volume_of<float>({20, 20, 20}, [=](const Index3& at) {
         if (at.x == first || at.x == first + 1) return static_cast<float>(nan);
         return at.x < first ? 10.0F : -10.0F;
       }));
@@ -231,7 +231,7 @@ TEST(GridFirstCrossing, gives_no_surface_against_a_region_without_data) {
 }
 
 TEST(GridFirstCrossing, goes_on_behind_a_region_without_data) {
-  TracedVolume traced(volume_of<double>(
+  TracedDataset traced(volume_of<double>(
       {30, 8, 8}, [](const Index3& at) { return at.x >= 8 && at.x <= 12 ? nan : static_cast<double>(at.x) - 20.5; }));
   for (const bool use_hierarchy : {false, true})
     EXPECT_NEAR(traced.first_crossing({.origin = {-3, 3.3, 4.4}, .direction = {1, 0, 0}}, 0, use_hierarchy).t, 23.5,
@@ -239,7 +239,7 @@ TEST(GridFirstCrossing, goes_on_behind_a_region_without_data) {
 }
 
 TEST(GridFirstCrossing, counts_the_work_that_it_did) {
-  TracedVolume traced(volume_of<std::uint8_t>({65, 9, 9}, [](const Index3& at) { return at.x < 60 ? 0 : 100; }));
+  TracedDataset traced(volume_of<std::uint8_t>({65, 9, 9}, [](const Index3& at) { return at.x < 60 ? 0 : 100; }));
   traced.first_crossing({.origin = {-1, 4.5, 4.5}, .direction = {1, 0, 0}}, 50);
   EXPECT_EQ(traced.scratch.counters.cells_solved, 1U);
   EXPECT_LE(traced.scratch.counters.cells_visited, 4U);
@@ -253,7 +253,7 @@ TEST(GridFirstCrossing, counts_the_work_that_it_did) {
 TEST(GridFirstCrossing, and_largest_value_do_not_look_into_cells_that_a_ray_only_touches) {
   // Along the body diagonal: 12 cells are passed through, and two more are touched at every lattice
   // point.
-  TracedVolume traced(sampled_volume<float>({13, 13, 13}, {}, linear_field({1, 1, 1})));
+  TracedDataset traced(sampled_volume<float>({13, 13, 13}, {}, linear_field({1, 1, 1})));
   const Ray ray{.origin = {-1, -1, -1}, .direction = {1, 1, 1}};
   EXPECT_TRUE(traced.first_crossing(ray, 50, false).is_miss());
   EXPECT_EQ(traced.scratch.counters.cells_visited, 12U);
@@ -263,7 +263,7 @@ TEST(GridFirstCrossing, and_largest_value_do_not_look_into_cells_that_a_ray_only
 }
 
 TEST(GridFirstCrossing, is_a_miss_for_rays_that_are_none) {
-  TracedVolume traced(sampled_volume<double>({5, 5, 5}, {}, linear_field({1, 1, 1})));
+  TracedDataset traced(sampled_volume<double>({5, 5, 5}, {}, linear_field({1, 1, 1})));
   for (const Vec3& direction : {Vec3(0, 0, 0), Vec3(nan, 1, 1), Vec3(1, nan, 0)}) {
     EXPECT_TRUE(traced.first_crossing({.origin = {1, 1, 1}, .direction = direction}, 6).is_miss());
     EXPECT_TRUE(traced.largest_value({.origin = {1, 1, 1}, .direction = direction}).is_miss());

@@ -29,9 +29,9 @@ render::RayQuery query_of(double isovalue) {
 template <class T, class Field>
 void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, const Index3& samples) {
   const TemporaryFolder folder;
-  const render::Volume volume =
+  const render::Dataset dataset =
       packed(folder, "grid.rho", sampled_volume<T>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), field));
-  const render::VolumeImplementation& implementation = volume.implementation();
+  const render::LoadedDataset& implementation = dataset.implementation();
   const render::RayQuery query = query_of(isovalue);
   const render::Kernel kernel = choose_intersectors(implementation, query, render::Machine::baseline).first_hit;
   const auto cells = SurfaceCells::of(implementation, query, 2);
@@ -42,8 +42,8 @@ void expect_nothing_above_to_be_held_back(const Field& field, double isovalue, c
   std::size_t blocked = 0, above = 0, asked = 0, ended = 0;
   for (const double azimuth : {33.0, 200.0}) {
     const render::Camera camera =
-        render::fit_camera(volume.bounds(), {.azimuth_deg = azimuth, .elevation_deg = 31, .zoom = 1.3}, 1);
-    const std::vector<render::Ray> of_camera = camera_rays(volume, camera, edge, edge);
+        render::fit_camera(dataset.bounds(), {.azimuth_deg = azimuth, .elevation_deg = 31, .zoom = 1.3}, 1);
+    const std::vector<render::Ray> of_camera = camera_rays(dataset, camera, edge, edge);
     for (std::size_t r = 0; r < ray_count; ++r) rays.set(r, of_camera[r]);
     rays.count = ray_count;
     kernel(implementation, query, rays, seen, scratch);
@@ -114,10 +114,10 @@ TEST(GridOccluders, keep_them_where_values_are_whole_numbers) {
 TEST(GridOccluders, are_turned_away_from_the_light) {
   const TemporaryFolder folder;
   const Index3 samples(65, 65, 65);
-  const render::Volume volume = packed(folder, "grid.rho",
-                                       sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples),
-                                                             [](const Vec3& p) { return 0.7 - p.length(); }));
-  const auto cells = SurfaceCells::of(volume.implementation(), query_of(0.01), 1);
+  const render::Dataset dataset = packed(folder, "grid.rho",
+                                         sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples),
+                                                               [](const Vec3& p) { return 0.7 - p.length(); }));
+  const auto cells = SurfaceCells::of(dataset.implementation(), query_of(0.01), 1);
   ASSERT_TRUE(cells);
   const auto of_light = render::wide::grid_occluders_of(render::Machine::baseline, cells, {.at = {0, 0, 1}});
   const render::wide::Occluders* occluders = &of_light->of(StartSide::outside);
@@ -137,9 +137,9 @@ TEST(GridOccluders, are_not_known_where_data_have_gaps) {
   const auto with_gap = [](const Vec3& p) {
     return p.length() < 0.3 ? std::numeric_limits<double>::quiet_NaN() : waves(p);
   };
-  const render::Volume volume =
+  const render::Dataset dataset =
       packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), with_gap));
-  EXPECT_EQ(SurfaceCells::of(volume.implementation(), query_of(0.2), 1), nullptr);
+  EXPECT_EQ(SurfaceCells::of(dataset.implementation(), query_of(0.2), 1), nullptr);
 }
 
 }  // namespace

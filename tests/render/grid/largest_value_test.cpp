@@ -6,7 +6,7 @@
 #include "render/grid/reference/largest.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -32,7 +32,7 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
   const Samples negative = noise(100, -200);
   int inside_a_cell = 0, rays = 0;
   for (const Samples& samples : {noise(1000, 0), negative, with_holes}) {
-    TracedVolume traced(volume_of<double>({9, 8, 10}, samples), {.macro_factor = 2});
+    TracedDataset traced(volume_of<double>({9, 8, 10}, samples), {.macro_factor = 2});
     for (const Ray& ray : stressful_rays({8, 7, 9}, 900, 1)) {
       if (ray.origin.length() > 1e4 || std::abs(ray.direction.length() - 1) > 0.9) continue;
       // In a plane the traversal takes one of two cells, and only one of them may have data.
@@ -61,7 +61,7 @@ TEST(GridLargestValue, is_what_looking_into_every_cell_finds) {
 
 // u (1 - v) + (1 - u) v along the cell's diagonal: 0 at both ends, 1/2 in the middle.
 TEST(GridLargestValue, by_the_face_rule_misses_a_maximum_inside_a_cell_and_the_exact_method_does_not) {
-  TracedVolume traced(volume_of<float>({2, 2, 2}, [](const Index3& at) { return at.x != at.y ? 1.0F : 0.0F; }));
+  TracedDataset traced(volume_of<float>({2, 2, 2}, [](const Index3& at) { return at.x != at.y ? 1.0F : 0.0F; }));
   const Ray ray{.origin = {-1, -1, 0.25}, .direction = {1, 1, 0}};
   EXPECT_EQ(traced.largest_value(ray, face_rule).value, 0);
   const Hit hit = traced.largest_value(ray, Method{});
@@ -79,7 +79,7 @@ TEST(GridLargestValue, is_the_same_with_and_without_hierarchy_and_last_t_bit_for
       [](const Index3& at) { return noise(11, 0)(at) == 3 ? -1e9 : noise(50, -3)(at); }};
   int hits = 0;
   for (const Samples& samples : kinds) {
-    TracedVolume traced(volume_of<double>({18, 20, 17}, samples), {.macro_factor = 3, .macro_level_count = 2});
+    TracedDataset traced(volume_of<double>({18, 20, 17}, samples), {.macro_factor = 3, .macro_level_count = 2});
     for (const Method& method : {Method{}, face_rule})
       for (const Ray& ray : stressful_rays({17, 19, 16}, 500, 2)) {
         const Hit reference = traced.largest_value(ray, method, false, false);
@@ -96,7 +96,7 @@ TEST(GridLargestValue, is_the_same_with_and_without_hierarchy_and_last_t_bit_for
 }
 
 TEST(GridLargestValue, with_last_t_opens_fewer_cells) {
-  TracedVolume traced(
+  TracedDataset traced(
       sampled_volume<double>({40, 40, 40}, {}, [](const Vec3& p) { return -(p - Vec3(20, 20, 20)).length(); }));
   const auto work = [&](bool use_last_t) {
     traced.scratch = {};
@@ -112,7 +112,7 @@ TEST(GridLargestValue, with_last_t_opens_fewer_cells) {
 // and its first point was lost in it.
 TEST(GridLargestValue, of_a_constant_volume_is_that_value_where_the_ray_comes_in) {
   for (const double value : {0.1, -0.3, 7.0, 1e30}) {
-    TracedVolume traced(volume_of<double>({33, 33, 33}, [=](const Index3&) { return value; }));
+    TracedDataset traced(volume_of<double>({33, 33, 33}, [=](const Index3&) { return value; }));
     Dice dice(3);
     for (int trial = 0; trial < 200; ++trial) {
       const Vec3 direction = dice.direction();
@@ -129,9 +129,9 @@ TEST(GridLargestValue, of_a_constant_volume_is_that_value_where_the_ray_comes_in
 
 TEST(GridLargestValue, takes_the_smallest_t_among_equals) {
   // Two ridges of the same height, and a plateau of three layers.
-  TracedVolume ridges(
+  TracedDataset ridges(
       volume_of<double>({24, 4, 4}, [](const Index3& at) { return at.x == 5 || at.x == 17 ? 0.3 : 0.1; }));
-  TracedVolume plateau(
+  TracedDataset plateau(
       volume_of<double>({24, 4, 4}, [](const Index3& at) { return at.x >= 9 && at.x <= 11 ? 0.3 : 0.1; }));
   Dice dice(4);
   for (int trial = 0; trial < 100; ++trial) {
@@ -224,7 +224,7 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
       // opened first.
       return at.x == ridge ? 50 + noise : at.x == ridge - 1 + 2 * (at.z % 2) ? 30 + 3 * noise : noise;
     };
-    TracedVolume traced(volume_of<float>({24, 24, 24}, samples), {.macro_factor = 4});
+    TracedDataset traced(volume_of<float>({24, 24, 24}, samples), {.macro_factor = 4});
     int on_the_ridge = 0;
     for (int trial = 0; trial < 400; ++trial) {
       const bool rises = trial % 2 == 0;
@@ -244,7 +244,7 @@ TEST(GridLargestValue, on_a_face_belongs_to_the_cell_that_the_ray_enters_first) 
 
 // M04.
 TEST(GridLargestValue, of_negative_values_is_negative) {
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<std::int16_t>({8, 8, 8}, [](const Index3& at) { return static_cast<std::int16_t>(-1000 + at.x); }));
   EXPECT_EQ(traced.largest_value({.origin = {-1, 3.5, 3.5}, .direction = {1, 0, 0}}).value, -993);
 }
@@ -252,7 +252,7 @@ TEST(GridLargestValue, of_negative_values_is_negative) {
 // M07.
 TEST(GridLargestValue, is_found_in_the_outer_faces_edges_and_corners) {
   for (const Index3& place : {Index3(0, 0, 0), Index3(6, 6, 6), Index3(6, 0, 3), Index3(3, 6, 3)}) {
-    TracedVolume traced(volume_of<std::uint8_t>({7, 7, 7}, [=](const Index3& at) { return at == place ? 255 : 9; }));
+    TracedDataset traced(volume_of<std::uint8_t>({7, 7, 7}, [=](const Index3& at) { return at == place ? 255 : 9; }));
     const Vec3 target(static_cast<double>(place.x), static_cast<double>(place.y), static_cast<double>(place.z));
     const Vec3 direction = (Vec3(3, 3, 3) - target + Vec3(0.1, 0.2, 0.3)).normalized();
     EXPECT_NEAR(traced.largest_value({.origin = target - 4.0 * direction, .direction = direction}).value, 255, 1e-10);
@@ -261,7 +261,7 @@ TEST(GridLargestValue, is_found_in_the_outer_faces_edges_and_corners) {
 }
 
 TEST(GridLargestValue, is_a_miss_where_there_is_no_data) {
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<float>({9, 9, 9}, [](const Index3& at) { return at.x > 4 ? 1.0F : static_cast<float>(nan); }));
   EXPECT_TRUE(traced.largest_value({.origin = {2, 4.5, -1}, .direction = {0, 0, 1}}).is_miss());
   EXPECT_TRUE(traced.largest_value({.origin = {4.5, 4.5, -1}, .direction = {0, 0, 1}}).is_miss());
@@ -269,7 +269,7 @@ TEST(GridLargestValue, is_a_miss_where_there_is_no_data) {
 }
 
 TEST(GridLargestValue, never_needs_more_of_the_queue_than_is_reserved) {
-  TracedVolume traced(volume_of<double>({30, 25, 37}, noise(1000, 0)), {.macro_factor = 2, .macro_level_count = 4});
+  TracedDataset traced(volume_of<double>({30, 25, 37}, noise(1000, 0)), {.macro_factor = 2, .macro_level_count = 4});
   traced.largest_value({.origin = {-1, 3, 3}, .direction = {1, 0, 0}});
   const std::size_t capacity = traced.scratch.queue.capacity();
   for (const Ray& ray : stressful_rays({29, 24, 36}, 2000, 5)) traced.largest_value(ray, Method{}, true, false);

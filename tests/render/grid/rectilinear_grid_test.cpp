@@ -5,7 +5,7 @@
 
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/made_grid.h"
 
@@ -71,9 +71,9 @@ TEST(RectilinearGrid, meets_the_plane_of_a_linear_field_at_its_exact_t) {
   const Vec3 low(axes[0].front(), axes[1].front(), axes[2].front()),
       high(axes[0].back(), axes[1].back(), axes[2].back());
   const Vec3 slope(0.3, -0.7, 0.2);
-  TracedVolume traced(rectilinear_volume(axes, linear_field(slope, 1)));
-  EXPECT_EQ(traced.volume().bounds().min, low);
-  EXPECT_EQ(traced.volume().bounds().max, high);
+  TracedDataset traced(rectilinear_volume(axes, linear_field(slope, 1)));
+  EXPECT_EQ(traced.dataset().bounds().min, low);
+  EXPECT_EQ(traced.dataset().bounds().max, high);
   const double size = (high - low).length();
   int hits = 0, cells = 0;
   for (const Ray& ray : rays_through(low, high, 3000, 1))
@@ -106,9 +106,9 @@ TEST(RectilinearGrid, is_crossed_at_the_first_change_of_side_of_the_interpolant)
   const Samples samples = [](const Index3& at) {
     return 3 * std::sin(1.3 * static_cast<double>(at.x)) + std::cos(static_cast<double>(at.y + 2 * at.z));
   };
-  auto volume = volume_of<double>({10, 9, 11}, samples);
-  volume.axes = axes;
-  TracedVolume traced(volume, {.macro_factor = 2});
+  auto dataset = volume_of<double>({10, 9, 11}, samples);
+  dataset.axes = axes;
+  TracedDataset traced(dataset, {.macro_factor = 2});
   int hits = 0, judged = 0;
   for (const Ray& ray : rays_through(low, high, 1500, 2)) {
     const Hit hit = traced.first_crossing(ray, 0.4);
@@ -145,9 +145,9 @@ TEST(RectilinearGrid, largest_value_is_what_looking_into_every_cell_finds) {
     const auto hash = static_cast<std::uint64_t>((at.z * 1009 + at.y) * 1013 + at.x + 7) * 0x9e3779b97f4a7c15U;
     return static_cast<double>((hash >> 35) % 1000) - 500;
   };
-  auto volume = volume_of<double>({8, 7, 9}, samples);
-  volume.axes = axes;
-  TracedVolume traced(volume, {.macro_factor = 2});
+  auto dataset = volume_of<double>({8, 7, 9}, samples);
+  dataset.axes = axes;
+  TracedDataset traced(dataset, {.macro_factor = 2});
   int judged = 0;
   for (const Ray& ray : rays_through(position_of(axes, {0, 0, 0}), position_of(axes, cells), 800, 3)) {
     const auto exact = largest_by_brute_force(samples, cells, ray, false, axes);
@@ -174,9 +174,9 @@ std::vector<double> whole_numbers(std::int64_t count) {
 TEST(RectilinearGrid, whose_tables_say_whole_numbers_is_the_uniform_grid_bit_for_bit) {
   const Index3 count(20, 18, 23);
   const Axes tables{whole_numbers(count.x), whole_numbers(count.y), whole_numbers(count.z)};
-  TracedVolume uniform(made_grid({.sample_count = count}, {{"f", speckled}}).file());
-  TracedVolume rectilinear(made_grid({.sample_count = count, .axes = tables}, {{"f", speckled}}).file());
-  ASSERT_NE(uniform.volume().implementation().view.index(), rectilinear.volume().implementation().view.index());
+  TracedDataset uniform(made_grid({.sample_count = count}, {{"f", speckled}}).file());
+  TracedDataset rectilinear(made_grid({.sample_count = count, .axes = tables}, {{"f", speckled}}).file());
+  ASSERT_NE(uniform.dataset().implementation().view.index(), rectilinear.dataset().implementation().view.index());
   int hits = 0;
   for (const Ray& ray : stressful_rays({19, 17, 22}, 2000, 7)) {
     const Hit hit = uniform.first_crossing(ray, 0.5);
@@ -192,8 +192,8 @@ TEST(RectilinearGrid, isosurface_bounds_are_in_the_world) {
   Axes axes{{{}, {}, {}}};
   for (int i = 0; i < 40; ++i)
     for (auto& axis : axes) axis.push_back(static_cast<double>(i * i) / 40);
-  const TracedVolume traced(rectilinear_volume(axes, distance_field({20, 20, 20})));
-  const Box3 box = traced.volume().isosurface_bounds(8);
+  const TracedDataset traced(rectilinear_volume(axes, distance_field({20, 20, 20})));
+  const Box3 box = traced.dataset().isosurface_bounds(8);
   for (int a = 0; a < 3; ++a) {
     EXPECT_LE(box.min[a], 12);
     EXPECT_GE(box.min[a], 4);
@@ -210,11 +210,11 @@ TEST(SparseGrid, is_the_dense_grid_bit_for_bit) {
   };
   const Index3 count(26, 19, 22);
   for (const Axes& axes : {Axes{}, uneven_axes(count)}) {
-    TracedVolume dense(made_grid({.sample_count = count, .axes = axes}, {{"f", value}}).file());
-    TracedVolume sparse(made_grid({.sample_count = count, .is_sparse = true, .axes = axes}, {{"f", value}}).file());
-    const formats::BrickLayout layout = formats::BrickGrid(sparse.volume().file()).description().layout;
+    TracedDataset dense(made_grid({.sample_count = count, .axes = axes}, {{"f", value}}).file());
+    TracedDataset sparse(made_grid({.sample_count = count, .is_sparse = true, .axes = axes}, {{"f", value}}).file());
+    const formats::BrickLayout layout = formats::BrickGrid(sparse.dataset().file()).description().layout;
     EXPECT_LT(layout.stored_brick_count, static_cast<std::uint64_t>(volume(layout.brick_count())));
-    const Box3 box = dense.volume().bounds();
+    const Box3 box = dense.dataset().bounds();
     auto rays = rays_through(box.min, box.max, 1000, 8);
     if (axes[0].empty())
       for (const Ray& ray : stressful_rays({25, 18, 21}, 1000, 9)) rays.push_back(ray);

@@ -11,7 +11,7 @@
 #include "render/query/kernels.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
@@ -75,7 +75,7 @@ std::vector<Ray> mixed(const std::vector<Ray>& squares) {
 }
 
 TEST(WideCertified, answers_rays_that_pass_edges_and_corners_far_from_the_surface_by_itself) {
-  TracedVolume traced(hills());
+  TracedDataset traced(hills());
   const std::vector<Ray> squares = squares_of_rays_to_edges(6400, 2), apart = mixed(squares);
   const std::vector<Hit> truth = answers(traced, judged, Machine::scalar, squares, 10.3);
   for (const Machine machine : wide_machines()) {
@@ -101,7 +101,7 @@ TEST(WideCertified, answers_rays_that_pass_edges_and_corners_far_from_the_surfac
 }
 
 TEST(WideCertified, of_rays_that_begin_or_end_beside_the_surface_are_the_judges) {
-  TracedVolume traced(hills());
+  TracedDataset traced(hills());
   const std::vector<Ray> rays = squares_of_rays_to_edges(1280, 4);
   for (const Machine machine : wide_machines()) {
     const std::vector<Hit> whole = answers(traced, certified, machine, rays, 10.3);
@@ -142,9 +142,9 @@ std::vector<double> times_of_planes(const Ray& ray, double until) {
 }
 
 TEST(WideCertified, of_a_ray_taken_up_at_a_plane_before_its_hit_is_that_of_the_whole_ray) {
-  using View = render::GridVolume<float>;
-  TracedVolume traced(hills());
-  const View& view = std::get<View>(traced.volume().implementation().view);
+  using View = render::GridData<float>;
+  TracedDataset traced(hills());
+  const View& view = std::get<View>(traced.dataset().implementation().view);
   const render::RayQuery query{.isovalue = 10.3, .method = certified};
   Dice dice(3);
   render::RayBatch rays(64);

@@ -16,7 +16,7 @@
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
@@ -79,7 +79,7 @@ Difference difference(const std::vector<Ray>& rays, const std::vector<Hit>& a, c
 
 struct Grid {
   std::string name;
-  std::unique_ptr<TracedVolume> traced;
+  std::unique_ptr<TracedDataset> traced;
   Vec3 size;
   std::vector<double> isovalues;
 };
@@ -87,7 +87,7 @@ struct Grid {
 template <class T>
 Grid grid_of_waves(const std::string& name, const Index3& samples, std::uint64_t seed, double scale, double offset,
                    const preprocess::PackVolumeOptions& options = {}) {
-  Grid grid{name, std::make_unique<TracedVolume>(waves<T>(samples, seed, scale, offset), options), {}, {}};
+  Grid grid{name, std::make_unique<TracedDataset>(waves<T>(samples, seed, scale, offset), options), {}, {}};
   for (int a = 0; a < 3; ++a) grid.size[a] = static_cast<double>(samples[a] - 1);
   grid.isovalues = {offset + 0.0131 * scale, offset + 0.3077 * scale, offset - 0.7123 * scale};
   return grid;
@@ -147,7 +147,7 @@ std::vector<Grid> grids_with_gaps() {
       return static_cast<T>(10 + std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z) +
                             dice.between(-0.1, 0.1));
     });
-    made.push_back({gaps.name, std::make_unique<TracedVolume>(volume, options), {}, {10.0131, 10.3077, 9.2877}});
+    made.push_back({gaps.name, std::make_unique<TracedDataset>(volume, options), {}, {10.0131, 10.3077, 9.2877}});
     for (int a = 0; a < 3; ++a) made.back().size[a] = static_cast<double>(samples[a] - 1);
   };
   for (const Gaps& gaps : all_gaps) {
@@ -160,7 +160,7 @@ std::vector<Grid> grids_with_gaps() {
 }
 
 bool finds_crossings_wide(const Grid& grid) {
-  return answers_wide(grid.traced->volume().implementation(), render::method_of(render::Accuracy::float32),
+  return answers_wide(grid.traced->dataset().implementation(), render::method_of(render::Accuracy::float32),
                       &render::Intersectors::first_hit, Machine::baseline);
 }
 
@@ -226,7 +226,7 @@ std::vector<Ray> rays_through_samples(const Index3& cells, std::size_t count, st
 
 /// Both in single precision: in double, an isosurface that touches the ray may be on its other
 /// side.
-void expect_answers_of_the_reference(TracedVolume& traced, const std::vector<Ray>& rays) {
+void expect_answers_of_the_reference(TracedDataset& traced, const std::vector<Ray>& rays) {
   for (const double isovalue : {1.0, 2.0, 3.0}) {
     const std::vector<Hit> reference = answers(traced, single, Machine::scalar, rays, isovalue);
     for (const Machine machine : wide_machines()) {
@@ -241,14 +241,14 @@ void expect_answers_of_the_reference(TracedVolume& traced, const std::vector<Ray
 // A cell entered or left at a sample with the isovalue has a root there; the requested change of
 // side may be another one. A search of the whole chord with Newton's method ended at the sample.
 TEST(WideCrossing, finds_the_change_of_side_beside_a_root_at_an_end_of_the_way) {
-  TracedVolume traced(whole_numbers({21, 18, 23}, 91));
+  TracedDataset traced(whole_numbers({21, 18, 23}, 91));
   expect_answers_of_the_reference(traced, rays_through_samples({20, 17, 22}, 3000, 92));
 }
 
 // A ray in the upper face was moved slightly into the cells below it, where the field is on the
 // other side.
 TEST(WideCrossing, sees_the_upper_face_itself_along_rays_in_it) {
-  TracedVolume traced(whole_numbers({21, 18, 23}, 93));
+  TracedDataset traced(whole_numbers({21, 18, 23}, 93));
   std::vector<Ray> rays = rays_through_samples({20, 17, 22}, 3000, 94);
   Dice dice(95);
   for (Ray& ray : rays) {
@@ -427,7 +427,7 @@ TEST(WideCrossing, leaves_what_single_precision_cannot_hold_to_the_reference) {
   const Index3 samples(9, 9, 9);
   const std::vector<Ray> rays = bundles({8, 8, 8}, 1000, 51);
   for (const double scale : {1e200, 1e-200}) {
-    TracedVolume traced(volume_of<double>(
+    TracedDataset traced(volume_of<double>(
         samples, [=](const Index3& i) { return scale * static_cast<double>(i.x + 2 * i.y + 3 * i.z); }));
     const std::vector<Hit> reference = answers(traced, single, Machine::scalar, rays, 20.5 * scale);
     for (const Machine machine : wide_machines()) {

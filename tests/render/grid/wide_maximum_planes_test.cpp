@@ -7,7 +7,7 @@
 
 #include "tests/render/support/maximum_agreement.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 
 namespace rhoray::tests {
@@ -55,9 +55,9 @@ int agreement_in(const Pictures& pictures, const Samples& samples, std::uint64_t
         const std::vector<Ray> one = picture(0.5 * size - distance * ahead, ahead, pixel, distance, 32);
         rays.insert(rays.end(), one.begin(), one.end());
       }
-  const TracedVolume words(
+  const TracedDataset words(
       volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
-  const TracedVolume bytes(volume_of<std::int8_t>(
+  const TracedDataset bytes(volume_of<std::int8_t>(
       count, [&](const Index3& at) { return static_cast<std::int8_t>(samples(at) / 256 - 128); }));
   return expect_agreement(words, rays) + expect_agreement(bytes, rays);
 }
@@ -129,7 +129,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_the_largest_is_a_sample) {
   int hits = 0;
   std::uint64_t seed = 730;
   for (const Samples& samples : kinds) {
-    const TracedVolume traced(
+    const TracedDataset traced(
         volume_of<std::uint16_t>(count, [&](const Index3& at) { return static_cast<std::uint16_t>(samples(at)); }));
     hits += expect_agreement(traced, rays_through_samples(count, 800, ++seed));
   }

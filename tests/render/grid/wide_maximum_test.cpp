@@ -15,7 +15,7 @@
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/maximum_agreement.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
@@ -38,7 +38,7 @@ std::vector<Ray> rays_through(const Vec3& size, std::size_t count, std::uint64_t
 
 template <class T>
 int agreement_of(const Samples& samples, std::uint64_t seed) {
-  const TracedVolume traced(volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
+  const TracedDataset traced(volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
   return expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
 }
 
@@ -64,9 +64,9 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_only_some_bricks_are_stored
       const bool is_known = (p - Vec3(14, 11, 30)).length() < 11 || (at.z > 60 && at.x > 20);
       return static_cast<T>(is_known ? waves(at) : nan);
     };
-    const TracedVolume traced(volume_of<T>({37, 22, 70}, sample),
-                              {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
-    const auto& stored = std::get<render::SparseVolume<T>>(traced.volume().implementation().view).bricks();
+    const TracedDataset traced(volume_of<T>({37, 22, 70}, sample),
+                               {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
+    const auto& stored = std::get<render::SparseGridData<T>>(traced.dataset().implementation().view).bricks();
     EXPECT_LT(2 * stored.stored_count, stored.slots.size());
     hits += expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
   };
@@ -88,7 +88,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_samples_span_their_whole_ty
 // Groups of 8 x 8 rays from one eye; only few of them pass the blocks with high values.
 TEST(WideMaximum, is_the_scalar_kernels_answer_from_eyes_near_and_far) {
   const Vec3 size(36, 21, 69), middle = 0.5 * size;
-  const TracedVolume traced(volume_of<std::uint16_t>(
+  const TracedDataset traced(volume_of<std::uint16_t>(
       {37, 22, 70}, [](const Index3& at) { return static_cast<std::uint16_t>(over_all_of<std::uint16_t>()(at)); }));
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> anywhere(-1, 1);
@@ -170,14 +170,14 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_the_largest_lies_between_tw
   for (const Samples& samples :
        {on_planes(4, 60, 60), on_planes(3, 100, 9), on_planes(9, 30, 90), on_planes(16, 80, 2)})
     for (const Index3& count : {Index3(40, 37, 66), Index3(300, 21, 18)}) {
-      const auto agreement_in = [&](const TracedVolume& traced) {
+      const auto agreement_in = [&](const TracedDataset& traced) {
         const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
                         static_cast<double>(count.z - 1));
         return expect_agreement(traced, rays_across_planes(size, 3000, ++seed));
       };
-      hits += agreement_in(TracedVolume(
+      hits += agreement_in(TracedDataset(
           volume_of<std::uint8_t>(count, [&](const Index3& at) { return static_cast<std::uint8_t>(samples(at)); })));
-      hits += agreement_in(TracedVolume(
+      hits += agreement_in(TracedDataset(
           volume_of<float>(count, [&](const Index3& at) { return static_cast<float>(0.1 * samples(at)); })));
     }
   EXPECT_GT(hits, 30000);
@@ -216,7 +216,7 @@ TEST(WideMaximum, keeps_small_differences_of_large_values_and_values_of_any_magn
 TEST(WideMaximum, takes_lattices_of_every_small_size) {
   std::uint64_t seed = 100;
   for (const Index3& count : {Index3(2, 2, 2), Index3(2, 3, 5), Index3(5, 5, 5), Index3(6, 4, 130), Index3(65, 2, 9)}) {
-    const TracedVolume traced(volume_of<std::uint16_t>(
+    const TracedDataset traced(volume_of<std::uint16_t>(
         count, [](const Index3& at) { return static_cast<std::uint16_t>(noise(1000, 0)(at)); }));
     const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
                     static_cast<double>(count.z - 1));
@@ -236,11 +236,11 @@ TEST(WideMaximum, reads_the_last_blocks_of_lattices_that_end_with_a_square) {
     const Vec3 size(static_cast<double>(count.x - 1), static_cast<double>(count.y - 1),
                     static_cast<double>(count.z - 1));
     const std::vector<Ray> rays = rays_through(size, 1500, ++seed);
-    hits += expect_agreement(TracedVolume(volume_of<std::int16_t>(
+    hits += expect_agreement(TracedDataset(volume_of<std::int16_t>(
                                  count, [&](const Index3& at) { return static_cast<std::int16_t>(at_ends(at)); })),
                              rays);
     hits += expect_agreement(
-        TracedVolume(volume_of<std::uint8_t>(
+        TracedDataset(volume_of<std::uint8_t>(
             count, [&](const Index3& at) { return static_cast<std::uint8_t>(at_ends(at) / 300 + 120); })),
         rays);
   }
@@ -253,21 +253,21 @@ TEST(WideMaximum, reads_every_layout) {
   std::vector<preprocess::PackVolumeOptions> layouts{{.order = preprocess::SampleOrder::linear}};
   for (const std::int64_t brick_edge : {2, 3, 4, 6, 8}) layouts.push_back({.brick_edge = brick_edge});
   for (const preprocess::PackVolumeOptions& layout : layouts) {
-    const TracedVolume traced(volume_of<std::uint16_t>({37, 22, 41}, values), layout);
+    const TracedDataset traced(volume_of<std::uint16_t>({37, 22, 41}, values), layout);
     EXPECT_GT(expect_agreement(traced, rays_through({36, 21, 40}, 500, ++seed)), 400);
   }
 }
 
 // One level of macrocells: there are no nodes to read. This kernel does not support other factors.
 TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
-  const auto volume = [] {
+  const auto dataset = [] {
     return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); });
   };
-  const TracedVolume one_level(volume(), {.macro_level_count = 1});
+  const TracedDataset one_level(volume(), {.macro_level_count = 1});
   EXPECT_GT(expect_agreement(one_level, rays_through({29, 24, 36}, 1000, 7)), 800);
-  const TracedVolume other_factor(volume(), {.macro_factor = 3, .macro_level_count = 2});
-  const auto kernel = [](const TracedVolume& traced, const Method& method, Machine machine) {
-    return render::wide::largest_value_kernel(traced.volume().implementation(), method, machine);
+  const TracedDataset other_factor(volume(), {.macro_factor = 3, .macro_level_count = 2});
+  const auto kernel = [](const TracedDataset& traced, const Method& method, Machine machine) {
+    return render::wide::largest_value_kernel(traced.dataset().implementation(), method, machine);
   };
   EXPECT_EQ(kernel(other_factor, Method{}, Machine::baseline), nullptr);
   EXPECT_EQ(kernel(one_level, {.algorithm = Method::Algorithm::paper}, Machine::baseline), nullptr);
@@ -279,7 +279,7 @@ TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
 /// four and more are searched together, until their frustum is too wide; with pixels that miss and
 /// with squares that are cut off.
 TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_together) {
-  const TracedVolume traced(volume_of<std::int16_t>(
+  const TracedDataset traced(volume_of<std::int16_t>(
       {60, 52, 68}, [](const Index3& at) { return static_cast<std::int16_t>(9000 * waves(at) + noise(1000, 0)(at)); }));
   const Vec3 middle(29.5, 25.5, 33.5);
   int hits = 0;
@@ -304,7 +304,7 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_for_squares_of_pixels_searched_to
 }
 
 TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
-  const TracedVolume traced(volume_of<std::uint8_t>(
+  const TracedDataset traced(volume_of<std::uint8_t>(
       {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint8_t>(noise(9, 0)(at)); }));
   const std::vector<Ray> rays = rays_through({36, 21, 40}, 1000, 3);
   std::vector<std::size_t> order(rays.size());
@@ -324,18 +324,18 @@ TEST(WideMaximum, of_a_ray_does_not_depend_on_the_rays_that_share_its_group) {
 }
 
 TEST(WideMaximum, allocates_nothing_once_it_has_its_memory) {
-  const TracedVolume traced(volume_of<std::uint16_t>(
+  const TracedDataset traced(volume_of<std::uint16_t>(
       {37, 22, 41}, [](const Index3& at) { return static_cast<std::uint16_t>(noise(900, 0)(at)); }));
-  const render::VolumeImplementation& volume = traced.volume().implementation();
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
   for (const Machine machine : wide_machines()) {
-    const render::Kernel kernel = render::choose_intersectors(volume, {}, machine).largest;
+    const render::Kernel kernel = render::choose_intersectors(dataset, {}, machine).largest;
     render::RayBatch rays(1024);
     render::HitBatch hits(1024);
     render::KernelScratch scratch;
     for (const Ray& ray : bundles({36, 21, 40}, 1024, 5)) rays.set(rays.count++, ray);
-    kernel(volume, {}, rays, hits, scratch);
+    kernel(dataset, {}, rays, hits, scratch);
     const std::size_t before = allocation_count();
-    kernel(volume, {}, rays, hits, scratch);
+    kernel(dataset, {}, rays, hits, scratch);
     EXPECT_EQ(allocation_count(), before) << name_of(machine);
     EXPECT_GT(scratch.counters.cells_visited, 1024U);
   }

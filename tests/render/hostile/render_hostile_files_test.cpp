@@ -22,8 +22,8 @@
 #include "formats/base/error.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
-#include "formats/surface_mesh.h"
 #include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "render/query/machine.h"
 #include "render/render.h"
 #include "render/texture.h"
@@ -63,7 +63,7 @@ Interval<double> window_of(const Interval<double>& range) {
 }
 
 /// Every query that a volume of this kind supports, with each method.
-std::vector<Scene> scenes_of(const render::Volume& volume, const Look& look) {
+std::vector<Scene> scenes_of(const render::Dataset& dataset, const Look& look) {
   const Interval<double> window = window_of(look.range);
   const double middle = std::midpoint(window.lo, window.hi);
   Scene scene;
@@ -75,7 +75,7 @@ std::vector<Scene> scenes_of(const render::Volume& volume, const Look& look) {
     scene.layers = {layer};
     scenes.push_back(scene);
   };
-  if (volume.is_surface()) {
+  if (dataset.is_surface()) {
     add({.mode = Mode::triangles});
     add({.mode = Mode::triangles, .surface = {.normals = render::Normals::smooth, .opacity = 0.5}});
     return scenes;
@@ -88,19 +88,19 @@ std::vector<Scene> scenes_of(const render::Volume& volume, const Look& look) {
     add({.mode = Mode::mip, .method = render::method_of(accuracy), .window = window});
   Layer slice{.mode = Mode::slice};
   slice.plane = {.point = look.bounds.center(), .normal = {0.2, 0.3, 1}};
-  slice.surface.color_by = render::FieldColors{.field = volume.field().name, .range = window};
+  slice.material.color_by = render::FieldColors{.field = dataset.field().name, .range = window};
   add(slice);
   return scenes;
 }
 
-void render_all(const render::Volume& volume, const Look& look, const std::vector<Scene>& scenes) {
+void render_all(const render::Dataset& dataset, const Look& look, const std::vector<Scene>& scenes) {
   for (const Scene& scene : scenes)
     for (const bool use_hierarchy : {true, false}) {
       const bool is_mip = scene.layers[0].mode == Mode::mip;
       if (!use_hierarchy && !is_mip) continue;
       render::Framebuffer framebuffer;
       try {
-        render::render(volume, scene,
+        render::render(dataset, scene,
                        {.width = 12,
                         .height = 12,
                         .channels = {.depth = true, .normal = true, .cell = true, .value = true},
@@ -110,14 +110,15 @@ void render_all(const render::Volume& volume, const Look& look, const std::vecto
       } catch (const Error&) {  // e.g. a camera inside an empty box
       }
     }
-  if (!volume.is_surface()) volume.isosurface_bounds(std::midpoint(window_of(look.range).lo, window_of(look.range).hi));
+  if (!dataset.is_surface())
+    dataset.isosurface_bounds(std::midpoint(window_of(look.range).lo, window_of(look.range).hi));
 }
 
 void check_deeply(const formats::PackedFile& file) {
   const std::string& kind = file.description().kind;
   if (kind == "grid") deep_findings(formats::BrickGrid(file));
   if (kind == "tets") deep_findings(formats::TetMesh(file));
-  if (kind == "surface") deep_findings(formats::SurfaceMesh(file));
+  if (kind == "surface") deep_findings(formats::TriangleMesh(file));
 }
 
 /// Opens a mutant and does with it what a user could do. False when it is refused.
@@ -129,20 +130,20 @@ bool is_rendered(const std::string& bytes, const std::vector<Look>& looks) {
       const render::Texture texture = render::Texture::load(file);
       const std::string surface = released("1.3-surface.rho");
       const MemoryFile surface_memory(surface);
-      const render::Volume volume = render::Volume::load(opened(surface, surface_memory));
-      std::vector<Scene> scenes = scenes_of(volume, {volume.bounds(), {}});
-      for (Scene& scene : scenes) scene.layers[0].surface.texture = texture;
-      render_all(volume, {volume.bounds(), {}}, scenes);
+      const render::Dataset dataset = render::Dataset::load(opened(surface, surface_memory));
+      std::vector<Scene> scenes = scenes_of(dataset, {dataset.bounds(), {}});
+      for (Scene& scene : scenes) scene.layers[0].material.texture = texture;
+      render_all(dataset, {dataset.bounds(), {}}, scenes);
       return true;
     }
     for (const Look& look : looks) {
       const std::size_t field = static_cast<std::size_t>(&look - looks.data());
-      const std::vector<std::string> names = render::Volume::load(file).field_names();
-      const render::Volume volume = render::Volume::load(file, field < names.size() ? names[field] : std::string());
-      render_all(volume, look, scenes_of(volume, look));
+      const std::vector<std::string> names = render::Dataset::load(file).field_names();
+      const render::Dataset dataset = render::Dataset::load(file, field < names.size() ? names[field] : std::string());
+      render_all(dataset, look, scenes_of(dataset, look));
       if (field == 0)
-        render_all(volume, {volume.bounds(), volume.field().range},
-                   scenes_of(volume, {volume.bounds(), volume.field().range}));
+        render_all(dataset, {dataset.bounds(), dataset.field().range},
+                   scenes_of(dataset, {dataset.bounds(), dataset.field().range}));
     }
     check_deeply(file);
     return true;
@@ -156,11 +157,11 @@ std::vector<Look> looks_of(const std::string& bytes) {
   const formats::PackedFile file = opened(bytes, memory);
   if (file.description().kind == formats::ColorGrid::kind) return {};
   std::vector<Look> looks;
-  const render::Volume first = render::Volume::load(file);
+  const render::Dataset first = render::Dataset::load(file);
   if (first.is_surface()) return {{first.bounds(), {}}};
   for (const std::string& name : first.field_names()) {
-    const render::Volume volume = render::Volume::load(file, name);
-    looks.push_back({volume.bounds(), volume.field().range});
+    const render::Dataset dataset = render::Dataset::load(file, name);
+    looks.push_back({dataset.bounds(), dataset.field().range});
   }
   return looks;
 }

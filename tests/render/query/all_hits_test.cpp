@@ -13,7 +13,7 @@
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -34,7 +34,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Shown {
   std::string name;
-  std::unique_ptr<TracedVolume> traced;
+  std::unique_ptr<TracedDataset> traced;
   Vec3 size;
   double isovalues[2];
 };
@@ -48,7 +48,7 @@ Shown grid_of(const std::string& name, const Index3& samples, double scale, doub
     return static_cast<T>(offset +
                           scale * (std::sin(0.4 * x) + std::sin(0.5 * y) * std::cos(0.3 * z) + 0.3 * std::sin(x * z)));
   };
-  Shown shown{name, std::make_unique<TracedVolume>(volume_of<T>(samples, wave), options), {}, {}};
+  Shown shown{name, std::make_unique<TracedDataset>(volume_of<T>(samples, wave), options), {}, {}};
   for (int a = 0; a < 3; ++a) shown.size[a] = static_cast<double>(samples[a] - 1);
   shown.isovalues[0] = offset + 0.1017 * scale, shown.isovalues[1] = offset + 0.13 * scale;
   return shown;
@@ -70,20 +70,20 @@ std::vector<Shown> all_shown() {
     return static_cast<std::uint16_t>(2000 + 900 * std::sin(0.11 * x) * std::cos(0.09 * y) + 600 * std::sin(0.12 * z));
   };
   made.push_back({"U16 slow",
-                  std::make_unique<TracedVolume>(volume_of<std::uint16_t>({61, 52, 49}, slow)),
+                  std::make_unique<TracedDataset>(volume_of<std::uint16_t>({61, 52, 49}, slow)),
                   {60, 51, 48},
                   {2100.5, 2107.3}});
   const auto plane = [](const Index3& i) {
     return 2.0 * static_cast<double>(i.x) - static_cast<double>(i.y) + 0.5 * static_cast<double>(i.z);
   };
   made.push_back({"F64 plane",
-                  std::make_unique<TracedVolume>(volume_of<double>({33, 29, 31}, plane)),
+                  std::make_unique<TracedDataset>(volume_of<double>({33, 29, 31}, plane)),
                   {32, 28, 30},
                   {24.0, 24.1}});
   preprocess::NeutralMesh mesh = box_mesh({.cells = {14, 12, 13}, .box = {{0, 0, 0}, {28, 24, 26}}, .jitter = 0.2});
   add_point_field(mesh, "value",
                   [](const Vec3& p) { return std::sin(0.4 * p.x) + std::sin(0.5 * p.y) * std::cos(0.3 * p.z); });
-  made.push_back({"mesh", std::make_unique<TracedVolume>(mesh), {28, 24, 26}, {0.1017, 0.13}});
+  made.push_back({"mesh", std::make_unique<TracedDataset>(mesh), {28, 24, 26}, {0.1017, 0.13}});
   return made;
 }
 
@@ -95,9 +95,9 @@ struct Crossings {
 
 Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<double>& isovalues,
                        const std::vector<Ray>& rays, float passing = 1, float least_light = 0) {
-  const render::VolumeImplementation& volume = shown.traced->volume().implementation();
+  const render::LoadedDataset& dataset = shown.traced->dataset().implementation();
   const render::AllHitsKernel kernel =
-      render::choose_intersectors(volume, {.isovalue = isovalues[0], .method = single}, machine).all_hits;
+      render::choose_intersectors(dataset, {.isovalue = isovalues[0], .method = single}, machine).all_hits;
   Crossings found{.of_surfaces = {}, .complete = std::vector<bool>(rays.size())};
   found.of_surfaces.resize(isovalues.size(), std::vector<std::vector<Hit>>(rays.size()));
   if (kernel == nullptr) {
@@ -122,7 +122,7 @@ Crossings crossings_by(Machine machine, const Shown& shown, const std::vector<do
   for (std::size_t from = 0; from < rays.size(); from += batch) {
     asked.count = std::min(batch, rays.size() - from);
     for (std::size_t r = 0; r < asked.count; ++r) asked.set(r, rays[from + r]);
-    kernel(volume, {.surfaces = surfaces, .least_light = least_light}, asked, lists, complete, memory, counters);
+    kernel(dataset, {.surfaces = surfaces, .least_light = least_light}, asked, lists, complete, memory, counters);
     for (std::size_t r = 0; r < asked.count; ++r) {
       found.complete[from + r] = complete[r] != 0;
       for (std::size_t s = 0; s < isovalues.size(); ++s)
@@ -245,7 +245,7 @@ TEST(OrderedCrossings, of_a_surface_do_not_depend_on_the_other) {
 TEST(OrderedCrossings, end_in_the_dark_and_where_a_list_is_full) {
   const auto sheets = [](const Index3& i) { return static_cast<std::int16_t>(i.x % 2 == 0 ? -100 : 100); };
   Shown shown{"sheets",
-              std::make_unique<TracedVolume>(volume_of<std::int16_t>({40, 20, 20}, sheets)),
+              std::make_unique<TracedDataset>(volume_of<std::int16_t>({40, 20, 20}, sheets)),
               {39, 19, 19},
               {0.25, 0.5}};
   std::vector<Ray> rays;
@@ -266,25 +266,25 @@ TEST(OrderedCrossings, end_in_the_dark_and_where_a_list_is_full) {
 
 TEST(OrderedCrossings, have_no_kernel_where_rays_may_come_out_of_gaps_or_more_is_promised) {
   const Shown shown = grid_of<float>("F32", {19, 17, 15}, 1, 0);
-  const render::VolumeImplementation& volume = shown.traced->volume().implementation();
+  const render::LoadedDataset& dataset = shown.traced->dataset().implementation();
   for (const Machine machine : wide_machines()) {
-    EXPECT_NE(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single}, machine).all_hits, nullptr);
+    EXPECT_NE(render::choose_intersectors(dataset, {.isovalue = 0.1, .method = single}, machine).all_hits, nullptr);
     for (const render::Accuracy accuracy :
          {render::Accuracy::preview, render::Accuracy::float64, render::Accuracy::certified, render::Accuracy::exact})
-      EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine)
+      EXPECT_EQ(render::choose_intersectors(dataset, {.isovalue = 0.1, .method = render::method_of(accuracy)}, machine)
                     .all_hits,
                 nullptr);
-    EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine)
+    EXPECT_EQ(render::choose_intersectors(dataset, {.isovalue = 0.1, .method = single, .use_hierarchy = false}, machine)
                   .all_hits,
               nullptr);
   }
-  EXPECT_EQ(render::choose_intersectors(volume, {.isovalue = 0.1, .method = single}, Machine::scalar).all_hits,
+  EXPECT_EQ(render::choose_intersectors(dataset, {.isovalue = 0.1, .method = single}, Machine::scalar).all_hits,
             nullptr);
   const auto with_gap = [](const Index3& i) {
     return i == Index3(3, 4, 5) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(i.x);
   };
-  TracedVolume gap(volume_of<float>({9, 9, 9}, with_gap));
-  EXPECT_EQ(render::choose_intersectors(gap.volume().implementation(), {.isovalue = 3.1, .method = single}).all_hits,
+  TracedDataset gap(volume_of<float>({9, 9, 9}, with_gap));
+  EXPECT_EQ(render::choose_intersectors(gap.dataset().implementation(), {.isovalue = 3.1, .method = single}).all_hits,
             nullptr);
 }
 

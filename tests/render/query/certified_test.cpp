@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -36,7 +36,7 @@ struct Counts {
   std::uint64_t redone = 0, judged = 0;
 };
 
-Counts compare(TracedVolume& traced, const std::vector<render::Ray>& rays, double iso) {
+Counts compare(TracedDataset& traced, const std::vector<render::Ray>& rays, double iso) {
   Counts counts;
   for (const render::Ray& ray : rays) {
     traced.scratch.counters = {};
@@ -62,7 +62,7 @@ std::vector<render::Ray> ordinary_rays(const Vec3& size, std::size_t count, std:
 }
 
 TEST(CertifiedCrossings, agree_with_the_judge_on_rays_that_stress_the_walk_through_a_grid) {
-  TracedVolume traced(
+  TracedDataset traced(
       volume_of<float>({12, 10, 11}, [](const Index3& at) { return static_cast<float>(whole_number_noise(at)); }));
   for (const double iso : {3.0, 2.5, 6.0}) {
     const Counts counts = compare(traced, stressful_rays({11, 9, 10}, 4000, 1), iso);
@@ -72,7 +72,7 @@ TEST(CertifiedCrossings, agree_with_the_judge_on_rays_that_stress_the_walk_throu
 }
 
 TEST(CertifiedCrossings, agree_with_the_judge_where_samples_are_missing) {
-  TracedVolume traced(volume_of<float>({12, 10, 11}, [](const Index3& at) {
+  TracedDataset traced(volume_of<float>({12, 10, 11}, [](const Index3& at) {
     const double value = whole_number_noise(at);
     return (at.x * 7 + at.y * 5 + at.z * 3) % 11 == 0 ? std::numeric_limits<float>::quiet_NaN()
                                                       : static_cast<float>(value);
@@ -92,14 +92,14 @@ TEST(CertifiedCrossings, agree_with_the_judge_on_uneven_axes) {
     for (std::int64_t i = 0; i < count; ++i)
       volume.axes[a].push_back(position), position += 0.1 + 0.37 * static_cast<double>((i * 5) % 4);
   }
-  TracedVolume traced(volume);
-  const Vec3 size = traced.volume().bounds().max;
+  TracedDataset traced(volume);
+  const Vec3 size = traced.dataset().bounds().max;
   const Counts counts = compare(traced, ordinary_rays(size, 3000, 3), 0.2);
   EXPECT_GT(counts.hits, 1000);
 }
 
 TEST(CertifiedCrossings, are_rarely_in_doubt_on_ordinary_rays) {
-  TracedVolume traced(sampled_volume<float>({33, 33, 33}, {}, [](const Vec3& p) {
+  TracedDataset traced(sampled_volume<float>({33, 33, 33}, {}, [](const Vec3& p) {
     return (p - Vec3(16, 15, 17)).length() + 0.7 * std::sin(p.x) * std::sin(0.8 * p.y);
   }));
   const Counts counts = compare(traced, ordinary_rays({32, 32, 32}, 20000, 4), 9.3);
@@ -109,15 +109,15 @@ TEST(CertifiedCrossings, are_rarely_in_doubt_on_ordinary_rays) {
 }
 
 TEST(CertifiedCrossings, agree_with_the_judge_in_tetrahedra) {
-  TracedVolume traced(box_mesh({.cells = {6, 5, 7}}, distance_field({0.5, 0.45, 0.55})));
-  const Box3 box = traced.volume().bounds();
+  TracedDataset traced(box_mesh({.cells = {6, 5, 7}}, distance_field({0.5, 0.45, 0.55})));
+  const Box3 box = traced.dataset().bounds();
   std::vector<render::Ray> rays = stressful_rays(box.max, 3000, 5);
   const Counts counts = compare(traced, rays, 0.31);
   EXPECT_GT(counts.hits, 300);
 }
 
 TEST(CertifiedCrossings, in_tetrahedra_are_rarely_in_doubt_on_ordinary_rays) {
-  TracedVolume traced(box_mesh({.cells = {12, 11, 13}, .jitter = 0.15}, distance_field({0.5, 0.45, 0.55})));
+  TracedDataset traced(box_mesh({.cells = {12, 11, 13}, .jitter = 0.15}, distance_field({0.5, 0.45, 0.55})));
   const Counts counts = compare(traced, ordinary_rays({1, 1, 1}, 5000, 6), 0.37);
   EXPECT_GT(counts.hits, 1000);
   EXPECT_LE(counts.judged, 5U);
@@ -140,7 +140,7 @@ std::vector<render::Ray> rays_aimed_at(const std::vector<Vec3>& points, std::siz
 /// Rounding decides through which cells such a ray passes. That does not matter where the surface
 /// is far away.
 TEST(CertifiedCrossings, of_rays_through_lattice_points_are_judged_only_near_the_surface) {
-  TracedVolume traced(sampled_volume<float>({17, 17, 17}, {}, [](const Vec3& p) {
+  TracedDataset traced(sampled_volume<float>({17, 17, 17}, {}, [](const Vec3& p) {
     return (p - Vec3(8, 7, 9)).length() + 0.7 * std::sin(p.x) * std::sin(0.8 * p.y);
   }));
   std::vector<Vec3> points;
@@ -162,7 +162,7 @@ TEST(CertifiedCrossings, of_rays_through_vertices_and_edges_of_tetrahedra_are_ju
         const auto &p = mesh.points[cell[a]], &q = mesh.points[cell[b]];
         points.push_back(0.5 * (Vec3(p[0], p[1], p[2]) + Vec3(q[0], q[1], q[2])));
       }
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   const Counts counts = compare(traced, rays_aimed_at(points, 8000, 11), 0.37);
   EXPECT_GT(counts.hits, 3000);
   EXPECT_LE(counts.judged, 20U);
@@ -172,7 +172,7 @@ TEST(CertifiedCrossings, of_rays_through_vertices_and_edges_of_tetrahedra_are_ju
 struct Placed {
   int by_float = 0, by_double = 0, by_judge = 0;
 
-  void trace(TracedVolume& traced, const render::Ray& ray, double iso) {
+  void trace(TracedDataset& traced, const render::Ray& ray, double iso) {
     traced.scratch.counters = {};
     const Hit proven = traced.first_crossing(ray, iso, certified);
     const bool is_redone = traced.scratch.counters.rays_redone > 0, is_judged = traced.scratch.counters.rays_exact > 0;
@@ -192,7 +192,7 @@ struct Placed {
 /// (x - 1/2) (y - 1/2) seen nearly along x = y, at values close to its smallest there: the surface
 /// is grazed at every angle.
 TEST(CertifiedCrossings, are_placed_to_a_thousandth_of_a_cell_by_float_and_1e12_by_the_judge_where_they_graze) {
-  TracedVolume traced(volume_of<double>({2, 2, 2}, [](const Index3& at) { return at.x == at.y ? 0.25 : -0.25; }));
+  TracedDataset traced(volume_of<double>({2, 2, 2}, [](const Index3& at) { return at.x == at.y ? 0.25 : -0.25; }));
   Dice dice(12);
   Placed placed;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -207,7 +207,7 @@ TEST(CertifiedCrossings, are_placed_to_a_thousandth_of_a_cell_by_float_and_1e12_
 
 /// For hits where float cannot tell on which side of the face they are.
 TEST(CertifiedCrossings, are_placed_to_a_millionth_of_a_cell_by_double_where_they_lie_next_to_a_face) {
-  TracedVolume traced(volume_of<double>({3, 2, 2}, [](const Index3& at) {
+  TracedDataset traced(volume_of<double>({3, 2, 2}, [](const Index3& at) {
     return static_cast<double>(at.x) * (1 + 0.1 * static_cast<double>(at.y)) + 0.2 * static_cast<double>(at.z);
   }));
   Dice dice(13);
@@ -222,7 +222,7 @@ TEST(CertifiedCrossings, are_placed_to_a_millionth_of_a_cell_by_double_where_the
 }
 
 TEST(CertifiedLargestValues, enclose_the_judges) {
-  TracedVolume traced(volume_of<float>(
+  TracedDataset traced(volume_of<float>(
       {12, 10, 11}, [](const Index3& at) { return static_cast<float>(whole_number_noise(at) * 1.7); }));
   int values = 0;
   for (const render::Ray& ray : stressful_rays({11, 9, 10}, 3000, 8)) {
@@ -241,7 +241,7 @@ TEST(CertifiedLargestValues, enclose_the_judges) {
 
 TEST(SampledCrossings, come_close_with_smaller_steps_and_miss_what_lies_between_them) {
   // One layer of one cell, seen from the front.
-  TracedVolume traced(volume_of<float>({20, 20, 20}, [](const Index3& at) { return at.x == 10 ? 1.0F : 0.0F; }));
+  TracedDataset traced(volume_of<float>({20, 20, 20}, [](const Index3& at) { return at.x == 10 ? 1.0F : 0.0F; }));
   int missed_at_2 = 0, hits = 0;
   double worst_linear = 0, worst_bisect = 0;
   for (const render::Ray& ray : ordinary_rays({19, 19, 19}, 2000, 9)) {

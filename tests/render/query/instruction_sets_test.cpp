@@ -9,7 +9,7 @@
 
 #include "tests/render/support/bundles.h"
 #include "tests/render/support/crossings.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
@@ -26,7 +26,7 @@ class InstructionSets : public testing::TestWithParam<Machine> {};
 TEST_P(InstructionSets, answer_as_the_reference_does) {
   if (!render::has_machine(GetParam()))
     GTEST_SKIP() << "this processor lacks " << name_of(GetParam()) << ": no kernel for it is tested here";
-  TracedVolume traced(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13})));
+  TracedDataset traced(sampled_volume<float>({25, 22, 27}, {}, distance_field({12, 10, 13})));
   const std::vector<Ray> rays = bundles({24, 21, 26}, 500, 31);
   const Method single = render::method_of(render::Accuracy::float32);
   const std::vector<Hit> reference = answers(traced, Method{}, Machine::scalar, rays, 8);

@@ -11,7 +11,7 @@
 #include "render/query/kernels.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -41,9 +41,9 @@ std::vector<Road> roads() {
 
 struct Shown {
   std::string name;
-  std::unique_ptr<TracedVolume> traced;
-  double length;   ///< of a cell, in the volume's frame
-  Vec3 low, high;  ///< bounds of the data, in the volume's frame
+  std::unique_ptr<TracedDataset> traced;
+  double length;   ///< of a cell, in the data's frame
+  Vec3 low, high;  ///< bounds of the data, in the data's frame
 };
 
 /// Returns a field on [-1, 1]^3, as a grid and as a mesh, with cells of edge 2 / cells.
@@ -53,14 +53,14 @@ std::vector<Shown> both_kinds(const Field& field, std::int64_t cells) {
   const Index3 samples(cells + 1, cells + 1, cells + 1);
   const double n = static_cast<double>(cells);
   all.push_back({"grid",
-                 std::make_unique<TracedVolume>(sampled_volume<double>(samples, lattice_over(box, samples), field)),
+                 std::make_unique<TracedDataset>(sampled_volume<double>(samples, lattice_over(box, samples), field)),
                  1.0,
                  {0, 0, 0},
                  {n, n, n}});
   preprocess::NeutralMesh mesh = box_mesh({.cells = {cells, cells, cells}, .box = box});
   add_point_field(mesh, "value", field);
-  all.push_back({"mesh", std::make_unique<TracedVolume>(mesh), 2 / n, {}, {}});
-  const Box3 bounds = all.back().traced->volume().implementation().bounds_volume;
+  all.push_back({"mesh", std::make_unique<TracedDataset>(mesh), 2 / n, {}, {}});
+  const Box3 bounds = all.back().traced->dataset().implementation().bounds_data;
   all.back().low = bounds.min, all.back().high = bounds.max;
   return all;
 }
@@ -213,7 +213,7 @@ double with_gaps(const Index3& s) {
 }
 
 TEST(StartSide, beside_samples_without_data_is_heeded_on_every_machine_as_by_the_scalar_kernel) {
-  TracedVolume traced(volume_of<float>({40, 33, 29}, with_gaps));
+  TracedDataset traced(volume_of<float>({40, 33, 29}, with_gaps));
   const Shown shown{"gaps", nullptr, 1, {0, 0, 0}, {39, 32, 28}};
   const std::vector<Ray> rays = rays_through(shown, 4000, 3);
   const std::vector<Hit> hits = answers(traced, float64, Machine::scalar, rays, 16);
@@ -242,7 +242,7 @@ TEST(StartSide, does_not_lift_a_field_that_is_on_that_side_already) {
   // would have risen above.
   constexpr int samples[2][3][4] = {{{21, 0, 0, 0}, {487, 218, 46, 0}, {1003, 742, 392, 121}},
                                     {{547, 305, 129, 15}, {1012, 846, 576, 302}, {1136, 1100, 973, 778}}};
-  TracedVolume traced(volume_of<std::uint16_t>({4, 3, 2}, [&](const Index3& s) { return samples[s.z][s.y][s.x]; }));
+  TracedDataset traced(volume_of<std::uint16_t>({4, 3, 2}, [&](const Index3& s) { return samples[s.z][s.y][s.x]; }));
   const std::vector<Ray> rays(20, {.origin = {1.55266037629275, 1.01039396752617, 0.650460289458863},
                                    .direction = {0.50945904138751452, -0.76418856208127173, 0.69652603314699235},
                                    .start_side = StartSide::outside});
@@ -254,7 +254,7 @@ TEST(StartSide, does_not_lift_a_field_that_is_on_that_side_already) {
 TEST(StartSide, is_forgotten_beyond_samples_without_data) {
   // Along z: rises to the isovalue at 2, no data at 3, below it again at 4, and through it at 4.5.
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN(), along[] = {-2, -1, 0, nothing, -1, 1, 2, 3};
-  TracedVolume traced(volume_of<float>({8, 8, 8}, [&](const Index3& s) { return along[s.z]; }));
+  TracedDataset traced(volume_of<float>({8, 8, 8}, [&](const Index3& s) { return along[s.z]; }));
   std::vector<Ray> rays;
   for (int i = 0; i < 40; ++i)
     rays.push_back({.origin = {1.3 + 0.1 * i, 2.7, 2}, .direction = {0.01, 0.02, 1}, .start_side = StartSide::inside});

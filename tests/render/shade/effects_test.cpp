@@ -24,13 +24,13 @@ constexpr std::size_t group_size = render::RayBatch::group_size;
 
 Layer lit_surface() {
   Layer layer;
-  layer.surface = {.color = {0.5, 0.25, 1}, .ambient = 0.2, .specular = 0.4, .shininess = 10};
+  layer.material = {.color = {0.5, 0.25, 1}, .ambient = 0.2, .specular = 0.4, .shininess = 10};
   return layer;
 }
 
 /// Shades one hit in every lane of a group; fails when lanes differ.
 Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, const Vec3& direction, double value = 0,
-            const Affine& world_from_volume = {}, const render::Surroundings& surroundings = {}) {
+            const Affine& world_from_data = {}, const render::Surroundings& surroundings = {}) {
   render::RayBatch rays(group_size);
   render::HitBatch hits(group_size);
   for (std::size_t i = 0; i < group_size; ++i) {
@@ -39,7 +39,7 @@ Vec3 shaded(const Layer& layer, const EffectSet& effects, const Vec3& gradient, 
   }
   rays.count = group_size;
   Colors colors;
-  shade(layer, effects, Facing(world_from_volume), rays, hits, 0, nullptr, colors, surroundings);
+  shade(layer, effects, Facing(world_from_data), rays, hits, 0, nullptr, colors, surroundings);
   for (std::size_t i = 1; i < group_size; ++i)
     EXPECT_TRUE(colors.red[i] == colors.red[0] && colors.green[i] == colors.green[0] &&
                 colors.blue[i] == colors.blue[0]);
@@ -50,9 +50,9 @@ TEST(EffectsCalledFor, are_read_from_the_layer) {
   Layer layer = lit_surface();
   EffectSet set = effects_called_for(layer);
   EXPECT_TRUE(set.diffuse && set.specular && !set.intensity);
-  layer.surface.specular = 0;
+  layer.material.specular = 0;
   EXPECT_FALSE(effects_called_for(layer).specular);
-  layer.surface.specular = 1;
+  layer.material.specular = 1;
   layer.mode = Mode::mip;
   set = effects_called_for(layer);
   EXPECT_TRUE(!set.diffuse && !set.specular && set.intensity);
@@ -63,8 +63,8 @@ TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
   const Vec3 away(0, 0, -1), facing(0, 0, 3), tilted(0, 5 * std::sqrt(0.75), 2.5);
   const EffectSet dull{.diffuse = true};
   for (const double side : {1.0, -1.0}) {
-    EXPECT_LT((shaded(layer, dull, side * facing, away) - layer.surface.color).length(), 1e-6);
-    EXPECT_LT((shaded(layer, dull, side * tilted, away) - 0.6 * layer.surface.color).length(), 1e-6);
+    EXPECT_LT((shaded(layer, dull, side * facing, away) - layer.material.color).length(), 1e-6);
+    EXPECT_LT((shaded(layer, dull, side * tilted, away) - 0.6 * layer.material.color).length(), 1e-6);
   }
   const Vec3 highlight = shaded(layer, effects_called_for(layer), tilted, away) - shaded(layer, dull, tilted, away);
   const double expected = 0.4 * std::pow(0.5, 10);
@@ -75,7 +75,7 @@ TEST(Shade, lights_a_surface_by_the_angle_to_the_eye) {
 // and any length of the gradient.
 TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_any_length) {
   Layer layer = lit_surface();
-  layer.surface.shininess = 40;
+  layer.material.shininess = 40;
   const Affine sheared{{2e-3, 1e-4, 0}, {-3e-4, 4e-3, 2e-4}, {1e-3, 0, 7e-2}, {5, 6, 7}};
   Affine huge = sheared, mirrored = sheared;
   for (Vec3* axis : {&huge.x_axis, &huge.y_axis, &huge.z_axis}) *axis *= 1e30;
@@ -87,7 +87,7 @@ TEST(Shade, is_as_the_formulas_say_in_cells_of_any_shape_and_for_gradients_of_an
         const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
         const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
         const double cosine = std::abs(map.gradient(gradient).normalized().dot(direction));
-        const Vec3 color = (0.2 + 0.8 * cosine) * layer.surface.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
+        const Vec3 color = (0.2 + 0.8 * cosine) * layer.material.color + 0.4 * std::pow(cosine, 40.0) * Vec3(1, 1, 1);
         const Vec3 got =
             shaded(layer, effects_called_for(layer), gradient * length, map.inverse().vector(direction), 0, map);
         // A gradient made of a few of the smallest doubles has few digits itself.
@@ -105,7 +105,7 @@ TEST(Shade, adds_up_lights_as_the_formulas_say) {
   mirrored.x_axis *= -1;
   render::Scene scene;
   scene.layers[0] = lit_surface();
-  const render::Surface& surface = scene.layers[0].surface;
+  const render::Material& surface = scene.layers[0].material;
   double highlights = 0;
   for (const Affine& map : {sheared, huge, mirrored})
     for (const double length : {1.0, 1e-300, 1e300})
@@ -113,7 +113,7 @@ TEST(Shade, adds_up_lights_as_the_formulas_say) {
         const double unit = map.z_axis.length();
         const Vec3 gradient(std::sin(k), std::cos(2.1 * k), std::sin(3.3 * k + 1));
         const Vec3 direction = Vec3(std::cos(0.7 * k), 0.4, std::sin(0.9 * k)).normalized();
-        // The hits of shaded() are at t = 1 from the origin of the volume's frame.
+        // The hits of shaded() are at t = 1 from the origin of the data's frame.
         const Vec3 place = map.origin + direction;
         scene.lights = {
             {.color = {0.5, 0.25, 0.125}},
@@ -167,7 +167,7 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
   scene.lights[1].casts_shadows = false;
   EXPECT_FALSE(called_for().soft_shadows) << "no shadows";
   scene.lights[1].casts_shadows = true;
-  scene.layers[0].surface.opacity = 0.5;
+  scene.layers[0].material.opacity = 0.5;
   EXPECT_FALSE(called_for().shadows || called_for().soft_shadows) << "nothing holds light back";
   scene.layers.push_back(lit_surface());
   EXPECT_TRUE(called_for().shadows);
@@ -175,7 +175,7 @@ TEST(EffectsCalledFor, are_read_from_the_scene) {
   scene.occlusion.radius = 1;
   set = called_for();
   EXPECT_TRUE(set.lights && set.occlusion && !set.shadows);
-  scene.layers[0].surface.ambient = 0;
+  scene.layers[0].material.ambient = 0;
   EXPECT_FALSE(called_for().occlusion);
   scene.fog = render::Fog{.range = {.lo = 0, .hi = 1}};
   EXPECT_TRUE(called_for().fog);
@@ -249,8 +249,8 @@ TEST(Facing, gives_the_unit_normal_towards_the_eye) {
 
 TEST(Shade, colours_a_surface_by_a_field_and_leaves_its_own_colour_where_that_says_nothing) {
   Layer layer = lit_surface();
-  layer.surface.specular = 0;
-  layer.surface.color_by = {.field = "f", .map = render::ColorMap::coolwarm, .range = {.lo = 10, .hi = 30}};
+  layer.material.specular = 0;
+  layer.material.color_by = {.field = "f", .map = render::ColorMap::coolwarm, .range = {.lo = 10, .hi = 30}};
   render::RayBatch rays(group_size);
   render::HitBatch hits(group_size);
   double values[group_size];
@@ -264,7 +264,7 @@ TEST(Shade, colours_a_surface_by_a_field_and_leaves_its_own_colour_where_that_sa
   Colors colors;
   shade(layer, effects_called_for(layer), Facing({}), rays, hits, 0, values, colors);
   for (std::size_t i = 0; i < group_size; ++i) {
-    const Vec3 base = i == 7 ? layer.surface.color : color_of(render::ColorMap::coolwarm, (values[i] - 10) / 20);
+    const Vec3 base = i == 7 ? layer.material.color : color_of(render::ColorMap::coolwarm, (values[i] - 10) / 20);
     const Vec3 found(colors.red[i], colors.green[i], colors.blue[i]);
     EXPECT_LT((found - 0.6 * base).length(), 1e-3) << values[i];
   }

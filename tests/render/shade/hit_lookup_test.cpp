@@ -12,7 +12,7 @@
 #include "render/triangles/point_gradients.h"
 #include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -42,13 +42,13 @@ struct Answers {
   explicit Answers(std::size_t count) : rays(count), hits(count), values(count, -1) { rays.count = count; }
 };
 
-/// @param rays  in the volume's frame; whole groups
-Answers answered(const render::Volume& volume, const std::vector<render::Ray>& rays, double isovalue,
+/// @param rays  in the data's frame; whole groups
+Answers answered(const render::Dataset& volume, const std::vector<render::Ray>& rays, double isovalue,
                  const render::Method& method, const HitAttributes& attributes,
                  Machine machine = render::chosen_machine()) {
   Answers answers(rays.size());
   for (std::size_t r = 0; r < rays.size(); ++r) answers.rays.set(r, rays[r]);
-  const render::VolumeImplementation& implementation = volume.implementation();
+  const render::LoadedDataset& implementation = volume.implementation();
   render::KernelScratch scratch;
   render::choose_intersectors(implementation, {.method = method})
       .first_hit(implementation, {.isovalue = isovalue, .method = method}, answers.rays, answers.hits, scratch);
@@ -79,7 +79,7 @@ const std::vector<render::Method>& levels() {
   return all;
 }
 
-/// Calls act(r, place) for every hit, with its position in the volume's frame; expects at least
+/// Calls act(r, place) for every hit, with its position in the data's frame; expects at least
 /// `least` hits.
 template <class Act>
 void for_each_hit(const Answers& answers, std::size_t least, const Act& act) {
@@ -103,15 +103,15 @@ preprocess::NeutralMesh mesh_of(const BoxMesh& box, const Field& shown, const Fi
 
 TEST(HitLookup, names_the_tetrahedron_that_was_hit_at_every_level) {
   for (const auto structure : {preprocess::MeshStructure::clusters, preprocess::MeshStructure::leaves}) {
-    TracedVolume traced(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves), {.structure = structure});
-    const auto& implementation = traced.volume().implementation();
-    const auto& view = std::get<render::TetVolume<double>>(implementation.view);
-    const auto rays = rays_through(implementation.bounds_volume, 256);
+    TracedDataset traced(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves), {.structure = structure});
+    const auto& implementation = traced.dataset().implementation();
+    const auto& view = std::get<render::TetData<double>>(implementation.view);
+    const auto rays = rays_through(implementation.bounds_data, 256);
     auto methods = levels();
     methods.push_back({.algorithm = render::Method::Algorithm::sampled, .step = 0.05, .bisect = true});
     methods.push_back({.algorithm = render::Method::Algorithm::slack, .slack = 1e-9});
     for (const render::Method& method : methods) {
-      const Answers answers = answered(traced.volume(), rays, 0.3, method, {.smooth_gradients = true, .field = {}});
+      const Answers answers = answered(traced.dataset(), rays, 0.3, method, {.smooth_gradients = true, .field = {}});
       for_each_hit(answers, 100, [&](std::size_t r, const Vec3&) {
         EXPECT_EQ(view.cell_id(answers.hits[r].tet), answers.hits[r].cell);
       });
@@ -123,23 +123,23 @@ TEST(HitLookup, of_a_linear_field_says_the_fields_own_gradient_and_values_at_eve
   const Vec3 slope(0.3, -0.7, 0.5);
   const Field other = linear_field({2, 1, -3}, 4);
   for (const auto structure : {preprocess::MeshStructure::clusters, preprocess::MeshStructure::leaves}) {
-    TracedVolume traced(mesh_of({.cells = {7, 8, 6}, .jitter = 0.12}, linear_field(slope, 2), other),
-                        {.structure = structure});
-    const auto& implementation = traced.volume().implementation();
-    const Affine& world = implementation.world_from_volume;
-    const auto rays = rays_through(implementation.bounds_volume, 256);
+    TracedDataset traced(mesh_of({.cells = {7, 8, 6}, .jitter = 0.12}, linear_field(slope, 2), other),
+                         {.structure = structure});
+    const auto& implementation = traced.dataset().implementation();
+    const Affine& world = implementation.world_from_data;
+    const auto rays = rays_through(implementation.bounds_data, 256);
     for (const render::Method& method : levels()) {
       // In that case t itself may have that error; the value is the one on the surface.
       const bool is_float = method.precision == render::Method::Precision::float32 ||
                             method.algorithm == render::Method::Algorithm::certified;
-      const Answers own = answered(traced.volume(), rays, 2.05, method, {.smooth_gradients = true, .field = "value"});
+      const Answers own = answered(traced.dataset(), rays, 2.05, method, {.smooth_gradients = true, .field = "value"});
       for_each_hit(own, 60, [&](std::size_t r, const Vec3&) {
         EXPECT_NEAR(own.values[r], 2.05, 1e-15 * 8);
         EXPECT_LT((own.hits[r].gradient - slope).length(), 1e-12);
       });
       for (const auto& [name, tolerance] : {std::pair("other", 1e-12), {"other in single precision", 1e-6}}) {
         const Answers answers =
-            answered(traced.volume(), rays, 2.05, method, {.smooth_gradients = false, .field = name});
+            answered(traced.dataset(), rays, 2.05, method, {.smooth_gradients = false, .field = name});
         for_each_hit(answers, 60, [&, allowed = is_float ? 1e-6 : tolerance](std::size_t r, const Vec3& place) {
           EXPECT_NEAR(answers.values[r], other(world.point(place)), allowed);
         });
@@ -155,19 +155,19 @@ TEST(HitLookup, of_the_own_field_is_the_value_of_the_hit_to_rounding_in_cells_of
     preprocess::NeutralMesh mesh = strewn_mesh(200, 0.3, flatness, 7);
     add_point_field(mesh, "value", waves);
     add_point_field(mesh, "x", [](const Vec3& p) { return p.x; });
-    TracedVolume traced(mesh);
-    const auto& implementation = traced.volume().implementation();
-    const auto& view = std::get<render::TetVolume<double>>(implementation.view);
-    const auto rays = rays_through(implementation.bounds_volume, 1024);
+    TracedDataset traced(mesh);
+    const auto& implementation = traced.dataset().implementation();
+    const auto& view = std::get<render::TetData<double>>(implementation.view);
+    const auto rays = rays_through(implementation.bounds_data, 1024);
     for (const render::Method& method : levels()) {
-      const Answers own = answered(traced.volume(), rays, 0.3, method, {.smooth_gradients = false, .field = "value"});
+      const Answers own = answered(traced.dataset(), rays, 0.3, method, {.smooth_gradients = false, .field = "value"});
       for_each_hit(own, 30, [&](std::size_t r, const Vec3&) { EXPECT_NEAR(own.values[r], 0.3, 1e-15); });
-      const Answers other = answered(traced.volume(), rays, 0.3, method, {.smooth_gradients = false, .field = "x"});
+      const Answers other = answered(traced.dataset(), rays, 0.3, method, {.smooth_gradients = false, .field = "x"});
       for_each_hit(other, 30, [&](std::size_t r, const Vec3&) {
         double low = 1e9, high = -1e9;
         for (const auto& p : view.points_at(view.vertices(other.hits[r].tet)))
           low = std::min(low, p[0]), high = std::max(high, p[0]);
-        const double origin = implementation.world_from_volume.origin.x;
+        const double origin = implementation.world_from_data.origin.x;
         EXPECT_GE(other.values[r], low + origin - 1e-12);
         EXPECT_LE(other.values[r], high + origin + 1e-12);
       });
@@ -181,16 +181,16 @@ struct GradientErrors {
 };
 GradientErrors gradient_errors(std::int64_t cells) {
   const Field bowl = [](const Vec3& p) { return p.x * p.x + 2 * p.y * p.y - p.z * p.z + p.x * p.z; };
-  TracedVolume traced(box_mesh({.cells = {cells, cells, cells}, .box = Box3({-1, -1, -1}, {1, 1, 1})}, bowl));
-  const auto& implementation = traced.volume().implementation();
-  const auto rays = rays_through(implementation.bounds_volume, 2048);
+  TracedDataset traced(box_mesh({.cells = {cells, cells, cells}, .box = Box3({-1, -1, -1}, {1, 1, 1})}, bowl));
+  const auto& implementation = traced.dataset().implementation();
+  const auto rays = rays_through(implementation.bounds_data, 2048);
   const auto answers = [&](bool smooth) {
-    return answered(traced.volume(), rays, 0.4, render::Method{}, {.smooth_gradients = smooth, .field = "value"});
+    return answered(traced.dataset(), rays, 0.4, render::Method{}, {.smooth_gradients = smooth, .field = "value"});
   };
   const Answers flat = answers(false), smooth = answers(true);
   GradientErrors errors;
   for_each_hit(flat, 500, [&](std::size_t r, const Vec3& place) {
-    const Vec3 p = implementation.world_from_volume.point(place);
+    const Vec3 p = implementation.world_from_data.point(place);
     // At points of the border only one side contributes.
     if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > 0.7) return;
     const Vec3 exact(2 * p.x + p.z, 4 * p.y, -2 * p.z + p.x);
@@ -212,8 +212,8 @@ TEST(SmoothGradients, of_a_quadratic_field_converge_where_those_of_cells_converg
 
 /// Two rays so close that they hit on both sides of a face, between two rays that hit different
 /// cells. False when there is no face between them but an outline.
-bool straddle_face(TracedVolume& traced, double isovalue, render::Ray& left, render::Ray& right) {
-  const render::VolumeImplementation& volume = traced.volume().implementation();
+bool straddle_face(TracedDataset& traced, double isovalue, render::Ray& left, render::Ray& right) {
+  const render::LoadedDataset& volume = traced.dataset().implementation();
   const render::Kernel kernel = render::choose_intersectors(volume, {}).first_hit;
   const auto hit_of = [&](const render::Ray& ray) {
     render::Hit hit;
@@ -233,13 +233,13 @@ bool straddle_face(TracedVolume& traced, double isovalue, render::Ray& left, ren
 }
 
 TEST(SmoothGradients, on_both_sides_of_a_face_are_the_same_where_those_of_cells_are_not) {
-  TracedVolume traced(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves));
-  const auto& implementation = traced.volume().implementation();
-  const auto rays = rays_through(implementation.bounds_volume, 128);
+  TracedDataset traced(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves));
+  const auto& implementation = traced.dataset().implementation();
+  const auto rays = rays_through(implementation.bounds_data, 128);
   std::vector<render::Ray> beside = rays, pairs;
   for (render::Ray& ray : beside) ray.origin.x += 0.03;
   const auto answers = [&](const std::vector<render::Ray>& of, bool smooth) {
-    return answered(traced.volume(), of, 0.3, render::Method{}, {.smooth_gradients = smooth, .field = "value"});
+    return answered(traced.dataset(), of, 0.3, render::Method{}, {.smooth_gradients = smooth, .field = "value"});
   };
   const Answers left = answers(rays, false), right = answers(beside, false);
   for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -266,8 +266,8 @@ TEST(SmoothGradients, are_left_out_where_they_say_nothing) {
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}};
   mesh.cells = {{0, 1, 2, 3}, {4, 5, 6, 7}};
   add_point_field(mesh, "value", [](const Vec3& p) { return p.x; });
-  TracedVolume traced(mesh);
-  const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
+  TracedDataset traced(mesh);
+  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
   std::uint32_t flat = 0;
   while (view.cell_id(flat) != 0) ++flat;
   const render::PointGradients gradients(view, 1);
@@ -279,13 +279,13 @@ TEST(SmoothGradients, are_left_out_where_they_say_nothing) {
     rays.set(i, {.origin = {0.5, 0.4, -1}, .direction = {0, 0, 1}});
     hits.set(i, {.t = 1, .value = 0.5, .tet = flat, .gradient = {1, 2, 3}});
   }
-  HitLookup(traced.volume().implementation(), {.smooth_gradients = true, .field = {}}, 1)(rays, hits, 0, values);
+  HitLookup(traced.dataset().implementation(), {.smooth_gradients = true, .field = {}}, 1)(rays, hits, 0, values);
   EXPECT_EQ(hits[0].gradient, Vec3(1, 2, 3));
 }
 
 TEST(PointGradients, are_the_same_bits_for_any_number_of_threads) {
-  TracedVolume traced(box_mesh({.cells = {40, 40, 40}, .jitter = 0.12}, waves));
-  const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
+  TracedDataset traced(box_mesh({.cells = {40, 40, 40}, .jitter = 0.12}, waves));
+  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
   const render::PointGradients one(view, 1), many(view, 4);
   const auto a = one.of_points(), b = many.of_points();
   ASSERT_EQ(a.size(), 41U * 41 * 41);
@@ -295,11 +295,11 @@ TEST(PointGradients, are_the_same_bits_for_any_number_of_threads) {
 TEST(PointGradients, are_the_means_of_the_cells_around_by_volume_without_those_that_have_no_data) {
   auto mesh = box_mesh({.cells = {4, 3, 5}, .jitter = 0.12, .grading = 8}, waves);
   mesh.point_fields[0].values[17] = std::numeric_limits<double>::quiet_NaN();
-  TracedVolume traced(mesh);
-  const auto& view = std::get<render::TetVolume<double>>(traced.volume().implementation().view);
+  TracedDataset traced(mesh);
+  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
   const render::PointGradients gradients(view, 1);
   std::vector<Vec3> sums(view.description().point_count, Vec3(0, 0, 0));
-  std::vector<double> volumes(sums.size());
+  std::vector<double> datasets(sums.size());
   for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.vertices(cell);
     const auto p = view.points_at(vertices);
@@ -308,11 +308,11 @@ TEST(PointGradients, are_the_means_of_the_cells_around_by_volume_without_those_t
     const double volume = std::abs((to_vec3(p[1]) - o).dot((to_vec3(p[2]) - o).cross(to_vec3(p[3]) - o))) / 6;
     for (const std::uint32_t v : vertices) {
       sums[v] += volume * render::tet_gradient(p, view.values_at(vertices));
-      volumes[v] += volume;
+      datasets[v] += volume;
     }
   }
   for (std::size_t v = 0; v < sums.size(); ++v) {
-    const Vec3 expected = volumes[v] > 0 ? sums[v] / volumes[v] : Vec3(0, 0, 0);
+    const Vec3 expected = datasets[v] > 0 ? sums[v] / datasets[v] : Vec3(0, 0, 0);
     EXPECT_LT((to_vec3(gradients.of_points()[v]) - expected).length(), 1e-11);
   }
 }
@@ -334,9 +334,9 @@ TEST(HitLookup, in_grids_is_trilinear_at_the_hit_where_samples_stand_and_lie_any
         for (std::size_t axis = 0; axis < 3; ++axis)
           for (std::int64_t i = 0; i < choice.sample_count[static_cast<int>(axis)]; ++i)
             choice.axes[axis].push_back(0.1 * static_cast<double>(i * i) + static_cast<double>(i));
-      TracedVolume traced(made_grid(choice, grid_fields()).file(), "value");
-      const auto& implementation = traced.volume().implementation();
-      const auto rays = rays_through(implementation.bounds_volume, 256);
+      TracedDataset traced(made_grid(choice, grid_fields()).file(), "value");
+      const auto& implementation = traced.dataset().implementation();
+      const auto rays = rays_through(implementation.bounds_data, 256);
       // In sample coordinates, in which the other field is linear.
       const auto in_samples = [&](int axis, double x) {
         if (!is_rectilinear) return x;
@@ -346,11 +346,12 @@ TEST(HitLookup, in_grids_is_trilinear_at_the_hit_where_samples_stand_and_lie_any
       };
       for (const render::Method& method : levels()) {
         const double tolerance = method.precision == render::Method::Precision::float32 ? 1e-5 : 1e-11;
-        const Answers own = answered(traced.volume(), rays, 0.7, method, {.smooth_gradients = false, .field = "value"});
+        const Answers own =
+            answered(traced.dataset(), rays, 0.7, method, {.smooth_gradients = false, .field = "value"});
         for_each_hit(own, 60,
                      [&](std::size_t r, const Vec3&) { EXPECT_NEAR(own.values[r], 0.7, 2e-3 * 1e-2 + tolerance); });
         const Answers other =
-            answered(traced.volume(), rays, 0.7, method, {.smooth_gradients = false, .field = "other"});
+            answered(traced.dataset(), rays, 0.7, method, {.smooth_gradients = false, .field = "other"});
         for_each_hit(other, 60, [&](std::size_t r, const Vec3& p) {
           EXPECT_NEAR(other.values[r], 3 * in_samples(0, p.x) - 2 * in_samples(1, p.y) + 5 * in_samples(2, p.z), 1e-9);
         });
@@ -363,10 +364,10 @@ TEST(HitLookup, says_nan_where_the_cell_has_no_data) {
   fields[1].value = [](auto i, auto, auto) {
     return i == 8 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(i);
   };
-  TracedVolume grid(made_grid({.sample_count = {17, 12, 14}}, fields).file(), "value");
-  const auto rays = rays_through(grid.volume().implementation().bounds_volume, 256);
+  TracedDataset grid(made_grid({.sample_count = {17, 12, 14}}, fields).file(), "value");
+  const auto rays = rays_through(grid.dataset().implementation().bounds_data, 256);
   const Answers answers =
-      answered(grid.volume(), rays, 0.7, render::Method{}, {.smooth_gradients = false, .field = "other"});
+      answered(grid.dataset(), rays, 0.7, render::Method{}, {.smooth_gradients = false, .field = "other"});
   int without = 0;
   for_each_hit(answers, 60, [&](std::size_t r, const Vec3& p) {
     const bool has_none = p.x > 7 && p.x < 9;
@@ -377,13 +378,13 @@ TEST(HitLookup, says_nan_where_the_cell_has_no_data) {
 }
 
 TEST(HitLookup, gives_the_same_bits_on_every_machine) {
-  TracedVolume mesh(mesh_of({.cells = {7, 8, 6}, .jitter = 0.12}, waves, linear_field({1, 2, 3})));
-  TracedVolume grid(made_grid({.sample_count = {17, 12, 14}}, grid_fields()).file(), "value");
-  for (const TracedVolume* traced : {&mesh, &grid}) {
-    const auto rays = rays_through(traced->volume().implementation().bounds_volume, 256);
-    const HitAttributes attributes{.smooth_gradients = traced->volume().is_mesh(), .field = "other"};
+  TracedDataset mesh(mesh_of({.cells = {7, 8, 6}, .jitter = 0.12}, waves, linear_field({1, 2, 3})));
+  TracedDataset grid(made_grid({.sample_count = {17, 12, 14}}, grid_fields()).file(), "value");
+  for (const TracedDataset* traced : {&mesh, &grid}) {
+    const auto rays = rays_through(traced->dataset().implementation().bounds_data, 256);
+    const HitAttributes attributes{.smooth_gradients = traced->dataset().is_mesh(), .field = "other"};
     const auto on = [&](Machine machine) {
-      return answered(traced->volume(), rays, 0.3, render::Method{}, attributes, machine);
+      return answered(traced->dataset(), rays, 0.3, render::Method{}, attributes, machine);
     };
     const Answers scalar = on(Machine::scalar);
     for (const Machine machine : wide_machines()) {
@@ -397,12 +398,12 @@ TEST(HitLookup, gives_the_same_bits_on_every_machine) {
 }
 
 TEST(HitLookup, refuses_what_does_not_apply) {
-  TracedVolume mesh(box_mesh({}, waves));
-  TracedVolume grid(made_grid({}, grid_fields()).file());
+  TracedDataset mesh(box_mesh({}, waves));
+  TracedDataset grid(made_grid({}, grid_fields()).file());
   expect_error(ErrorCode::usage, "no field 'colour'; it has 'value'",
-               [&] { HitLookup(mesh.volume().implementation(), {.smooth_gradients = false, .field = "colour"}, 1); });
+               [&] { HitLookup(mesh.dataset().implementation(), {.smooth_gradients = false, .field = "colour"}, 1); });
   expect_error(ErrorCode::usage, "only meshes have smooth normals",
-               [&] { HitLookup(grid.volume().implementation(), {.smooth_gradients = true, .field = {}}, 1); });
+               [&] { HitLookup(grid.dataset().implementation(), {.smooth_gradients = true, .field = {}}, 1); });
 }
 
 }  // namespace

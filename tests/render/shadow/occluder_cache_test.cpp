@@ -19,30 +19,30 @@ double waves(const Vec3& p) {
   return std::sin(7 * p.x + 1) + std::sin(9 * p.y) * std::cos(6 * p.z);
 }
 
-render::Volume grid_in(const TemporaryFolder& folder) {
+render::Dataset grid_in(const TemporaryFolder& folder) {
   const Index3 samples(20, 20, 20);
   return packed(folder, "grid.rho", sampled_volume<float>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
 }
-render::Volume mesh_in(const TemporaryFolder& folder) {
+render::Dataset mesh_in(const TemporaryFolder& folder) {
   preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", waves);
   return packed(folder, "mesh.rho", mesh);
 }
 
-std::shared_ptr<const LightOccluders> occluders_of(OccluderCache& cache, const render::Volume& volume, double isovalue,
-                                                   const LightPlace& light) {
+std::shared_ptr<const LightOccluders> occluders_of(OccluderCache& cache, const render::Dataset& dataset,
+                                                   double isovalue, const LightPlace& light) {
   const render::RayQuery query{.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
-  const render::VolumeImplementation& implementation = volume.implementation();
+  const render::LoadedDataset& implementation = dataset.implementation();
   const render::Intersectors chosen = choose_intersectors(implementation, query);
   return chosen.occluders == nullptr ? nullptr : cache.of(*chosen.occluders, implementation, query, light, 1);
 }
 
 TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
   const TemporaryFolder folder;
-  for (const render::Volume& volume : {grid_in(folder), mesh_in(folder)}) {
+  for (const render::Dataset& dataset : {grid_in(folder), mesh_in(folder)}) {
     OccluderCache memory;
     const auto of = [&](double isovalue, const LightPlace& light) {
-      return occluders_of(memory, volume, isovalue, light);
+      return occluders_of(memory, dataset, isovalue, light);
     };
     const LightPlace light{.at = {0, 0, 1}};
     const auto first = of(0.2, light), other_isovalue = of(0.3, light), other_light = of(0.2, {.at = {0, 1, 1}});
@@ -50,7 +50,7 @@ TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
     EXPECT_NE(other_isovalue, first);
     EXPECT_NE(other_light, first);
     const auto second = of(0.2, light);
-    EXPECT_EQ(second == first, !volume.is_mesh()) << "in meshes shadows are added by the second frame";
+    EXPECT_EQ(second == first, !dataset.is_mesh()) << "in meshes shadows are added by the second frame";
     EXPECT_EQ(of(0.2, light), second);
     EXPECT_EQ(second->of(StartSide::outside).parts, first->of(StartSide::outside).parts);
     // The oldest of five lights is dropped, and computed again.
@@ -65,10 +65,10 @@ TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_aske
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
-  const render::Volume volume = packed(folder, "mesh.rho", mesh);
+  const render::Dataset dataset = packed(folder, "mesh.rho", mesh);
   OccluderCache memory;
   const auto knows_shadows = [&](double isovalue, const LightPlace& light) {
-    const auto of_light = occluders_of(memory, volume, isovalue, light);
+    const auto of_light = occluders_of(memory, dataset, isovalue, light);
     render::RayBatch rays(64);
     for (std::size_t r = 0; r < 64; ++r) rays.set(r, {.origin = {0, 0, -0.9}, .direction = light.at});
     const auto known = of_light->of(StartSide::outside).heights->know(render::Machine::baseline, rays, 0, 1);
@@ -86,10 +86,10 @@ TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_aske
 // For a light at a position, or with a size, the facets are known; cells are not.
 TEST(OccluderCache, keeps_facets_for_lights_of_all_kinds) {
   const TemporaryFolder folder;
-  const render::Volume grid = grid_in(folder), mesh = mesh_in(folder);
+  const render::Dataset grid = grid_in(folder), mesh = mesh_in(folder);
   OccluderCache memory;
-  const auto of = [&](const render::Volume& volume, const LightPlace& light) {
-    return occluders_of(memory, volume, 0.2, light);
+  const auto of = [&](const render::Dataset& dataset, const LightPlace& light) {
+    return occluders_of(memory, dataset, 0.2, light);
   };
   const LightPlace lights[] = {{.is_place = true, .at = {0, 0, 3}},
                                {.is_place = false, .at = {0, 0, 3}},

@@ -14,23 +14,23 @@
 #include "tests/render/support/ask.h"
 #include "tests/render/support/grid_judge.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 
 /// Compares the wide kernels' largest values with the scalar kernel's, and provides samples for it.
 namespace rhoray::tests {
 
-inline std::vector<render::Hit> largest_values(const TracedVolume& traced, const render::Method& method,
+inline std::vector<render::Hit> largest_values(const TracedDataset& traced, const render::Method& method,
                                                render::Machine machine, const std::vector<render::Ray>& rays_world) {
-  const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
+  const render::Intersectors kernels = render::choose_intersectors(dataset, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   std::vector<render::Ray> rays;
-  for (const render::Ray& ray : rays_world) rays.push_back(traced.ray_volume(ray));
+  for (const render::Ray& ray : rays_world) rays.push_back(traced.ray_data(ray));
   std::vector<render::Hit> hits(rays.size());
-  ask(kernels.largest, volume, {.field_range = traced.volume().field().range, .method = method}, rays, hits, scratch);
+  ask(kernels.largest, dataset, {.field_range = traced.dataset().field().range, .method = method}, rays, hits, scratch);
   return hits;
 }
 
@@ -48,10 +48,11 @@ inline void expect_same(const std::vector<render::Hit>& wide, const std::vector<
 }
 
 /// Expects the scalar kernel's result on every machine; returns the number of rays that hit.
-inline int expect_agreement(const TracedVolume& traced, const std::vector<render::Ray>& rays) {
+inline int expect_agreement(const TracedDataset& traced, const std::vector<render::Ray>& rays) {
   const std::vector<render::Hit> reference = largest_values(traced, render::Method{}, render::Machine::scalar, rays);
   for (const render::Machine machine : wide_machines()) {
-    EXPECT_NE(render::wide::largest_value_kernel(traced.volume().implementation(), render::Method{}, machine), nullptr);
+    EXPECT_NE(render::wide::largest_value_kernel(traced.dataset().implementation(), render::Method{}, machine),
+              nullptr);
     expect_same(largest_values(traced, render::Method{}, machine, rays), reference, rays, name_of(machine));
   }
   return static_cast<int>(

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 
@@ -76,8 +76,8 @@ struct AllCells {
 
 /// The packed mesh itself: points in its own frame and order, so that a test of all cells computes
 /// with the same bits.
-preprocess::NeutralMesh packed_mesh(const TracedVolume& traced) {
-  const formats::TetMesh packed(traced.volume().file());
+preprocess::NeutralMesh packed_mesh(const TracedDataset& traced) {
+  const formats::TetMesh packed(traced.dataset().file());
   preprocess::NeutralMesh mesh;
   mesh.points.assign(packed.points().begin(), packed.points().end());
   for (std::uint64_t c = 0; c < packed.description().cell_count; ++c) {
@@ -91,7 +91,7 @@ preprocess::NeutralMesh packed_mesh(const TracedVolume& traced) {
 
 TEST(TetFirstCrossing, meets_the_plane_of_a_linear_field_at_its_exact_t) {
   const Vec3 slope(0.3, -0.7, 0.5);
-  TracedVolume traced(box_mesh({.cells = {5, 4, 6}, .jitter = 0.1}, linear_field(slope, 0.1)));
+  TracedDataset traced(box_mesh({.cells = {5, 4, 6}, .jitter = 0.1}, linear_field(slope, 0.1)));
   int hits = 0;
   for (const Ray& ray : rays_through_cube(3000, 1)) {
     const double t = (0.15 - 0.1 - slope.dot(ray.origin)) / slope.dot(ray.direction);
@@ -115,13 +115,13 @@ TEST(TetFirstCrossing, is_what_looking_into_every_cell_finds) {
   for (const double jitter : {0.0, 0.12}) {
     const auto mesh = box_mesh({.cells = {4, 4, 4}, .jitter = jitter, .grading = 5}, field);
     for (const double leaves_per_cell : {0.05, 1.0, 8.0}) {
-      TracedVolume traced(mesh, {.structure = preprocess::MeshStructure::leaves,
-                                 .leaf_cells_per_tetrahedron = leaves_per_cell,
-                                 .macro_factor = 2});
+      TracedDataset traced(mesh, {.structure = preprocess::MeshStructure::leaves,
+                                  .leaf_cells_per_tetrahedron = leaves_per_cell,
+                                  .macro_factor = 2});
       const auto moved = packed_mesh(traced);
       for (const Ray& ray : rays_through_cube(700, 2)) {
         const Hit hit = traced.first_crossing(ray, 0.3), flat = traced.first_crossing(ray, 0.3, false);
-        ASSERT_EQ(hit.t, AllCells{moved}.first_crossing(traced.ray_volume(ray), 0.3));
+        ASSERT_EQ(hit.t, AllCells{moved}.first_crossing(traced.ray_data(ray), 0.3));
         ASSERT_TRUE(same_bits(hit, flat));
         hits += !hit.is_miss();
       }
@@ -135,7 +135,7 @@ TEST(TetFirstCrossing, holds_a_ray_against_no_tetrahedron_twice) {
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.cells = {{0, 1, 2, 3}};
   add_point_field(mesh, "value", linear_field({1, 1, 1}, 0));
-  TracedVolume traced(mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = 8000});
+  TracedDataset traced(mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = 8000});
   std::uint64_t tested = 0, leaves = 0;
   for (const Ray& ray : rays_through_cube(500, 3)) {
     for (const Method& method : {Method{}, Method{.algorithm = Method::Algorithm::certified}}) {
@@ -156,7 +156,7 @@ TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
   auto mesh = box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5}));
   // One vertex twice: packing drops the cell, later ids stay.
   mesh.cells.insert(mesh.cells.begin() + 5, {7, 7, 8, 9});
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   int hits = 0;
   for (const Ray& ray : rays_through_cube(500, 3)) {
     const Hit hit = traced.first_crossing(ray, 0.35);
@@ -168,7 +168,7 @@ TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
     std::array<Vec3, 4> p;
     for (std::size_t i = 0; i < 4; ++i) p[i] = to_vec3(mesh.points[cell[i]]);
     const Vec3 q = ray.at(hit.t);
-    const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const auto dataset = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
       return (b - a).cross(c - a).dot(d - a);
     };
     const double all = volume(p[0], p[1], p[2], p[3]);
@@ -186,7 +186,7 @@ TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
 }
 
 TEST(TetFirstCrossing, from_inside_is_where_the_ray_comes_out) {
-  TracedVolume traced(box_mesh({.cells = {4, 4, 4}}, linear_field({1, 0, 0})));
+  TracedDataset traced(box_mesh({.cells = {4, 4, 4}}, linear_field({1, 0, 0})));
   const Ray from_inside{.origin = {0.7, 0.41, 0.33}, .direction = {-1, 0, 0}};
   EXPECT_NEAR(traced.first_crossing(from_inside, 0.2).t, 0.5, 1e-15);
   EXPECT_TRUE(traced.first_crossing({.origin = {0.7, 0.41, 0.33}, .direction = {1, 0, 0}}, 0.2).is_miss());
@@ -200,7 +200,7 @@ TEST(TetFirstCrossing, from_inside_is_where_the_ray_comes_out) {
 
 TEST(TetFirstCrossing, gives_no_surface_at_the_mesh_boundary_or_against_cells_without_data) {
   auto mesh = box_mesh({.cells = {6, 6, 6}}, [](const Vec3& p) { return p.x < 0.4 ? 1.0 : p.x < 0.6 ? nan : -1.0; });
-  TracedVolume traced(mesh);
+  TracedDataset traced(mesh);
   for (const Ray& ray : rays_through_cube(300, 4)) {
     EXPECT_TRUE(traced.first_crossing(ray, 0).is_miss());
     EXPECT_TRUE(traced.first_crossing(ray, 0, false).is_miss());
@@ -208,8 +208,8 @@ TEST(TetFirstCrossing, gives_no_surface_at_the_mesh_boundary_or_against_cells_wi
 }
 
 TEST(TetFirstCrossing, reads_single_precision_fields) {
-  TracedVolume traced(box_mesh({.cells = {4, 4, 4}}, linear_field({1, 0, 0}), true));
-  EXPECT_EQ(traced.volume().field().type, formats::ElementType::F32);
+  TracedDataset traced(box_mesh({.cells = {4, 4, 4}}, linear_field({1, 0, 0}), true));
+  EXPECT_EQ(traced.dataset().field().type, formats::ElementType::F32);
   EXPECT_NEAR(traced.first_crossing({.origin = {-1, 0.3, 0.4}, .direction = {1, 0, 0}}, 0.6).t, 1.6, 1e-15);
 }
 
@@ -217,11 +217,11 @@ TEST(TetLargestValue, is_what_looking_into_every_cell_finds) {
   int hits = 0;
   const auto field = [](const Vec3& p) { return -std::abs(p.x - 0.45) - (p - Vec3(0.4, 0.6, 0.5)).length(); };
   const auto mesh = box_mesh({.cells = {4, 5, 3}, .jitter = 0.1}, field);
-  TracedVolume traced(mesh, {.macro_factor = 2});
+  TracedDataset traced(mesh, {.macro_factor = 2});
   const auto moved = packed_mesh(traced);
   for (const Ray& ray : rays_through_cube(1500, 5)) {
     const Hit hit = traced.largest_value(ray);
-    const double truth = AllCells{moved}.largest_value(traced.ray_volume(ray));
+    const double truth = AllCells{moved}.largest_value(traced.ray_data(ray));
     ASSERT_EQ(hit.is_miss(), std::isinf(truth));
     if (hit.is_miss()) continue;
     EXPECT_NEAR(hit.value, truth, 1e-15);
@@ -234,11 +234,11 @@ TEST(TetLargestValue, is_what_looking_into_every_cell_finds) {
 }
 
 TEST(TetLargestValue, never_needs_more_of_the_queue_than_is_reserved) {
-  TracedVolume traced(box_mesh({.cells = {5, 5, 5}}, distance_field({0.3, 0.3, 0.3})),
-                      {.structure = preprocess::MeshStructure::leaves,
-                       .leaf_cells_per_tetrahedron = 5,
-                       .macro_factor = 2,
-                       .macro_level_count = 4});
+  TracedDataset traced(box_mesh({.cells = {5, 5, 5}}, distance_field({0.3, 0.3, 0.3})),
+                       {.structure = preprocess::MeshStructure::leaves,
+                        .leaf_cells_per_tetrahedron = 5,
+                        .macro_factor = 2,
+                        .macro_level_count = 4});
   traced.largest_value({.origin = {-1, 0.5, 0.5}, .direction = {1, 0, 0}});
   const std::size_t capacity = traced.scratch.queue.capacity();
   for (const Ray& ray : rays_through_cube(1000, 6)) traced.largest_value(ray);

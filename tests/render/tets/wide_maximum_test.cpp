@@ -14,7 +14,7 @@
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/ask.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -34,15 +34,15 @@ struct Answers {
   render::KernelCounters counters;
 };
 
-/// Rays in the volume's frame.
-Answers largest_values(const TracedVolume& traced, const Method& method, Machine machine,
+/// Rays in the data's frame.
+Answers largest_values(const TracedDataset& traced, const Method& method, Machine machine,
                        const std::vector<Ray>& rays) {
-  const render::VolumeImplementation& volume = traced.volume().implementation();
-  const render::Intersectors kernels = render::choose_intersectors(volume, {.method = method}, machine);
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
+  const render::Intersectors kernels = render::choose_intersectors(dataset, {.method = method}, machine);
   render::KernelScratch scratch;
   scratch.queue.reserve(kernels.queue_entries);
   Answers answers{std::vector<Hit>(rays.size()), {}};
-  ask(kernels.largest, volume, {.field_range = traced.volume().field().range, .method = method}, rays, answers.hits,
+  ask(kernels.largest, dataset, {.field_range = traced.dataset().field().range, .method = method}, rays, answers.hits,
       scratch);
   answers.counters = scratch.counters;
   return answers;
@@ -128,10 +128,10 @@ void expect_same(const std::vector<Hit>& wide, const std::vector<Hit>& reference
 /// Expects the scalar kernel's result on every machine; returns the number of rays that hit.
 int expect_agreement(const std::string& name, const preprocess::NeutralMesh& mesh, std::size_t count,
                      const preprocess::PackMeshOptions& options = {}) {
-  const TracedVolume traced(mesh, options);
-  const render::VolumeImplementation& volume = traced.volume().implementation();
+  const TracedDataset traced(mesh, options);
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
   const std::vector<Ray> rays =
-      rays_through(volume.bounds_volume, mesh, volume.world_from_volume.point(Vec3(0)), count, 17 + mesh.cells.size());
+      rays_through(dataset.bounds_data, mesh, dataset.world_from_data.point(Vec3(0)), count, 17 + mesh.cells.size());
   const Answers reference = largest_values(traced, Method{}, Machine::scalar, rays);
   EXPECT_EQ(reference.counters.rays_wide, 0U);
   for (const Machine machine : wide_machines()) {
@@ -214,13 +214,13 @@ TEST(WideTetMaximum, tells_the_cell_of_the_smallest_id_of_those_that_share_it) {
 /// Exact arithmetic shares no code with either kernel.
 TEST(WideTetMaximum, is_the_judges_to_rounding) {
   const auto mesh = box_mesh({.cells = {6, 5, 7}, .jitter = 0.14}, waves);
-  const TracedVolume traced(mesh);
+  const TracedDataset traced(mesh);
   Dice dice(5);
   std::vector<Ray> rays;
   while (rays.size() < 150) {
     const Vec3 direction = dice.direction();
     rays.push_back({.origin = dice.point({0, 0, 0}, {1, 1, 1}) -
-                              traced.volume().implementation().world_from_volume.point(Vec3(0)) -
+                              traced.dataset().implementation().world_from_data.point(Vec3(0)) -
                               dice.between(0, 3) * direction,
                     .direction = direction});
   }
@@ -238,9 +238,9 @@ TEST(WideTetMaximum, is_the_judges_to_rounding) {
 
 TEST(WideTetMaximum, of_a_ray_does_not_depend_on_the_rays_beside_it) {
   const auto mesh = box_mesh({.cells = {9, 8, 10}, .jitter = 0.14}, waves);
-  const TracedVolume traced(mesh);
-  const render::VolumeImplementation& volume = traced.volume().implementation();
-  std::vector<Ray> rays = rays_through(volume.bounds_volume, mesh, volume.world_from_volume.point(Vec3(0)), 1000, 29);
+  const TracedDataset traced(mesh);
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
+  std::vector<Ray> rays = rays_through(dataset.bounds_data, mesh, dataset.world_from_data.point(Vec3(0)), 1000, 29);
   std::shuffle(rays.begin(), rays.end(), std::mt19937_64(23));
   const std::vector<Hit> reference = largest_values(traced, Method{}, Machine::scalar, rays).hits;
   for (const Machine machine : wide_machines()) {
@@ -252,9 +252,9 @@ TEST(WideTetMaximum, of_a_ray_does_not_depend_on_the_rays_beside_it) {
 
 TEST(WideTetMaximum, leaves_lists_and_other_ways_to_the_scalar_kernels) {
   const auto mesh = box_mesh({.cells = {4, 4, 4}}, waves);
-  const TracedVolume clusters(mesh), lists(mesh, {.structure = preprocess::MeshStructure::leaves});
-  const auto kernel = [](const TracedVolume& traced, const Method& method, Machine machine) {
-    return render::wide::largest_value_in_tets_kernel(traced.volume().implementation(), method, machine);
+  const TracedDataset clusters(mesh), lists(mesh, {.structure = preprocess::MeshStructure::leaves});
+  const auto kernel = [](const TracedDataset& traced, const Method& method, Machine machine) {
+    return render::wide::largest_value_in_tets_kernel(traced.dataset().implementation(), method, machine);
   };
   for (const Machine machine : wide_machines()) {
     EXPECT_NE(kernel(clusters, {}, machine), nullptr);
@@ -268,24 +268,24 @@ TEST(WideTetMaximum, leaves_lists_and_other_ways_to_the_scalar_kernels) {
 
 TEST(WideTetMaximum, counts_what_each_ray_costs_and_allocates_nothing_for_it) {
   const auto mesh = box_mesh({.cells = {12, 12, 12}, .jitter = 0.1}, waves);
-  const TracedVolume traced(mesh);
-  const render::VolumeImplementation& volume = traced.volume().implementation();
+  const TracedDataset traced(mesh);
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
   const std::vector<Ray> rays =
-      rays_through(volume.bounds_volume, mesh, volume.world_from_volume.point(Vec3(0)), 1500, 31);
+      rays_through(dataset.bounds_data, mesh, dataset.world_from_data.point(Vec3(0)), 1500, 31);
   for (const Machine machine : wide_machines()) {
-    const render::Intersectors kernels = render::choose_intersectors(volume, {}, machine);
+    const render::Intersectors kernels = render::choose_intersectors(dataset, {}, machine);
     render::KernelScratch scratch;
     render::RayBatch asked(rays.size());
     render::HitBatch answered(rays.size());
     asked.count = rays.size();
     for (std::size_t r = 0; r < rays.size(); ++r) asked.set(r, rays[r]);
-    kernels.largest(volume, {}, asked, answered, scratch);
+    kernels.largest(dataset, {}, asked, answered, scratch);
     std::uint64_t cost = 0;
     for (std::size_t r = 0; r < rays.size(); ++r) cost += answered[r].cost;
     EXPECT_EQ(cost, scratch.counters.visits());
     EXPECT_GT(cost, 0U);
     const std::size_t before = allocation_count();
-    kernels.largest(volume, {}, asked, answered, scratch);
+    kernels.largest(dataset, {}, asked, answered, scratch);
     EXPECT_EQ(allocation_count(), before);
   }
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "render/triangles/facets.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/meshes.h"
 
 namespace rhoray::tests {
@@ -40,10 +40,10 @@ double waves(const Vec3& p) {
 // nothing. An isosurface has a side with higher values, so all its facets have the same
 // orientation.
 TEST(FacetNeighbours, share_their_edges) {
-  const TracedVolume traced(box_mesh({.cells = {9, 8, 7}, .jitter = 0.12}, waves), {});
-  const auto& implementation = traced.volume().implementation();
-  const render::Facets facets(std::get<render::TetVolume<double>>(implementation.view), implementation.bounds_volume,
-                              0.21, 1);
+  const TracedDataset traced(box_mesh({.cells = {9, 8, 7}, .jitter = 0.12}, waves), {});
+  const auto& implementation = traced.dataset().implementation();
+  const render::Facets facets(std::get<render::TetData<double>>(implementation.view), implementation.bounds_data, 0.21,
+                              1);
   const FacetNeighbours& neighbours = facets.neighbours();
   ASSERT_EQ(neighbours.count(), facets.count());
   EXPECT_EQ(&facets.neighbours(), &neighbours);

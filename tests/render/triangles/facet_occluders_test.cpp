@@ -42,8 +42,8 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {32, 32, 32}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", field);
-  const render::Volume volume = packed(folder, "mesh.rho", mesh);
-  const render::VolumeImplementation& implementation = volume.implementation();
+  const render::Dataset dataset = packed(folder, "mesh.rho", mesh);
+  const render::LoadedDataset& implementation = dataset.implementation();
   const render::RayQuery query{.isovalue = 0.2, .method = render::method_of(render::Accuracy::float32)};
   const render::Intersectors chosen = choose_intersectors(implementation, query, machine);
   const render::Kernel whole = chosen.first_hit;
@@ -57,8 +57,8 @@ void expect_the_same_as_first_crossings(render::Machine machine, double (*field)
   HitBatch seen(ray_count), by_all(ray_count);
   std::vector<std::uint64_t> crossed(ray_count / 64), crossed_of_all(ray_count / 64);
   const render::Camera camera =
-      render::fit_camera(volume.bounds(), {.azimuth_deg = 33, .elevation_deg = 31, .zoom = 1.3}, 1);
-  const std::vector<render::Ray> of_camera = camera_rays(volume, camera, edge, edge);
+      render::fit_camera(dataset.bounds(), {.azimuth_deg = 33, .elevation_deg = 31, .zoom = 1.3}, 1);
+  const std::vector<render::Ray> of_camera = camera_rays(dataset, camera, edge, edge);
   for (std::size_t r = 0; r < ray_count; ++r) rays.set(r, of_camera[r]);
   rays.count = ray_count;
   whole(implementation, query, rays, seen, scratch);
@@ -137,10 +137,10 @@ TEST(FacetOccluders, are_the_half_that_is_turned_away_from_the_light) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {{-1, -1, -1}, {1, 1, 1}}});
   add_point_field(mesh, "value", [](const Vec3& p) { return 0.7 - p.length(); });
-  const render::Volume volume = packed(folder, "mesh.rho", mesh);
+  const render::Dataset dataset = packed(folder, "mesh.rho", mesh);
   const render::RayQuery query{.isovalue = 0.01, .method = render::method_of(render::Accuracy::float32)};
   const LightPlace light{.at = {0, 0, 1}};
-  const auto all = render::wide::facets_with_occluders(volume.implementation(), query, 1);
+  const auto all = render::wide::facets_with_occluders(dataset.implementation(), query, 1);
   ASSERT_TRUE(all);
   const auto of_light =
       render::wide::facet_occluders_of(render::Machine::baseline, all, light, render::wide::Shadows::unknown);
@@ -174,12 +174,12 @@ TEST(FacetOccluders, are_asked_about_in_single_precision_only) {
   const TemporaryFolder folder;
   preprocess::NeutralMesh mesh = box_mesh({});
   add_point_field(mesh, "value", waves);
-  const render::Volume of_mesh = packed(folder, "mesh.rho", mesh);
+  const render::Dataset of_mesh = packed(folder, "mesh.rho", mesh);
   const Index3 samples(5, 5, 5);
-  const render::Volume of_grid =
+  const render::Dataset of_grid =
       packed(folder, "grid.rho", sampled_volume<double>(samples, lattice_over({Vec3(-1), Vec3(1)}, samples), waves));
-  const auto kernel = [](const render::Volume& volume, render::Accuracy accuracy, render::Machine machine) {
-    return render::choose_intersectors(volume.implementation(), {.method = render::method_of(accuracy)}, machine)
+  const auto kernel = [](const render::Dataset& dataset, render::Accuracy accuracy, render::Machine machine) {
+    return render::choose_intersectors(dataset.implementation(), {.method = render::method_of(accuracy)}, machine)
         .any_hit;
   };
   EXPECT_NE(kernel(of_mesh, render::Accuracy::float32, render::Machine::baseline), nullptr);

@@ -11,9 +11,9 @@
 #include <set>
 #include <vector>
 
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "render/tets/active_cells.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -29,14 +29,14 @@ double waves(const Vec3& p) {
 }
 
 struct Made {
-  TracedVolume traced;
+  TracedDataset traced;
   Made(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {}) : traced(mesh, options) {}
 
-  const render::TetVolume<double>& view() const {
-    return std::get<render::TetVolume<double>>(traced.volume().implementation().view);
+  const render::TetData<double>& view() const {
+    return std::get<render::TetData<double>>(traced.dataset().implementation().view);
   }
   Facets facets(double isovalue, unsigned threads = 1) const {
-    return Facets(view(), traced.volume().implementation().bounds_volume, isovalue, threads);
+    return Facets(view(), traced.dataset().implementation().bounds_data, isovalue, threads);
   }
 };
 
@@ -51,19 +51,19 @@ std::array<Corner, 4> corners_of(const Facets& facets, std::uint32_t f) {
 /// Facets of one triangle, in the frame of a box.
 Facets facets_of_a_triangle(const Box3& bounds) {
   const TemporaryFolder folder;
-  formats::SurfaceMeshDescription description;
+  formats::TriangleMeshDescription description;
   description.point_type = formats::ElementType::F64;
   description.point_count = 3, description.triangle_count = 1, description.bounds = bounds;
   const std::filesystem::path path = folder / "s.rho";
-  formats::PackedFileWriter writer(path, formats::describe(description), formats::surface_mesh_arrays(description));
+  formats::PackedFileWriter writer(path, formats::describe(description), formats::triangle_mesh_arrays(description));
   const std::vector<double> points{bounds.min.x, bounds.min.y, bounds.min.z, bounds.max.x, bounds.max.y,
                                    bounds.max.z, bounds.max.x, bounds.min.y, bounds.min.z};
   const std::vector<std::uint32_t> triangle{0, 1, 2};
   writer.write_all("points", std::span<const double>(points));
   writer.write_all("triangles", std::span<const std::uint32_t>(triangle));
   writer.commit();
-  const render::Volume volume = render::Volume::load(path);
-  return Facets(std::get<render::SurfaceVolume>(volume.implementation().view), bounds, 1);
+  const render::Dataset dataset = render::Dataset::load(path);
+  return Facets(std::get<render::TriangleData>(dataset.implementation().view), bounds, 1);
 }
 
 // The exponent of half the size, plus one, once overflowed where the size did.
@@ -107,7 +107,7 @@ TEST(Facets, have_corners_where_the_field_is_the_isovalue_and_fields_of_their_ce
   Made made(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, linear_field(slope, 2)));
   const Facets facets = made.facets(2.05);
   ASSERT_GT(facets.count(), 100U);
-  const Vec3 origin = made.traced.volume().implementation().world_from_volume.origin;
+  const Vec3 origin = made.traced.dataset().implementation().world_from_data.origin;
   for (std::uint32_t f = 0; f < facets.count(); ++f) {
     const render::FacetField& field = facets.fields()[f];
     EXPECT_LT((Vec3(field.gradient[0], field.gradient[1], field.gradient[2]) - slope).length(), 1e-12);

@@ -26,29 +26,29 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct Shown {
   TemporaryFolder folder;
   /// A ball of triangles of radius 0.8, a grid whose field is 1 - distance.
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   explicit Shown(int depth = 4) {
     preprocess::pack_surface(moved(round_surface(depth), Vec3(0), 0.8), folder / "ball.rho");
-    volumes.push_back(render::Volume::load(folder / "ball.rho"));
+    datasets.push_back(render::Dataset::load(folder / "ball.rho"));
     const Index3 samples(25, 25, 25);
-    volumes.push_back(packed(folder, "grid.rho",
-                             sampled_volume<float>(samples, lattice_over({{-1, -1, -1}, {1, 1, 1}}, samples),
-                                                   [](const Vec3& p) { return 1 - p.length(); })));
+    datasets.push_back(packed(folder, "grid.rho",
+                              sampled_volume<float>(samples, lattice_over({{-1, -1, -1}, {1, 1, 1}}, samples),
+                                                    [](const Vec3& p) { return 1 - p.length(); })));
   }
 };
 
 Layer triangles(const Vec3& color, double opacity = 1, render::Accuracy accuracy = render::Accuracy::float32) {
-  Layer layer{.volume = 0, .mode = Mode::triangles, .method = render::method_of(accuracy)};
-  layer.surface.color = color;
-  layer.surface.opacity = opacity;
+  Layer layer{.dataset = 0, .mode = Mode::triangles, .method = render::method_of(accuracy)};
+  layer.material.color = color;
+  layer.material.opacity = opacity;
   return layer;
 }
 
 Layer isosurface(double isovalue, const Vec3& color, double opacity = 1) {
-  Layer layer{.volume = 1, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
-  layer.surface.color = color;
-  layer.surface.opacity = opacity;
+  Layer layer{.dataset = 1, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
+  layer.material.color = color;
+  layer.material.opacity = opacity;
   return layer;
 }
 
@@ -63,7 +63,7 @@ Framebuffer picture_of(const Shown& shown, const Scene& scene, render::FrameStat
                        bool use_hierarchy = true) {
   Framebuffer out;
   const auto found = render::render(
-      shown.volumes, scene,
+      shown.datasets, scene,
       {.width = edge, .height = edge, .channels = all_channels, .threads = 1, .use_hierarchy = use_hierarchy}, out);
   if (statistics != nullptr) *statistics = found;
   return out;
@@ -71,10 +71,10 @@ Framebuffer picture_of(const Shown& shown, const Scene& scene, render::FrameStat
 
 TEST(Surfaces, are_volumes_without_fields) {
   const Shown shown;
-  const render::Volume& ball = shown.volumes[0];
+  const render::Dataset& ball = shown.datasets[0];
   EXPECT_TRUE(ball.is_surface());
   EXPECT_FALSE(ball.is_mesh());
-  EXPECT_FALSE(shown.volumes[1].is_surface());
+  EXPECT_FALSE(shown.datasets[1].is_surface());
   EXPECT_TRUE(ball.field_names().empty());
   EXPECT_EQ(ball.field().name, "");
   EXPECT_FALSE(ball.field("value"));
@@ -87,7 +87,7 @@ TEST(Surfaces, are_seen_where_they_are) {
   const Shown shown(6);
   const Scene scene = scene_of({triangles({1, 0, 0})});
   const Framebuffer found = picture_of(shown, scene);
-  const std::vector<render::Ray> rays = camera_rays(shown.volumes[0], scene.camera, edge, edge);
+  const std::vector<render::Ray> rays = camera_rays(shown.datasets[0], scene.camera, edge, edge);
   std::size_t hits = 0;
   for (std::size_t p = 0; p < found.pixel_count(); ++p) {
     const Vec3 &o = rays[p].origin, &d = rays[p].direction;
@@ -144,7 +144,7 @@ TEST(Surfaces, may_be_seen_through_once_for_each_crossing) {
   const Shown shown;
   // Only ambient light: a pixel is then a mix of colours that shows how often each layer was hit.
   std::vector<Layer> layers{triangles({1, 0, 0}, 0.5), isosurface(0.6, {0, 0, 1})};
-  for (Layer& layer : layers) layer.surface.ambient = 1, layer.surface.specular = 0;
+  for (Layer& layer : layers) layer.material.ambient = 1, layer.material.specular = 0;
   render::FrameStatistics statistics;
   const Scene scene = scene_of(layers);
   const Framebuffer found = picture_of(shown, scene, &statistics);
@@ -183,11 +183,11 @@ TEST(Surfaces, have_smooth_normals_that_are_those_of_the_ball) {
   const Shown shown(3);
   Layer layer = triangles({1, 0, 0});
   const Framebuffer flat = picture_of(shown, scene_of({layer}));
-  layer.surface.normals = render::Normals::smooth;
+  layer.material.normals = render::Normals::smooth;
   const Scene scene = scene_of({layer});
   render::FrameStatistics statistics;
   const Framebuffer smooth = picture_of(shown, scene, &statistics);
-  const std::vector<render::Ray> rays = camera_rays(shown.volumes[0], scene.camera, edge, edge);
+  const std::vector<render::Ray> rays = camera_rays(shown.datasets[0], scene.camera, edge, edge);
   EXPECT_EQ(smooth.depth, flat.depth);
   EXPECT_EQ(statistics.normals_smoothed, statistics.hits);
   double worst_flat = 1, worst_smooth = 1;
@@ -217,15 +217,15 @@ TEST(Surfaces, refuse_what_asks_for_a_field) {
   layer.mode = Mode::mip;
   refused(layer, "triangles");
   layer.mode = Mode::triangles;
-  layer.volume = 1;
+  layer.dataset = 1;
   refused(layer, "no triangles");
-  layer.volume = 0;
+  layer.dataset = 0;
   layer.method = render::method_of(render::Accuracy::certified);
   refused(layer, "float and double");
   layer = triangles({1, 0, 0});
-  layer.surface.color_by = render::FieldColors{.field = "a", .range = {0, 1}};
+  layer.material.color_by = render::FieldColors{.field = "a", .range = {0, 1}};
   refused(layer, "no fields");
-  expect_error(ErrorCode::usage, "no fields", [&] { render::Volume::load(shown.folder / "ball.rho", "value"); });
+  expect_error(ErrorCode::usage, "no fields", [&] { render::Dataset::load(shown.folder / "ball.rho", "value"); });
 }
 
 }  // namespace

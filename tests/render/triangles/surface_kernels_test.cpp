@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "preprocess/pack_surface.h"
-#include "render/dataset/volume.h"
+#include "render/dataset/loaded_dataset.h"
 #include "render/load.h"
 #include "render/query/intersectors.h"
 #include "tests/render/support/ask.h"
@@ -33,9 +33,9 @@ class Traced {
  public:
   explicit Traced(const preprocess::NeutralSurface& surface)
       : report_(preprocess::pack_surface(surface, folder_ / "a.rho")),
-        volume_(render::Volume::load(folder_ / "a.rho")) {}
+        volume_(render::Dataset::load(folder_ / "a.rho")) {}
 
-  const render::Volume& volume() const { return volume_; }
+  const render::Dataset& dataset() const { return volume_; }
   const preprocess::PackSurfaceReport& report() const { return report_; }
 
   std::vector<Hit> first(const std::vector<Ray>& rays, Machine machine, bool use_hierarchy = true) {
@@ -68,7 +68,7 @@ class Traced {
  private:
   TemporaryFolder folder_;
   preprocess::PackSurfaceReport report_;
-  render::Volume volume_;
+  render::Dataset volume_;
 };
 
 std::vector<Machine> all_machines() {

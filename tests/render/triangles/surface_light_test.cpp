@@ -23,35 +23,35 @@ constexpr double radius = 0.4;
 struct Shown {
   TemporaryFolder folder;
   /// A floor at z = -0.5, the ball in a grid, the ball of triangles: smaller by up to 3e-5.
-  std::vector<render::Volume> volumes;
+  std::vector<render::Dataset> datasets;
 
   Shown() {
     const auto grid = [&](const char* name, std::int64_t edge_samples, const Box3& box, const Field& field) {
       const Index3 samples(edge_samples, edge_samples, edge_samples);
       return packed(folder, name, sampled_volume<double>(samples, lattice_over(box, samples), field));
     };
-    volumes.push_back(grid("floor.rho", 7, {{-9, -9, -9}, {9, 9, 9}}, linear_field({0, 0, 1})));
-    volumes.push_back(grid("grid.rho", 81, {Vec3(-0.45), Vec3(0.45)}, [](const Vec3& p) { return -p.dot(p); }));
+    datasets.push_back(grid("floor.rho", 7, {{-9, -9, -9}, {9, 9, 9}}, linear_field({0, 0, 1})));
+    datasets.push_back(grid("grid.rho", 81, {Vec3(-0.45), Vec3(0.45)}, [](const Vec3& p) { return -p.dot(p); }));
     preprocess::pack_surface(moved(round_surface(6), Vec3(0), radius), folder / "ball.rho");
-    volumes.push_back(render::Volume::load(folder / "ball.rho"));
+    datasets.push_back(render::Dataset::load(folder / "ball.rho"));
   }
 };
 
 Layer floor_layer() {
-  Layer layer{.volume = 0, .isovalue = -0.5, .method = render::method_of(render::Accuracy::float32)};
-  layer.surface = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
+  Layer layer{.dataset = 0, .isovalue = -0.5, .method = render::method_of(render::Accuracy::float32)};
+  layer.material = {.color = {1, 1, 1}, .ambient = 0.25, .specular = 0};
   return layer;
 }
 
 Layer ball_layer(bool of_triangles, double opacity) {
   Layer layer = floor_layer();
-  layer.surface.opacity = opacity;
-  layer.surface.color = {1, 0.5, 0.25};
-  layer.volume = of_triangles ? 2 : 1;
+  layer.material.opacity = opacity;
+  layer.material.color = {1, 0.5, 0.25};
+  layer.dataset = of_triangles ? 2 : 1;
   layer.isovalue = of_triangles ? 0 : -radius * radius;
   if (!of_triangles) return layer;
   layer.mode = Mode::triangles;
-  layer.surface.normals = render::Normals::smooth;
+  layer.material.normals = render::Normals::smooth;
   return layer;
 }
 
@@ -63,7 +63,7 @@ struct Picture {
 Picture picture_of(const Shown& shown, const Scene& scene, unsigned threads = 1) {
   Picture picture;
   picture.statistics =
-      render::render(shown.volumes, scene,
+      render::render(shown.datasets, scene,
                      {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
   return picture;
 }

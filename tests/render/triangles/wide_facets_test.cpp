@@ -14,7 +14,7 @@
 #include "render/ray_caster.h"
 #include "tests/render/support/crossings.h"
 #include "tests/render/support/rays.h"
-#include "tests/render/support/traced_volume.h"
+#include "tests/render/support/traced_dataset.h"
 #include "tests/render/support/wide_machines.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -33,8 +33,8 @@ constexpr Method judged = render::method_of(render::Accuracy::exact);
 
 struct Mesh {
   std::string name;
-  std::unique_ptr<TracedVolume> traced;
-  Box3 box;  ///< in the volume's frame
+  std::unique_ptr<TracedDataset> traced;
+  Box3 box;  ///< in the data's frame
   std::vector<double> isovalues;
   /// The longest edge of any cell, or the longest distance over which the rounding of a cell's
   /// positions matters.
@@ -43,8 +43,8 @@ struct Mesh {
 
 Mesh made(const std::string& name, const preprocess::NeutralMesh& mesh, std::vector<double> isovalues,
           double cell_size) {
-  Mesh packed{name, std::make_unique<TracedVolume>(mesh), {}, std::move(isovalues), cell_size};
-  packed.box = packed.traced->volume().implementation().bounds_volume;
+  Mesh packed{name, std::make_unique<TracedDataset>(mesh), {}, std::move(isovalues), cell_size};
+  packed.box = packed.traced->dataset().implementation().bounds_data;
   return packed;
 }
 
@@ -286,8 +286,8 @@ TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
       return has_steps ? std::round(value * 16) / 16 : value;
     };
     const auto mesh = box_mesh({.cells = {14, 14, 14}, .jitter = 0.12, .seed = 7}, ball);
-    TracedVolume traced(mesh);
-    const render::VolumeImplementation& volume = traced.volume().implementation();
+    TracedDataset traced(mesh);
+    const render::LoadedDataset& dataset = traced.dataset().implementation();
     Dice dice(8);
     std::vector<Ray> rays;
     while (rays.size() < 20000) {  // towards edges, as if from inside: the ray on the other side
@@ -301,7 +301,7 @@ TEST(WideFacets, of_closed_surfaces_are_met_by_every_ray_aimed_inside) {
       const Vec3 inside = Vec3(0.5) + 0.05 * dice.direction();
       const Vec3 away = (corner - inside).normalized();
       Ray ray{.origin = corner + 0.9 * away, .direction = -away};
-      rays.push_back({.origin = ray.origin - volume.world_from_volume.origin, .direction = ray.direction});
+      rays.push_back({.origin = ray.origin - dataset.world_from_data.origin, .direction = ray.direction});
     }
     for (const Machine machine : wide_machines())
       for (const Method& method : {single, certified}) {
@@ -361,7 +361,7 @@ TEST(WideFacets, leave_rays_without_numbers_and_meshes_beyond_measure_to_the_ref
     const std::vector<Hit> wide = answers(*mesh.traced, single, machine, rays, 0.0131);
     for (std::size_t r = 0; r < rays.size(); ++r) EXPECT_EQ(wide[r].is_miss(), reference[r].is_miss()) << r;
   }
-  TracedVolume steep(box_mesh({.cells = {3, 3, 3}}, [](const Vec3& p) { return 1e200 * (p.x + p.y); }));
+  TracedDataset steep(box_mesh({.cells = {3, 3, 3}}, [](const Vec3& p) { return 1e200 * (p.x + p.y); }));
   for (const Machine machine : wide_machines()) {
     const std::vector<Hit> scalar = answers(steep, single, Machine::scalar, rays, 0.7e200),
                            wide = answers(steep, single, machine, rays, 0.7e200);
@@ -398,7 +398,7 @@ TEST(WideFacets, are_the_same_bits_for_any_number_of_threads) {
     std::vector<Hit> first;
     for (const unsigned threads : {1U, 2U, 5U}) {
       std::vector<Hit> hits(rays.size());
-      render::RayCaster(mesh.traced->volume(), 0.0131, method, threads).first_crossings(rays, hits);
+      render::RayCaster(mesh.traced->dataset(), 0.0131, method, threads).first_crossings(rays, hits);
       if (first.empty()) first = hits;
       for (std::size_t r = 0; r < rays.size(); ++r) ASSERT_TRUE(same_bits(first[r], hits[r]));
     }

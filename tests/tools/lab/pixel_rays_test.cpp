@@ -14,10 +14,10 @@ TEST(PixelRays, are_those_that_render_sends) {
   preprocess::NeutralVolume grid = ball_grid(8);
   grid.world_from_grid = {{0.5, 0, 0}, {0, 2, 0}, {0, 0, 3}, {0, 0, 0}};
   preprocess::pack_volume(grid, folder / "grid.rho");
-  const render::Volume volume = render::Volume::load(folder / "grid.rho");
+  const render::Dataset dataset = render::Dataset::load(folder / "grid.rho");
   const render::Camera camera{.position = {1, -30, 7}, .target = {2, 3, 5}, .up = {0.1, 0, 1}, .vertical_fov_deg = 40};
   constexpr int width = 7, height = 5;
-  const auto rays = render::camera_rays(volume, camera, width, height);
+  const auto rays = render::camera_rays(dataset, camera, width, height);
   // In the frame of the samples: world coordinates divided by the spacing.
   const study::PixelRays<double> pixels(camera, width, height, {2, 0.5, 1.0 / 3});
   for (int y = 0; y < height; ++y)

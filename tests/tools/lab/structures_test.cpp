@@ -67,7 +67,7 @@ TEST(Structures, all_give_every_ray_the_librarys_answer) {
     const MeshForWays mesh(named.mesh, folder.path());
     const std::vector<Ray> rays = rays_through(-mesh.packed().description().origin);
     std::vector<Hit> expected(rays.size());
-    render::RayCaster(mesh.volume(), isovalue, {}).first_crossings(rays, expected);
+    render::RayCaster(mesh.dataset(), isovalue, {}).first_crossings(rays, expected);
     EXPECT_GT(std::ranges::count_if(expected, &Hit::is_miss), 500) << named.name;
     EXPECT_GT(std::ranges::count_if(expected, [](const Hit& hit) { return !hit.is_miss(); }), 500) << named.name;
 

@@ -16,13 +16,13 @@ using tools::StudyView;
 TEST(StudyViews, show_the_surface_whole_close_up_and_from_within) {
   const TemporaryFolder folder;
   preprocess::pack_volume(ball_grid(24), folder / "ball.rho");
-  const render::Volume volume = render::Volume::load(folder / "ball.rho");
+  const render::Dataset dataset = render::Dataset::load(folder / "ball.rho");
   const auto covered = [&](StudyView view, double isovalue) {
     render::Scene scene;
     scene.layers[0].isovalue = isovalue;
-    scene.camera = tools::study_camera(view, volume, isovalue, 1);
+    scene.camera = tools::study_camera(view, dataset, isovalue, 1);
     render::Framebuffer picture;
-    return static_cast<double>(render::render(volume, scene, {.width = 40, .height = 40}, picture).hits) / 1600;
+    return static_cast<double>(render::render(dataset, scene, {.width = 40, .height = 40}, picture).hits) / 1600;
   };
   for (const StudyView whole : {StudyView::front, StudyView::from_feet}) {
     EXPECT_GT(covered(whole, 200), 0.1);  // a ball with a radius of 8 samples in 24

@@ -6,7 +6,7 @@
 
 #include "tests/support/made_grid.h"
 #include "tests/tools/validate/support.h"
-#include "tools/validate/grid_judge.h"
+#include "tools/validate/grid_reference.h"
 #include "tools/validate/grid_surface.h"
 
 namespace rhoray::tests {
@@ -106,14 +106,14 @@ TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {
   made.description.world_from_grid = {{0, 2, 0}, {-3, 0, 0}, {0, 0.5, 1}, {100, 200, -50}};
   const TemporaryFolder folder;
   write_file(folder / "bump.rho", made.file());
-  const render::Volume volume = render::Volume::load(folder / "bump.rho");
-  const validate::GridField field(formats::BrickGrid(volume.file()), "bump");
+  const render::Dataset dataset = render::Dataset::load(folder / "bump.rho");
+  const validate::GridField field(formats::BrickGrid(dataset.file()), "bump");
   const auto tracer = [&](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
-    render::RayCaster(volume, 3, {}).first_crossings(rays, hits);
+    render::RayCaster(dataset, 3, {}).first_crossings(rays, hits);
   };
   const validate::RayQuery about{.isovalue = 3, .samples = 2'000};
   const auto compare = [&](const validate::Tracer& by) {
-    return validate::compare_grid(field, render::world_from_ray_frame(volume), about, by, [](std::uint64_t) {}).report;
+    return validate::compare_grid(field, render::world_from_ray_frame(dataset), about, by, [](std::uint64_t) {}).report;
   };
   const validate::Report report = compare(tracer);
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);

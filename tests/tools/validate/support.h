@@ -25,23 +25,23 @@ namespace validate = tools::validate;
 /// A packed file made by the test, and the renderer on it.
 class ValidatedFile {
  public:
-  explicit ValidatedFile(const preprocess::NeutralMesh& mesh) : volume_(packed(mesh)) {}
-  explicit ValidatedFile(const preprocess::NeutralVolume& samples) : volume_(packed(samples)) {}
+  explicit ValidatedFile(const preprocess::NeutralMesh& mesh) : dataset_(packed(mesh)) {}
+  explicit ValidatedFile(const preprocess::NeutralVolume& samples) : dataset_(packed(samples)) {}
 
-  const render::Volume& volume() const { return volume_; }
-  validate::TetField tets() const { return {formats::TetMesh(volume_.file()), ""}; }
-  validate::GridField grid() const { return {formats::BrickGrid(volume_.file()), ""}; }
+  const render::Dataset& dataset() const { return dataset_; }
+  validate::TetField tets() const { return {formats::TetMesh(dataset_.file()), ""}; }
+  validate::GridField grid() const { return {formats::BrickGrid(dataset_.file()), ""}; }
 
   validate::Tracer renderer(double isovalue, const render::Method& method = {}) const {
     return [this, isovalue, method](std::span<const render::Ray> rays, std::span<render::Hit> hits) {
-      render::RayCaster(volume_, isovalue, method, 0).first_crossings(rays, hits);
+      render::RayCaster(dataset_, isovalue, method, 0).first_crossings(rays, hits);
     };
   }
 
   validate::Comparison compare(const validate::RayQuery& query, const validate::Tracer& tracer) const {
     const auto no_progress = [](std::uint64_t) {};
-    const Affine world = render::world_from_ray_frame(volume_);
-    if (volume_.is_mesh()) return validate::compare_tets(tets(), world, query, tracer, no_progress);
+    const Affine world = render::world_from_ray_frame(dataset_);
+    if (dataset_.is_mesh()) return validate::compare_tets(tets(), world, query, tracer, no_progress);
     return validate::compare_grid(grid(), world, query, tracer, no_progress);
   }
   validate::Report report(const validate::RayQuery& query, const validate::Tracer& tracer) const {
@@ -50,17 +50,17 @@ class ValidatedFile {
   validate::Report report(const validate::RayQuery& query) const { return report(query, renderer(query.isovalue)); }
 
  private:
-  render::Volume packed(const preprocess::NeutralMesh& mesh) {
+  render::Dataset packed(const preprocess::NeutralMesh& mesh) {
     preprocess::pack_mesh(mesh, folder_ / "packed.rho", {});
-    return render::Volume::load(folder_ / "packed.rho");
+    return render::Dataset::load(folder_ / "packed.rho");
   }
-  render::Volume packed(const preprocess::NeutralVolume& samples) {
+  render::Dataset packed(const preprocess::NeutralVolume& samples) {
     preprocess::pack_volume(samples, folder_ / "packed.rho", {});
-    return render::Volume::load(folder_ / "packed.rho");
+    return render::Dataset::load(folder_ / "packed.rho");
   }
 
   TemporaryFolder folder_;
-  render::Volume volume_;
+  render::Dataset dataset_;
 };
 
 /// Wraps a tracer and changes every hit with `spoil`, which receives the number of the hit.

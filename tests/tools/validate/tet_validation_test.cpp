@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "tests/tools/validate/support.h"
-#include "tools/validate/tet_judge.h"
+#include "tools/validate/exact_tets.h"
 #include "tools/validate/tet_surface.h"
 #include "tools/validate/triangle_tree.h"
 
@@ -103,7 +103,7 @@ TEST(TetValidation, measures_every_pixel_of_a_picture) {
   validate::RayQuery with_picture = query;
   with_picture.samples = 100;
   with_picture.camera_rays = render::camera_rays(
-      ball().volume(), render::fit_camera(ball().volume().bounds(), render::named_view("iso"), 1), 32, 32);
+      ball().dataset(), render::fit_camera(ball().dataset().bounds(), render::named_view("iso"), 1), 32, 32);
   const validate::Shots picture = ball().compare(with_picture, ball().renderer(query.isovalue)).picture;
   ASSERT_EQ(picture.findings.size(), 1024U);
   std::size_t hits = 0;
@@ -143,12 +143,12 @@ TEST(TetSurface, of_a_ball_is_closed) {
   for (const auto& [edge, count] : edges) EXPECT_EQ(count, 2);
 }
 
-TEST(TetJudge, knows_where_a_plane_is_also_along_edges_and_through_vertices) {
+TEST(ExactTets, knows_where_a_plane_is_also_along_edges_and_through_vertices) {
   const ValidatedFile file(box_mesh({.cells = {4, 4, 4}}, linear_field({0, 0, 1})));
   const validate::TetField field = file.tets();
   const double iso = 0.375;  // half-way through a layer of cells
   const auto surface = extract_surface(field, iso);
-  const validate::TetJudge judge(field, surface.straddling, iso);
+  const validate::ExactTets judge(field, surface.straddling, iso);
   for (const double x : {0.0, 0.25, 0.3, 0.5, 1.0})
     for (const double y : {0.0, 0.25, 0.7, 1.0}) {
       const auto crossing = judge.first_crossing({{x, y, -1}, {0, 0, 2}});
@@ -161,13 +161,13 @@ TEST(TetJudge, knows_where_a_plane_is_also_along_edges_and_through_vertices) {
   EXPECT_FALSE(judge.first_crossing({{-1, 0.5, iso}, {1, 0, 0}})) << "inside from where it comes in";
 }
 
-TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
+TEST(ExactTets, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
   // A ridge: 1/2 - |z - 1/2|, with its crest of 1/2 at z = 1/2.
   const ValidatedFile file(box_mesh({.cells = {2, 2, 2}}, [](const Vec3& p) { return 0.5 - std::abs(p.z - 0.5); }));
   const validate::TetField field = file.tets();
   const auto crossing_at = [&](double iso, const render::Ray& ray) {
     const auto surface = extract_surface(field, iso);
-    return validate::TetJudge(field, surface.straddling, iso).first_crossing(ray);
+    return validate::ExactTets(field, surface.straddling, iso).first_crossing(ray);
   };
   const render::Ray up{{0.3, 0.4, -1}, {0, 0, 1}};
   ASSERT_TRUE(crossing_at(0.5, up));
@@ -176,7 +176,7 @@ TEST(TetJudge, counts_a_point_that_is_met_from_below_and_none_met_from_above) {
   EXPECT_NEAR(crossing_at(0.25, up)->t, 1.25, 2e-13);
 }
 
-TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
+TEST(ExactTets, sees_the_surface_that_a_cell_without_volume_carries) {
   // A flat cell on top of another. At the corners of its square the field is 0 and 1 alternately.
   // The square is therefore cut along one diagonal seen from above, and along the other from below.
   preprocess::NeutralMesh mesh;
@@ -190,11 +190,11 @@ TEST(TetJudge, sees_the_surface_that_a_cell_without_volume_carries) {
   const validate::TetField field = file.tets();
   const auto surface = extract_surface(field, 0.5);
   ASSERT_EQ(surface.straddling.size(), 2U);
-  const validate::TetJudge judge(field, surface.straddling, 0.5);
+  const validate::ExactTets judge(field, surface.straddling, 0.5);
   // Over the half of the square without a cell below, there is only the flat cell.
   const auto crossing = judge.first_crossing({{0.375, 0.5, 3}, {0, 0, -1}});
   ASSERT_TRUE(crossing);
-  EXPECT_EQ(formats::TetMesh(file.volume().file()).cell_id(crossing->cell), 0U);
+  EXPECT_EQ(formats::TetMesh(file.dataset().file()).cell_id(crossing->cell), 0U);
   EXPECT_NEAR(crossing->t, 3, 1e-12);
   EXPECT_FALSE(judge.first_crossing({{0.0625, 0.125, 3}, {0, 0, -1}})) << "both sides lie below there";
 }

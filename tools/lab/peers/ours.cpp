@@ -17,7 +17,7 @@ class OwnPeer final : public Peer {
   OwnPeer(render::Mode mode, const std::string& level) : level_(level) {
     scene_.layers[0].mode = mode;
     scene_.layers[0].method = render::method_of(render::accuracy_named(level));
-    scene_.layers[0].surface.specular = 0;  // as light_pixel shades the hits of others
+    scene_.layers[0].material.specular = 0;  // as light_pixel shades the hits of others
   }
 
   std::string name() const override { return concat("Rhoray, ", level_); }
@@ -29,7 +29,7 @@ class OwnPeer final : public Peer {
   Preparation prepare(const PeerData& data, double isovalue) override {
     Preparation preparation;
     if (!volume_)
-      preparation.once_ms = cpu_ms_of([&] { volume_ = render::Volume::load(data.packed_file, data.field); });
+      preparation.once_ms = cpu_ms_of([&] { volume_ = render::Dataset::load(data.packed_file, data.field); });
     scene_.layers[0].isovalue = isovalue;
     scene_.layers[0].window = data.range;
     // The first frame that shows an isovalue contains its cost.
@@ -73,7 +73,7 @@ class OwnPeer final : public Peer {
   }
 
   std::string level_;
-  std::optional<render::Volume> volume_;
+  std::optional<render::Dataset> volume_;
   render::Scene scene_;
   render::Framebuffer picture_;
   render::RenderContext memory_;  // kept from frame to frame, as in a viewer

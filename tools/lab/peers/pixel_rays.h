@@ -52,7 +52,7 @@ class PixelRays {
   Direction origin_, forward_, across_, down_;
 };
 
-/// Shades a pixel lit from the eye, with the numbers of render::Surface, without gloss, as
+/// Shades a pixel lit from the eye, with the numbers of render::Material, without gloss, as
 /// own_isosurface does. Systems that only return hits must compute this as well.
 /// @param cosine  between normal and ray
 inline void light_pixel(float* rgba, float cosine) {

@@ -24,7 +24,7 @@ using render::Hit;
 using render::KernelCounters;
 using render::Ray;
 using render::RayQuery;
-using PackedVolume = render::TetVolume<float>;
+using PackedVolume = render::TetData<float>;
 using Items = std::span<const std::uint32_t>;
 
 struct PackedName {
@@ -178,7 +178,7 @@ struct MeshForWays::File {
   std::string name;
   double pack_s = 0;
   formats::TetMeshDescription description{};
-  std::optional<render::Volume> volume{};
+  std::optional<render::Dataset> dataset{};
   std::shared_ptr<const PackedVolume> view{};
 
   double cells() const { return static_cast<double>(description.cell_count); }
@@ -201,16 +201,16 @@ MeshForWays::MeshForWays(preprocess::NeutralMesh mesh, const std::filesystem::pa
     options.replace_existing = true;
     file.pack_s =
         meter.measure([&] { file.description = preprocess::pack_mesh(mesh, path, options).description; }).cpu_s;
-    file.volume = render::Volume::load(path);
-    file.view = std::make_shared<PackedVolume>(formats::TetMesh(file.volume->file()), 0);
+    file.dataset = render::Dataset::load(path);
+    file.view = std::make_shared<PackedVolume>(formats::TetMesh(file.dataset->file()), 0);
   }
   parts_->plain = std::make_shared<PlainMesh>(parts_->files[clusters_of_64].view->mesh());
 }
 
 MeshForWays::~MeshForWays() = default;
 
-const render::Volume& MeshForWays::volume() const {
-  return *parts_->files[clusters_of_64].volume;
+const render::Dataset& MeshForWays::dataset() const {
+  return *parts_->files[clusters_of_64].dataset;
 }
 
 const formats::TetMesh& MeshForWays::packed() const {
@@ -223,7 +223,7 @@ std::vector<Way> MeshForWays::structures(double isovalue) const {
     const std::uint64_t named =
         file.view->has_clusters() ? file.description.cell_count : file.description.leaf_item_count;
     ways.push_back({.name = file.name,
-                    .bytes_per_cell = file.per_cell(structure_bytes(file.volume->file())),
+                    .bytes_per_cell = file.per_cell(structure_bytes(file.dataset->file())),
                     .named_per_cell = file.per_cell(named),
                     .cells_per_cpu_s = file.cells() / file.pack_s,
                     .ask = asked(file.view, isovalue,
@@ -242,7 +242,7 @@ std::vector<Way> MeshForWays::structures(double isovalue) const {
                                  ExactMailbox(parts_->plain->cell_count()));
   ways.insert(ways.begin() + 1, std::move(each_once));
   const File& file = parts_->files[clusters_of_64];
-  const double fixed_bytes = PlainMesh::cell_bytes + file.per_cell(source_bytes(file.volume->file()));
+  const double fixed_bytes = PlainMesh::cell_bytes + file.per_cell(source_bytes(file.dataset->file()));
   tools::CpuMeter meter;
   const auto add = [&](const std::string& name, const auto& build) {
     std::invoke_result_t<decltype(build)> structure;
@@ -268,7 +268,7 @@ std::vector<Way> MeshForWays::orders(double isovalue) const {
   const std::shared_ptr<const PlainMesh>& plain = parts_->plain;
   const File& lists = parts_->files[lists_of_one];
   const File& clusters = parts_->files[clusters_of_64];
-  const double list_bytes = lists.per_cell(structure_bytes(lists.volume->file()));
+  const double list_bytes = lists.per_cell(structure_bytes(lists.dataset->file()));
   const double items = lists.per_cell(lists.description.leaf_item_count);
   const auto in_order = [&](const std::function<void(std::span<std::uint32_t>)>& reorder) {
     return std::make_shared<const OrderedLists>(*lists.view, reorder);
@@ -320,13 +320,13 @@ std::vector<Way> MeshForWays::orders(double isovalue) const {
                              NoMailbox{}));
   }
 
-  const double fixed_bytes = clusters.per_cell(source_bytes(clusters.volume->file()));
-  const double tree_bytes = clusters.per_cell(structure_bytes(clusters.volume->file())) - fixed_bytes -
-                            clusters.per_cell(compressed_cell_bytes(clusters.volume->file()));
+  const double fixed_bytes = clusters.per_cell(source_bytes(clusters.dataset->file()));
+  const double tree_bytes = clusters.per_cell(structure_bytes(clusters.dataset->file())) - fixed_bytes -
+                            clusters.per_cell(compressed_cell_bytes(clusters.dataset->file()));
   const auto add_clusters = [&](const std::string& name, double bytes, const auto& ask) {
     ways.push_back({.name = concat("clusters of ", name), .bytes_per_cell = bytes, .named_per_cell = 1, .ask = ask});
   };
-  add_clusters("64: as packed", clusters.per_cell(structure_bytes(clusters.volume->file())),
+  add_clusters("64: as packed", clusters.per_cell(structure_bytes(clusters.dataset->file())),
                asked_by_clusters(clusters.view, isovalue, clusters.view));
   add_clusters("64: cells of 16 bytes", fixed_bytes + tree_bytes + PlainMesh::cell_bytes,
                asked_by_clusters(plain, isovalue, clusters.view));

@@ -38,7 +38,7 @@ class MeshForWays {
   MeshForWays(const MeshForWays&) = delete;
   MeshForWays& operator=(const MeshForWays&) = delete;
 
-  const render::Volume& volume() const;    ///< of clusters of 64
+  const render::Dataset& dataset() const;  ///< of clusters of 64
   const formats::TetMesh& packed() const;  ///< the same
 
   /// The packed structures, and two-level grids and octrees.

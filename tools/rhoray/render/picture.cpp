@@ -61,7 +61,7 @@ std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render
 
 /// Checks all files of a scene and refuses the first damaged one.
 void check_files(const render::ResolvedScene& plan) {
-  for (const render::Volume& volume : plan.volumes) refuse_damage(volume.file(), volume.file().damaged_blocks(1));
+  for (const render::Dataset& dataset : plan.datasets) refuse_damage(dataset.file(), dataset.file().damaged_blocks(1));
   for (const render::Texture& texture : plan.textures) refuse_damage(texture.file(), texture.file().damaged_blocks(1));
 }
 
@@ -109,8 +109,8 @@ void require_picture(const RenderCommand& command, const std::filesystem::path& 
 }
 
 void prove_ranges(const RenderCommand& command, Drawn& drawn) {
-  for (const render::Volume& volume : drawn.plan.volumes)
-    drawn.range_proof += volume.prove_ranges(command.common.threads);
+  for (const render::Dataset& dataset : drawn.plan.datasets)
+    drawn.range_proof += dataset.prove_ranges(command.common.threads);
 }
 
 render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn) {
@@ -126,7 +126,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
 
   render::Framebuffer framebuffer;
   const Stopwatch tracing;
-  drawn.statistics = render::render(plan.volumes, plan.scene, plan.frame, framebuffer, memory);
+  drawn.statistics = render::render(plan.datasets, plan.scene, plan.frame, framebuffer, memory);
   drawn.stations.trace_s = tracing.seconds() - drawn.statistics.range_proof.wall_s;
   drawn.statistics.range_proof += std::exchange(drawn.range_proof, {});
   drawn.stations.prove_s = drawn.statistics.range_proof.wall_s;

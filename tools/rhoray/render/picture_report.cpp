@@ -27,18 +27,18 @@ Json camera_json(const render::Camera& camera) {
 Json shown_json(const render::ResolvedScene& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;
-  Json json{{"file", plan.data[layer.volume].file.string()}};
+  Json json{{"file", plan.data[layer.dataset].file.string()}};
   if (layer.mode == render::Mode::triangles) {
     json["mode"] = "triangles";
     return json;
   }
-  json["field"] = plan.data[layer.volume].field;
+  json["field"] = plan.data[layer.dataset].field;
   json["mode"] = iso ? "iso" : layer.mode == render::Mode::slice ? "slice" : "mip";
   if (iso) {
     json["isovalue"] = layer.isovalue;
     json["isovalue_from"] = plan.origins[0].isovalue_from;
   } else {
-    json["range"] = json_of(layer.mode == render::Mode::slice ? layer.surface.color_by->range : layer.window);
+    json["range"] = json_of(layer.mode == render::Mode::slice ? layer.material.color_by->range : layer.window);
   }
   return json;
 }
@@ -107,7 +107,7 @@ std::vector<std::string> lines_of(const render::Explanation& explanation) {
 std::string method_text(const render::ResolvedScene& plan) {
   std::vector<std::string> words;
   for (const render::Layer& layer : plan.scene.layers) {
-    const std::string word = option_of(layer.method, layer.mode, plan.volumes[layer.volume].is_mesh()).word;
+    const std::string word = option_of(layer.method, layer.mode, plan.datasets[layer.dataset].is_mesh()).word;
     if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
   }
   std::string text;
@@ -122,7 +122,7 @@ void say_choices(const CommonOptions& common, const render::ResolvedScene& plan)
     const render::Layer& layer = plan.scene.layers[i];
     if (!from.empty() && from != "given")
       say(common, concat("isovalue ", layer.isovalue, " (", from, " of field '",
-                         plan.volumes[layer.volume].field().name, "')"));
+                         plan.datasets[layer.dataset].field().name, "')"));
   }
 }
 
@@ -141,7 +141,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                      .c_str(),
                  stdout);
     if (drawn.self_check) std::fputs(text_of(*drawn.self_check).c_str(), stdout);
-    for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.volumes[0].length_unit()).c_str());
+    for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.datasets[0].length_unit()).c_str());
   }
   say_choices(common, plan);
   for (const Choice& choice : drawn.choices) say(common, choice.sentence);

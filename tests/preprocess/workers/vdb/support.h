@@ -31,8 +31,8 @@ class Vdb : public testing::Test {
     return path;
   }
 
-  static render::Volume loaded(const std::filesystem::path& path, const std::string& field = {}) {
-    return render::Volume::load(preprocess::open_vdb(path, field));
+  static render::Dataset loaded(const std::filesystem::path& path, const std::string& field = {}) {
+    return render::Dataset::load(preprocess::open_vdb(path, field));
   }
 
   TemporaryFolder folder_;

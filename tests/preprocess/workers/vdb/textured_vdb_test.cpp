@@ -23,7 +23,7 @@ TEST_F(TexturedVdb, is_covered_as_the_packed_grid_of_the_same_samples) {
   pack_colors(colors_of({19, 11, 15}, 3, telling_texel,
                         {2.0 * turned.x_axis, 2.0 * turned.y_axis, 2.0 * turned.z_axis, turned.origin}),
               folder_ / "c.rho");
-  const render::Volume packed = render::Volume::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
+  const render::Dataset packed = render::Dataset::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
   render::Scene scene = oblique_scene(packed, 10);
   scene.layers[0].surface.texture = render::Texture::load(folder_ / "c.rho");
   const render::Framebuffer expected = picture(packed, scene), found = picture(sparse, scene);

@@ -61,9 +61,9 @@ preprocess::NeutralVolume ramps(int component_count = 3, std::uint8_t alpha = 25
 }
 
 /// Only ambient light: a surface shows its own colours.
-Layer glowing(std::size_t volume, double isovalue, const std::optional<Texture>& texture) {
-  Layer layer{.volume = volume, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float64)};
-  layer.surface = {.color = {0.1, 0.2, 0.9}, .texture = texture, .ambient = 1, .specular = 0};
+Layer glowing(std::size_t dataset, double isovalue, const std::optional<Texture>& texture) {
+  Layer layer{.dataset = dataset, .isovalue = isovalue, .method = render::method_of(render::Accuracy::float64)};
+  layer.material = {.color = {0.1, 0.2, 0.9}, .texture = texture, .ambient = 1, .specular = 0};
   return layer;
 }
 
@@ -83,10 +83,10 @@ struct Picture {
   double channel(std::size_t p, int c) const { return pixels.color[4 * p + static_cast<std::size_t>(c)]; }
 };
 
-Picture picture_of(const std::vector<render::Volume>& volumes, const Scene& scene, unsigned threads = 1) {
+Picture picture_of(const std::vector<render::Dataset>& datasets, const Scene& scene, unsigned threads = 1) {
   Picture picture;
   picture.statistics = render::render(
-      volumes, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
+      datasets, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = threads}, picture.pixels);
   return picture;
 }
 
@@ -95,7 +95,7 @@ double ball(const Vec3& p) {
 }
 
 /// The same ball as a grid and as a mesh.
-std::vector<render::Volume> both_kinds(const TemporaryFolder& folder) {
+std::vector<render::Dataset> both_kinds(const TemporaryFolder& folder) {
   const Index3 samples(25, 25, 25);
   preprocess::NeutralMesh mesh = box_mesh({.cells = {24, 24, 24}, .box = {cube.min, cube.max}});
   add_point_field(mesh, "value", ball);
@@ -111,13 +111,13 @@ Vec3 place_of(const Scene& scene, const Picture& picture, std::size_t p) {
 
 TEST(Textures, cover_grids_and_meshes_with_their_light_at_every_hit) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   const Texture texture = texture_of(folder, ramps());
-  for (std::size_t v = 0; v < volumes.size(); ++v)
+  for (std::size_t v = 0; v < datasets.size(); ++v)
     for (const render::Accuracy accuracy : {render::Accuracy::float32, render::Accuracy::float64}) {
       Scene scene = scene_of({glowing(v, 0.05, texture)});
       scene.layers[0].method = render::method_of(accuracy);
-      const Picture picture = picture_of(volumes, scene);
+      const Picture picture = picture_of(datasets, scene);
       EXPECT_GT(picture.statistics.hits, 1000U);
       EXPECT_EQ(picture.statistics.texture_lookups, picture.statistics.hits);
       for (std::size_t p = 0; p < picture.pixels.pixel_count(); ++p) {
@@ -126,37 +126,37 @@ TEST(Textures, cover_grids_and_meshes_with_their_light_at_every_hit) {
         // Half a step of 8 bits where it is widest, at the bright end.
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.channel(p, c), expected[c], 0.005) << p;
       }
-      expect_same_bits(picture.pixels, picture_of(volumes, scene, 3).pixels);
+      expect_same_bits(picture.pixels, picture_of(datasets, scene, 3).pixels);
     }
 }
 
 TEST(Textures, of_one_texel_are_a_colour) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   const Texture one = texture_of(folder, colors_of({1, 1, 1}, 3,
                                                    [](const Index3&) {
                                                      return std::array<std::uint8_t, 4>{255, 0, 124, 0};
                                                    },
                                                    {{4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {0, 0, 0}}));
-  for (std::size_t v = 0; v < volumes.size(); ++v) {
+  for (std::size_t v = 0; v < datasets.size(); ++v) {
     Scene textured = scene_of({glowing(v, 0.05, one)}), plain = textured;
     for (Scene* scene : {&textured, &plain}) {
-      scene->layers[0].surface.ambient = 0.2;
-      scene->layers[0].surface.specular = 0.3;
+      scene->layers[0].material.ambient = 0.2;
+      scene->layers[0].material.specular = 0.3;
     }
-    plain.layers[0].surface.texture.reset();
-    plain.layers[0].surface.color = {1, 0, static_cast<double>(static_cast<float>(decoded(124 / 255.0)))};
-    expect_same_bits(picture_of(volumes, textured).pixels, picture_of(volumes, plain).pixels);
+    plain.layers[0].material.texture.reset();
+    plain.layers[0].material.color = {1, 0, static_cast<double>(static_cast<float>(decoded(124 / 255.0)))};
+    expect_same_bits(picture_of(datasets, textured).pixels, picture_of(datasets, plain).pixels);
   }
 }
 
 TEST(Textures, are_mixed_over_the_surface_by_their_alpha) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   for (const int alpha : {0, 51, 255}) {
     const Texture texture = texture_of(folder, ramps(4, static_cast<std::uint8_t>(alpha)));
     const Scene scene = scene_of({glowing(0, 0.05, texture)});
-    const Picture picture = picture_of(volumes, scene);
+    const Picture picture = picture_of(datasets, scene);
     std::size_t hits = 0;
     for (std::size_t p = 0; p < picture.pixels.pixel_count(); ++p) {
       if (!picture.is_hit(p)) continue;
@@ -164,7 +164,7 @@ TEST(Textures, are_mixed_over_the_surface_by_their_alpha) {
       const Vec3 covering = light_at(place_of(scene, picture, p));
       for (int c = 0; c < 3; ++c)
         ASSERT_NEAR(picture.channel(p, c),
-                    alpha / 255.0 * covering[c] + (1 - alpha / 255.0) * scene.layers[0].surface.color[c], 0.005);
+                    alpha / 255.0 * covering[c] + (1 - alpha / 255.0) * scene.layers[0].material.color[c], 0.005);
     }
     EXPECT_GT(hits, picture.pixels.pixel_count() / 10);
   }
@@ -172,7 +172,7 @@ TEST(Textures, are_mixed_over_the_surface_by_their_alpha) {
 
 TEST(Textures, leave_what_they_do_not_reach_as_it_is) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   // Covers only the half with z above 0.
   const Texture half = texture_of(folder, colors_of({1, 1, 1}, 3,
                                                     [](const Index3&) {
@@ -180,7 +180,7 @@ TEST(Textures, leave_what_they_do_not_reach_as_it_is) {
                                                     },
                                                     {{4, 0, 0}, {0, 4, 0}, {0, 0, 2}, {0, 0, 1}}));
   const Scene scene = scene_of({glowing(0, 0.05, half)});
-  const Picture picture = picture_of(volumes, scene);
+  const Picture picture = picture_of(datasets, scene);
   std::uint64_t above = 0;
   for (std::size_t p = 0; p < picture.pixels.pixel_count(); ++p) {
     if (!picture.is_hit(p)) continue;
@@ -192,11 +192,11 @@ TEST(Textures, leave_what_they_do_not_reach_as_it_is) {
   EXPECT_EQ(picture.statistics.texture_lookups, above);
 
   Scene plain = scene;
-  plain.layers[0].surface.texture.reset();
+  plain.layers[0].material.texture.reset();
   const Texture elsewhere = texture_of(folder, colors_of({4, 4, 4}, 3, telling_texel, {.origin = {10, 0, 0}}));
   Scene missed = scene;
-  missed.layers[0].surface.texture = elsewhere;
-  const Picture without = picture_of(volumes, plain), with = picture_of(volumes, missed);
+  missed.layers[0].material.texture = elsewhere;
+  const Picture without = picture_of(datasets, plain), with = picture_of(datasets, missed);
   expect_same_bits(without.pixels, with.pixels);
   EXPECT_EQ(with.statistics.texture_lookups, 0U);
   EXPECT_EQ(without.statistics.texture_lookups, 0U);
@@ -204,13 +204,13 @@ TEST(Textures, leave_what_they_do_not_reach_as_it_is) {
 
 TEST(Textures, cover_clear_surfaces_at_each_of_their_crossings) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   const Texture texture = texture_of(folder, ramps());
-  for (std::size_t v = 0; v < volumes.size(); ++v) {
+  for (std::size_t v = 0; v < datasets.size(); ++v) {
     Layer clear = glowing(v, 0.05, texture);
-    clear.surface.opacity = 0.5;
+    clear.material.opacity = 0.5;
     const Scene scene = scene_of({clear});
-    const Picture picture = picture_of(volumes, scene);
+    const Picture picture = picture_of(datasets, scene);
     EXPECT_GT(picture.statistics.texture_lookups, picture.statistics.hits * 19 / 10) << "in and out again";
     // A ball: the first crossing determines where the ray leaves it.
     for (std::size_t p = 0; p < picture.pixels.pixel_count(); ++p) {
@@ -226,16 +226,17 @@ TEST(Textures, cover_clear_surfaces_at_each_of_their_crossings) {
 
 TEST(Textures, are_lit_as_the_surface_is) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   const Texture texture = texture_of(folder, ramps());
   Scene lit = scene_of({glowing(0, 0.05, texture)});
-  lit.layers[0].surface.ambient = 0.2;
+  lit.layers[0].material.ambient = 0.2;
   lit.lights = {
       {.kind = render::Light::Kind::directional, .place = {-2, -1, 1.5}, .color = {1, 0.5, 2}, .casts_shadows = true}};
   Scene white = lit, dark = lit;
-  white.layers[0].surface.texture.reset(), white.layers[0].surface.color = {1, 1, 1};
-  dark.layers[0].surface.ambient = 1, dark.lights = {render::Light{}};
-  const Picture found = picture_of(volumes, lit), light = picture_of(volumes, white), own = picture_of(volumes, dark);
+  white.layers[0].material.texture.reset(), white.layers[0].material.color = {1, 1, 1};
+  dark.layers[0].material.ambient = 1, dark.lights = {render::Light{}};
+  const Picture found = picture_of(datasets, lit), light = picture_of(datasets, white),
+                own = picture_of(datasets, dark);
   for (std::size_t p = 0; p < found.pixels.pixel_count(); ++p)
     for (int c = 0; c < 3; ++c)
       if (found.is_hit(p)) {
@@ -246,14 +247,14 @@ TEST(Textures, are_lit_as_the_surface_is) {
 
 TEST(Textures, of_surfaces_that_are_hidden_are_not_read) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   const Texture texture = texture_of(folder, ramps());
   const Layer shell = glowing(0, 0.05, std::nullopt);
-  const Picture hidden = picture_of(volumes, scene_of({shell, glowing(1, 0.3, texture)}));
+  const Picture hidden = picture_of(datasets, scene_of({shell, glowing(1, 0.3, texture)}));
   EXPECT_GT(hidden.statistics.hits, 1000U);
   EXPECT_EQ(hidden.statistics.texture_lookups, 0U);
   // Where two surfaces partly cover each other, no hit is looked up twice.
-  const Picture both = picture_of(volumes, scene_of({glowing(0, 0.05, texture), glowing(1, 0.05, texture)}));
+  const Picture both = picture_of(datasets, scene_of({glowing(0, 0.05, texture), glowing(1, 0.05, texture)}));
   EXPECT_EQ(both.statistics.texture_lookups, both.statistics.hits);
 }
 
@@ -276,18 +277,18 @@ TEST(Textures, are_called_for_by_surfaces_that_name_one) {
 
 TEST(Textures, are_refused_beside_colours_by_a_field) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   Scene scene = scene_of({glowing(0, 0.05, texture_of(folder, ramps()))});
-  scene.layers[0].surface.color_by = {.field = "value", .range = {0, 1}};
-  expect_error(ErrorCode::usage, "expected one of the two", [&] { picture_of(volumes, scene); });
+  scene.layers[0].material.color_by = {.field = "value", .range = {0, 1}};
+  expect_error(ErrorCode::usage, "expected one of the two", [&] { picture_of(datasets, scene); });
 }
 
 TEST(Textures, are_refused_where_no_colours_are_expected_and_other_files_as_textures) {
   const TemporaryFolder folder;
-  const std::vector<render::Volume> volumes = both_kinds(folder);
+  const std::vector<render::Dataset> datasets = both_kinds(folder);
   texture_of(folder, ramps());
   expect_error(ErrorCode::invalid, "holds colours; expected a grid",
-               [&] { render::Volume::load(folder / "colors.rho"); });
+               [&] { render::Dataset::load(folder / "colors.rho"); });
   expect_error(ErrorCode::invalid, "'colors'", [&] { Texture::load(folder / "grid.rho"); });
 }
 

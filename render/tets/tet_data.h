@@ -17,9 +17,9 @@ namespace rhoray::render {
 ///
 /// Leaf lists or clusters (formats/cell_clusters.h) tell which cells a ray may hit.
 template <class T>
-class TetVolume {
+class TetData {
  public:
-  TetVolume(const formats::TetMesh& mesh, std::size_t field) : mesh_(mesh), values_(mesh.values<T>(field)) {
+  TetData(const formats::TetMesh& mesh, std::size_t field) : mesh_(mesh), values_(mesh.values<T>(field)) {
     if (mesh.has_clusters())
       cluster_ranges_ = mesh.cluster_ranges<T>(field);
     else

@@ -10,7 +10,7 @@
 #include "formats/macro_levels.h"
 #include "formats/vdb_grid.h"
 #include "render/cell/trilinear.h"
-#include "render/grid/grid_volume.h"
+#include "render/grid/grid_data.h"
 #include "render/grid/leaf_bricks.h"
 #include "render/traverse/lattice_walk.h"
 
@@ -19,13 +19,13 @@ namespace rhoray::render {
 /// A NanoVDB grid as the kernels read it, in its own frame: the first sample of its box lies at
 /// position (0, 0, 0). Voxels that are not stored have the value of the tile or the background
 /// around them.
-class NanoVdbVolume {
+class NanoVdbData {
  public:
   using Sample = float;
 
   /// Builds the macro levels from the leaf nodes; where the grid is sparse this costs little.
   /// Refuses a buffer that is not a float grid, or whose nodes do not lie in it.
-  explicit NanoVdbVolume(const formats::VdbGrid& grid);
+  explicit NanoVdbData(const formats::VdbGrid& grid);
 
   WalkLattice lattice() const { return {levels_->shape.leaf_count, levels_->shape.factor}; }
   int level_count() const { return levels_->shape.level_count; }

@@ -130,11 +130,11 @@ class RectilinearGeometry {
 /// where samples are stored in the file, `Geometry` where they lie in space. A dense, uniform grid
 /// has no overhead from either.
 template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
-class GridVolume {
+class GridData {
  public:
   using Sample = T;
 
-  GridVolume(const formats::BrickGrid& grid, std::size_t field)
+  GridData(const formats::BrickGrid& grid, std::size_t field)
       : grid_(grid), samples_(grid_, field), geometry_(grid.description()), levels_(grid.macro_levels<T>(field)) {}
 
   WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
@@ -185,10 +185,10 @@ class GridVolume {
 };
 
 template <class T>
-using RectilinearVolume = GridVolume<T, DenseSamples<T>, RectilinearGeometry>;
+using RectilinearGridData = GridData<T, DenseSamples<T>, RectilinearGeometry>;
 template <class T>
-using SparseVolume = GridVolume<T, SparseSamples<T>, UniformGeometry>;
+using SparseGridData = GridData<T, SparseSamples<T>, UniformGeometry>;
 template <class T>
-using SparseRectilinearVolume = GridVolume<T, SparseSamples<T>, RectilinearGeometry>;
+using SparseRectilinearGridData = GridData<T, SparseSamples<T>, RectilinearGeometry>;
 
 }  // namespace rhoray::render

@@ -1,4 +1,4 @@
-#include "render/grid/nanovdb_volume.h"
+#include "render/grid/nanovdb_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,7 +108,7 @@ Index3 smaller(const Index3& a, const Index3& b) {
 
 }  // namespace
 
-NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
+NanoVdbData::NanoVdbData(const formats::VdbGrid& grid)
     : grid_(grid),
       tree_(&NodeCheck(grid).checked_tree()),
       first_sample_(grid.description().first_sample),
@@ -137,7 +137,7 @@ NanoVdbVolume::NanoVdbVolume(const formats::VdbGrid& grid)
                  [&](const Index3& c) { levels.values.include(levels.view.range(shape.level_count, c.x, c.y, c.z)); });
 }
 
-void NanoVdbVolume::build_lowest_level(Levels& levels) const {
+void NanoVdbData::build_lowest_level(Levels& levels) const {
   const Index3 count = levels.shape.count(1);
   std::atomic<bool> has_gaps = false;
   for_each_range(static_cast<std::uint64_t>(count.z), 1, 0, [&](std::uint64_t first, std::uint64_t last) {
@@ -153,8 +153,8 @@ void NanoVdbVolume::build_lowest_level(Levels& levels) const {
 
 /// The range of the samples from first to last. A leaf-sized block of voxels without a leaf node
 /// has one value.
-Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& last,
-                                            std::atomic<bool>& has_gaps_anywhere) const {
+Interval<float> NanoVdbData::sample_range(const Index3& first, const Index3& last,
+                                          std::atomic<bool>& has_gaps_anywhere) const {
   Interval<float> range;
   bool has_gaps = false;
   const auto include = [&](float value) {
@@ -187,7 +187,7 @@ Interval<float> NanoVdbVolume::sample_range(const Index3& first, const Index3& l
 }
 
 /// The range of those cells between the samples from first to last that have data.
-Interval<float> NanoVdbVolume::cell_range(const Index3& first, const Index3& last) const {
+Interval<float> NanoVdbData::cell_range(const Index3& first, const Index3& last) const {
   Interval<float> range;
   for_each_index(first, last, [&](const Index3& c) {
     const TrilinearCell corners = cell(c);

@@ -14,7 +14,7 @@ namespace rhoray::formats {
 
 /// A triangle mesh, shown as a landmark together with volumes. It need not be closed or
 /// consistently oriented.
-struct SurfaceMeshDescription {
+struct TriangleMeshDescription {
   std::string length_unit;
   ElementType point_type = ElementType::F32;  ///< F32 or F64
   std::uint64_t point_count = 0;
@@ -36,15 +36,15 @@ struct SurfaceMeshDescription {
 /// A packed surface, checked and ready for reading. Arrays: "points" F32 or F64 [points, 3] in
 /// world axes, "triangles" U32 [triangles, 3], optional "triangle_ids" U32 [triangles]. Corners
 /// keep the source's order: facets that are counter-clockwise seen from outside stay so.
-class SurfaceMesh {
+class TriangleMesh {
  public:
   static constexpr const char* kind = "surface";
 
   /// Refuses a file of another kind, shapes that differ from the description, a corner not below
   /// point_count, and a point that is not finite. Reads all corners and points once.
-  explicit SurfaceMesh(PackedFile file);
+  explicit TriangleMesh(PackedFile file);
 
-  const SurfaceMeshDescription& description() const { return description_; }
+  const TriangleMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }
 
   std::array<double, 3> point(std::uint64_t position) const {
@@ -61,18 +61,18 @@ class SurfaceMesh {
 
  private:
   PackedFile file_;
-  SurfaceMeshDescription description_;
+  TriangleMeshDescription description_;
   std::span<const std::array<float, 3>> floats_;  ///< one of these two is empty
   std::span<const std::array<double, 3>> doubles_;
   std::span<const std::array<std::uint32_t, 3>> triangles_;
   std::span<const std::uint32_t> triangle_ids_;
 };
 
-std::vector<ArraySpec> surface_mesh_arrays(const SurfaceMeshDescription& description);
-FileDescription describe(const SurfaceMeshDescription& description);
+std::vector<ArraySpec> triangle_mesh_arrays(const TriangleMeshDescription& description);
+FileDescription describe(const TriangleMeshDescription& description);
 
 /// Reports wrong bounds, a point in no triangle, a repeated corner in a triangle, and decreasing
 /// ids.
-std::vector<std::string> deep_findings(const SurfaceMesh& surface);
+std::vector<std::string> deep_findings(const TriangleMesh& surface);
 
 }  // namespace rhoray::formats

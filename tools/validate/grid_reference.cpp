@@ -1,4 +1,4 @@
-#include "tools/validate/grid_judge.h"
+#include "tools/validate/grid_reference.h"
 
 #include <CGAL/Exact_rational.h>
 

@@ -1,4 +1,4 @@
-#include "tools/validate/tet_judge.h"
+#include "tools/validate/exact_tets.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -135,12 +135,12 @@ std::optional<double> decided_crossing(const render::Ray& ray, const TetField::C
 
 }  // namespace
 
-struct TetJudge::Boxes {
+struct ExactTets::Boxes {
   Box3 all;
   Aabb aabb;
 };
 
-TetJudge::TetJudge(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue)
+ExactTets::ExactTets(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue)
     : field_(&field), isovalue_(isovalue), boxes_(std::make_unique<Boxes>()) {
   for (const std::uint32_t cell : straddling) boxes_->all.extendBy(field.cell(cell).box());
   const double slack = 1e-12 * boxes_->all.size().length();  // far above a shot's rounding
@@ -153,15 +153,15 @@ TetJudge::TetJudge(const TetField& field, const std::vector<std::uint32_t>& stra
   if (!boxes.empty()) boxes_->aabb.build();
 }
 
-TetJudge::~TetJudge() = default;
-TetJudge::TetJudge(TetJudge&&) noexcept = default;
-TetJudge& TetJudge::operator=(TetJudge&&) noexcept = default;
+ExactTets::~ExactTets() = default;
+ExactTets::ExactTets(ExactTets&&) noexcept = default;
+ExactTets& ExactTets::operator=(ExactTets&&) noexcept = default;
 
-std::optional<double> TetJudge::crossing_in(const render::Ray& ray, std::uint32_t cell) const {
+std::optional<double> ExactTets::crossing_in(const render::Ray& ray, std::uint32_t cell) const {
   return decided_crossing(ray, field_->cell(cell), isovalue_);
 }
 
-std::optional<TetJudge::Crossing> TetJudge::first_crossing(const render::Ray& ray) const {
+std::optional<ExactTets::Crossing> ExactTets::first_crossing(const render::Ray& ray) const {
   if (boxes_->aabb.empty()) return std::nullopt;
   std::vector<std::uint32_t> candidates;
   boxes_->aabb.all_intersected_primitives(shot_of(ray, boxes_->all), std::back_inserter(candidates));

@@ -34,9 +34,9 @@ void expect_same_light(const render::Framebuffer& a, const render::Framebuffer& 
   EXPECT_LT(differing, a.color.size() / 200);
 }
 
-class NanoVdbVolume : public Vdb {
+class NanoVdbData : public Vdb {
  protected:
-  static std::uint64_t shadow_rays_of(const render::Volume& volume, const render::Scene& scene) {
+  static std::uint64_t shadow_rays_of(const render::Dataset& volume, const render::Scene& scene) {
     render::Framebuffer framebuffer;
     return render::render(volume, scene, {.width = 96, .height = 96}, framebuffer).shadow_rays;
   }
@@ -45,7 +45,7 @@ class NanoVdbVolume : public Vdb {
   void expect_agreement(const NeutralVolume& volume, double isovalue) {
     pack_volume(volume, folder_ / "a.rho");
     export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
-    const render::Volume packed = render::Volume::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
+    const render::Dataset packed = render::Dataset::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
     EXPECT_EQ(sparse.bounds(), packed.bounds());
     EXPECT_EQ(sparse.field().range, packed.field().range);
     EXPECT_EQ(sparse.field().no_data_count, packed.field().no_data_count);
@@ -94,19 +94,19 @@ class NanoVdbVolume : public Vdb {
 
 const Affine turned{{0.1, 2, 0}, {3, 0, 0.1}, {0, 0.2, -0.7}, {10, 20, 30}};
 
-TEST_F(NanoVdbVolume, shows_the_same_as_the_packed_grid_of_the_same_samples) {
+TEST_F(NanoVdbData, shows_the_same_as_the_packed_grid_of_the_same_samples) {
   expect_agreement(noise_volume<float>({37, 21, 30}, 100, 7, turned), 60);
 }
 
 // A linear field is that of a mesh, too: one scene, three ways to hold its field.
-TEST_F(NanoVdbVolume, shows_of_a_linear_field_what_a_grid_and_tetrahedra_show) {
+TEST_F(NanoVdbData, shows_of_a_linear_field_what_a_grid_and_tetrahedra_show) {
   const Box3 box{{-2, 1, 5}, {1, 3, 9}};
   const Index3 count(31, 21, 41);
   const Field field = linear_field({0.3, -0.4, 0.9}, 0.7);
-  const render::Volume grid = packed(folder_, "a.rho", sampled_volume<float>(count, lattice_over(box, count), field));
+  const render::Dataset grid = packed(folder_, "a.rho", sampled_volume<float>(count, lattice_over(box, count), field));
   export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
-  const render::Volume sparse = loaded(folder_ / "a.vdb");
-  const render::Volume mesh =
+  const render::Dataset sparse = loaded(folder_ / "a.vdb");
+  const render::Dataset mesh =
       packed(folder_, "m.rho", box_mesh({.cells = {7, 6, 5}, .box = box, .jitter = 0.15}, field));
   render::Scene scene = oblique_scene(grid, field(box.center()) + 0.01);
   scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}, {}};
@@ -114,7 +114,7 @@ TEST_F(NanoVdbVolume, shows_of_a_linear_field_what_a_grid_and_tetrahedra_show) {
   scene.fog = render::Fog{.color = {0, 0, 1}, .range = {.lo = 5, .hi = 25}};
   const render::Framebuffer expected = picture(grid, scene);
   EXPECT_GT(hit_count(expected), 500U);
-  for (const render::Volume* volume : {&sparse, &mesh}) {
+  for (const render::Dataset* volume : {&sparse, &mesh}) {
     const render::Framebuffer found = picture(*volume, scene);
     for (std::size_t p = 0; p < expected.depth.size(); ++p) {
       const bool is_hit = expected.cell[p] != render::Framebuffer::no_cell;
@@ -128,7 +128,7 @@ TEST_F(NanoVdbVolume, shows_of_a_linear_field_what_a_grid_and_tetrahedra_show) {
   }
 }
 
-TEST_F(NanoVdbVolume, shows_the_same_where_most_of_it_is_constant) {
+TEST_F(NanoVdbData, shows_the_same_where_most_of_it_is_constant) {
   const auto sample = [](const Index3& s) {
     const auto far = [](std::int64_t a) { return static_cast<double>(a - 40); };
     return static_cast<float>(
@@ -137,7 +137,7 @@ TEST_F(NanoVdbVolume, shows_the_same_where_most_of_it_is_constant) {
   expect_agreement(volume_of<float>({90, 70, 81}, sample), 5);
 }
 
-TEST_F(NanoVdbVolume, has_no_surface_at_the_border_of_samples_without_data) {
+TEST_F(NanoVdbData, has_no_surface_at_the_border_of_samples_without_data) {
   const auto sample = [](const Index3& s) {
     const bool is_missing = (s.x * s.x + 3 * s.y + s.z) % 11 == 0 || (s.x > 12 && s.x < 25);
     return is_missing ? std::numeric_limits<float>::quiet_NaN()
@@ -146,13 +146,13 @@ TEST_F(NanoVdbVolume, has_no_surface_at_the_border_of_samples_without_data) {
   expect_agreement(volume_of<float>({40, 33, 29}, sample, turned), 16);
 }
 
-TEST_F(NanoVdbVolume, draws_a_level_set_where_its_distance_is_zero) {
+TEST_F(NanoVdbData, draws_a_level_set_where_its_distance_is_zero) {
   const double radius = 10, voxel = 0.25;
   const openvdb::Vec3f center(3, -4, 5);
   const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(static_cast<float>(radius), center,
                                                                                static_cast<float>(voxel));
   sphere->setName("ls");
-  const render::Volume volume = loaded(write("sphere.vdb", {sphere}));
+  const render::Dataset volume = loaded(write("sphere.vdb", {sphere}));
   EXPECT_TRUE(volume.is_level_set());
   const render::Scene scene = oblique_scene(volume, 0);
   const render::Framebuffer found = picture(volume, scene);
@@ -192,7 +192,7 @@ TEST_F(NanoVdbVolume, draws_a_level_set_where_its_distance_is_zero) {
 
 // Leaf nodes begin at multiples of 8 voxels, the box of active voxels and so the blocks of cells do not; and some leaf
 // nodes are tiles of one value.
-TEST_F(NanoVdbVolume, is_answered_wide_where_its_box_begins_anywhere) {
+TEST_F(NanoVdbData, is_answered_wide_where_its_box_begins_anywhere) {
   const auto grid = named_grid<openvdb::FloatGrid>("f", 2);
   std::mt19937 random(5);
   const openvdb::CoordBBox noisy(openvdb::Coord(-13, 3, 5), openvdb::Coord(17, 29, 38));
@@ -200,7 +200,7 @@ TEST_F(NanoVdbVolume, is_answered_wide_where_its_box_begins_anywhere) {
   grid->fill(openvdb::CoordBBox(openvdb::Coord(-8, 8, 8), openvdb::Coord(7, 15, 23)), 4.0F, true);
   grid->fill(openvdb::CoordBBox(openvdb::Coord(20, 3, 5), openvdb::Coord(36, 12, 20)), 3.0F, true);
   grid->tree().prune();
-  const render::Volume volume = loaded(write("anywhere.vdb", {grid}));
+  const render::Dataset volume = loaded(write("anywhere.vdb", {grid}));
   EXPECT_EQ(render::default_method(volume, render::Mode::isosurface), render::method_of(render::Accuracy::float32));
   for (render::Scene scene : {oblique_scene(volume, 2.6), straight_scene(volume, 2.6)}) {
     const render::Framebuffer expected = picture(volume, scene);
@@ -219,11 +219,11 @@ TEST_F(NanoVdbVolume, is_answered_wide_where_its_box_begins_anywhere) {
   }
 }
 
-TEST_F(NanoVdbVolume, skips_space_in_which_nothing_is_stored) {
+TEST_F(NanoVdbData, skips_space_in_which_nothing_is_stored) {
   const auto grid = named_grid<openvdb::FloatGrid>("f", 0);
   for (const int at : {0, 2100})
     grid->fill(openvdb::CoordBBox(openvdb::Coord(at), openvdb::Coord(at + 30)), 1.0F, true);
-  const render::Volume volume = loaded(write("far.vdb", {grid}));
+  const render::Dataset volume = loaded(write("far.vdb", {grid}));
   const render::Scene scene = oblique_scene(volume, 0.5);
   render::Framebuffer framebuffer;
   const render::FrameStatistics statistics = render::render(volume, scene, {.width = 256, .height = 256}, framebuffer);
@@ -231,7 +231,7 @@ TEST_F(NanoVdbVolume, skips_space_in_which_nothing_is_stored) {
   EXPECT_LT(statistics.cells_visited, 100 * statistics.hits);
 }
 
-TEST_F(NanoVdbVolume, refuses_a_buffer_whose_nodes_lie_outside) {
+TEST_F(NanoVdbData, refuses_a_buffer_whose_nodes_lie_outside) {
   const auto grid = named_grid<openvdb::FloatGrid>("f", 0);
   for (int i = 0; i < 40; ++i) grid->tree().setValueOn(openvdb::Coord(i, 2 * i, i), 1);
   const formats::VdbGrid good(open_vdb(write("a.vdb", {grid}), ""));
@@ -244,7 +244,7 @@ TEST_F(NanoVdbVolume, refuses_a_buffer_whose_nodes_lie_outside) {
         {{.name = formats::VdbGrid::buffer_array, .type = formats::ElementType::U8, .shape = {bytes.size()}}});
     writer.write_all(formats::VdbGrid::buffer_array, std::span<const std::uint8_t>(bytes));
     writer.commit();
-    return render::Volume::load(formats::PackedFile::from_descriptor(file.descriptor(), "memory"));
+    return render::Dataset::load(formats::PackedFile::from_descriptor(file.descriptor(), "memory"));
   };
   EXPECT_EQ(load(buffer).field().name, "f");
   const auto short_one = std::vector<std::uint8_t>(buffer.begin(), buffer.end() - 64);

@@ -1,4 +1,4 @@
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 
 #include <limits>
 
@@ -16,12 +16,12 @@ using details::Json;
 // 32-bit indices
 constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
-SurfaceMeshDescription read_description(const PackedFile& file) {
-  if (file.description().kind != SurfaceMesh::kind)
+TriangleMeshDescription read_description(const PackedFile& file) {
+  if (file.description().kind != TriangleMesh::kind)
     refuse(file.name(), "header, __metadata__, kind", concat("'", file.description().kind, "'"), "'surface'");
   const Json json = details::parse(file);
   const details::Reader reader(json, file.name(), "details");
-  SurfaceMeshDescription surface;
+  TriangleMeshDescription surface;
   surface.length_unit = reader.text("length_unit");
   surface.point_type = reader.element_type("point_type");
   if (surface.point_type != ElementType::F32 && surface.point_type != ElementType::F64)
@@ -42,8 +42,8 @@ SurfaceMeshDescription read_description(const PackedFile& file) {
 
 }  // namespace
 
-SurfaceMesh::SurfaceMesh(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
-  const SurfaceMeshDescription& d = description_;
+TriangleMesh::TriangleMesh(PackedFile file) : file_(std::move(file)), description_(read_description(file_)) {
+  const TriangleMeshDescription& d = description_;
   const auto corners = file_.array<std::uint32_t>("triangles", {d.triangle_count, 3});
   if (!d.has_source_order) triangle_ids_ = file_.array<std::uint32_t>("triangle_ids", {d.triangle_count});
   const auto view_points = [&]<class T>(std::span<const std::array<T, 3>>& points) {
@@ -59,7 +59,7 @@ SurfaceMesh::SurfaceMesh(PackedFile file) : file_(std::move(file)), description_
   triangles_ = details::grouped<3>(corners);
 }
 
-std::vector<ArraySpec> surface_mesh_arrays(const SurfaceMeshDescription& d) {
+std::vector<ArraySpec> triangle_mesh_arrays(const TriangleMeshDescription& d) {
   std::vector<ArraySpec> arrays{{.name = "points", .type = d.point_type, .shape = {d.point_count, 3}},
                                 {.name = "triangles", .type = ElementType::U32, .shape = {d.triangle_count, 3}}};
   if (!d.has_source_order)
@@ -67,7 +67,7 @@ std::vector<ArraySpec> surface_mesh_arrays(const SurfaceMeshDescription& d) {
   return arrays;
 }
 
-FileDescription describe(const SurfaceMeshDescription& d) {
+FileDescription describe(const TriangleMeshDescription& d) {
   Json json{{"length_unit", d.length_unit},
             {"point_type", std::string(element_name(d.point_type))},
             {"point_count", d.point_count},
@@ -80,12 +80,12 @@ FileDescription describe(const SurfaceMeshDescription& d) {
             {"unused_point_count", d.unused_point_count},
             {"provenance", details::provenance_json(d.provenance)}};
   if (!d.has_source_order) json["order"] = "ids";
-  return {.kind = SurfaceMesh::kind, .required = {}, .details = details::dump(json), .minor_version = 3};
+  return {.kind = TriangleMesh::kind, .required = {}, .details = details::dump(json), .minor_version = 3};
 }
 
-std::vector<std::string> deep_findings(const SurfaceMesh& surface) {
+std::vector<std::string> deep_findings(const TriangleMesh& surface) {
   details::Findings findings;
-  const SurfaceMeshDescription& d = surface.description();
+  const TriangleMeshDescription& d = surface.description();
   Box3 bounds;
   for (std::uint64_t p = 0; p < d.point_count; ++p) {
     const std::array<double, 3> point = surface.point(p);

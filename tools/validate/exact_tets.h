@@ -13,13 +13,13 @@ namespace rhoray::tools::validate {
 /// change between value < isovalue and value >= isovalue along the ray, for t >= 0, computed from
 /// the doubles of mesh and ray. Uncertain signs are decided in rational arithmetic. A single point
 /// that reaches the isovalue from below counts. Safe to call from several threads.
-class TetJudge {
+class ExactTets {
  public:
   /// @param straddling  the cells with points on both sides; the field must outlive this
-  TetJudge(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue);
-  ~TetJudge();
-  TetJudge(TetJudge&&) noexcept;
-  TetJudge& operator=(TetJudge&&) noexcept;
+  ExactTets(const TetField& field, const std::vector<std::uint32_t>& straddling, double isovalue);
+  ~ExactTets();
+  ExactTets(ExactTets&&) noexcept;
+  ExactTets& operator=(ExactTets&&) noexcept;
 
   struct Crossing {
     double t = 0;            ///< rounded; known exactly or up to a relative error of 1e-13

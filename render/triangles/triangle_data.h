@@ -3,17 +3,17 @@
 #include <array>
 #include <cstdint>
 
-#include "formats/surface_mesh.h"
+#include "formats/triangle_mesh.h"
 #include "render/traverse/ray.h"
 
 namespace rhoray::render {
 
 /// A packed surface as a volume for rays: its triangles, in world axes. There is no field.
-class SurfaceVolume {
+class TriangleData {
  public:
-  explicit SurfaceVolume(const formats::SurfaceMesh& mesh) : mesh_(mesh) {}
+  explicit TriangleData(const formats::TriangleMesh& mesh) : mesh_(mesh) {}
 
-  const formats::SurfaceMesh& mesh() const { return mesh_; }
+  const formats::TriangleMesh& mesh() const { return mesh_; }
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(mesh_.description().triangle_count); }
 
   /// Returns the point indices of a triangle.
@@ -26,7 +26,7 @@ class SurfaceVolume {
   std::uint64_t cell_id(std::uint32_t triangle) const { return mesh_.triangle_id(triangle); }
 
  private:
-  formats::SurfaceMesh mesh_;
+  formats::TriangleMesh mesh_;
 };
 
 }  // namespace rhoray::render
