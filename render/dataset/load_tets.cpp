@@ -20,6 +20,7 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
     return std::make_shared<LoadedDataset>(
         LoadedDataset{.file = file,
                       .field = summary,
+                      .fields = description.fields,
                       .field_names = names,
                       .length_unit = description.length_unit,
                       .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},

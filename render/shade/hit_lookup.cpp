@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/format_error.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/dataset/load_view.h"
 #include "render/query/compiled_for.h"
@@ -255,20 +253,17 @@ LookUp look_up_for(const TetData<T>& view, const LoadedDataset& dataset, const H
   };
 }
 
-template <class T, template <class> class Samples, class Geometry>
-LookUp look_up_for(const GridData<T, Samples<T>, Geometry>& view, const LoadedDataset& dataset,
-                   const HitAttributes& attributes, unsigned, Machine machine) {
-  const std::size_t field = *view.grid().find_field(*attributes.field);
-  return formats::with_element_type(view.description().fields[field].type, [&](auto sample) -> LookUp {
-    using Other = decltype(sample);
-    constexpr bool is_sparse = std::is_same_v<Samples<Other>, SparseSamples<Other>>;
-    if constexpr (std::is_floating_point_v<Other> || (sizeof(Other) < 8 && !is_sparse))
-      return in_grid(GridData<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
-    else
-      formats::refuse(dataset.file.name(), concat("field '", *attributes.field, "'"),
-                      formats::element_name(view.description().fields[field].type),
-                      is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
-  });
+template <class Geometry>
+LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
+                   unsigned, Machine machine) {
+  if (view.packed())
+    return in_grid(PlacedGrid<Geometry>(*view.packed(), *view.packed()->find_field(*attributes.field)), machine);
+  if (*attributes.field != dataset.field.name)
+    throw Error(ErrorCode::unsupported,
+                concat(dataset.file.name(), ": field '", *attributes.field,
+                       "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
+                       dataset.field.name, "'"));
+  return in_grid(view, machine);
 }
 
 LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
@@ -279,16 +274,6 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
   };
-}
-
-LookUp look_up_for(const NanoVdbData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned,
-                   Machine machine) {
-  if (*attributes.field != dataset.field.name)
-    throw Error(ErrorCode::unsupported,
-                concat(dataset.file.name(), ": field '", *attributes.field,
-                       "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
-                       dataset.field.name, "'"));
-  return in_grid(view, machine);
 }
 
 }  // namespace

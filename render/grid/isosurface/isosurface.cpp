@@ -39,7 +39,7 @@ class GroupWalk {
         scratch_(scratch),
         group_(scratch.group),
         counters_(counters),
-        reading_(reading_of(surface.type)),
+        reading_(reading_of(surface.source.type)),
         corners_(lattice),
         states_{.alive = scratch.group.inside} {
     for (int a = 0; a < 3; ++a) upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
