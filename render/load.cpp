@@ -51,8 +51,7 @@ Box3 crossed_box(const PlacedGrid<Geometry>& view, double isovalue) {
 
 /// Returns a box around the crossings of all edges: a tetrahedron's part of the isosurface is the
 /// polygon between them.
-template <class T>
-Box3 crossed_box(const TetData<T>& view, double isovalue) {
+Box3 crossed_box(const TetData& view, double isovalue) {
   Box3 box;
   for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
@@ -80,8 +79,7 @@ std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsig
   return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads) : 0;
 }
 
-template <class T>
-std::uint64_t proven_bytes(const TetData<T>& view, const std::string& field, unsigned threads) {
+std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads) {
   return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads);
 }
 

@@ -16,18 +16,16 @@ std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, 
   for (const Index3& sample : {Index3(0, 0, 0), description.macro.leaf_count})
     bounds.extendBy(
         Vec3(description.position(0, sample.x), description.position(1, sample.y), description.position(2, sample.z)));
-  const auto make = [&](auto view) {
-    return std::make_shared<const LoadedDataset>(LoadedDataset{.file = file,
-                                                               .field = summary,
-                                                               .fields = description.fields,
-                                                               .field_names = names,
-                                                               .length_unit = description.length_unit,
-                                                               .world_from_data = description.world_from_grid,
-                                                               .bounds_data = bounds,
-                                                               .view = std::move(view)});
-  };
-  if (description.is_rectilinear()) return make(RectilinearGrid(grid, chosen));
-  return make(UniformGrid(grid, chosen));
+  const bool is_rectilinear = description.is_rectilinear();
+  return std::make_shared<LoadedDataset>(LoadedDataset{
+      .file = file,
+      .field = summary,
+      .fields = description.fields,
+      .field_names = names,
+      .length_unit = description.length_unit,
+      .world_from_data = description.world_from_grid,
+      .bounds_data = bounds,
+      .view = is_rectilinear ? DataView(RectilinearGrid(grid, chosen)) : DataView(UniformGrid(grid, chosen))});
 }
 
 }  // namespace rhoray::render

@@ -16,6 +16,9 @@ namespace rhoray::render {
 class FacetsCache;
 class PointGradientsCache;
 
+/// A dataset as kernels read it.
+using DataView = std::variant<UniformGrid, RectilinearGrid, TetData, TriangleData>;
+
 /// One loaded dataset: what every kind has in common, and the view that kernels read.
 struct LoadedDataset {
   formats::PackedFile file;
@@ -29,7 +32,7 @@ struct LoadedDataset {
   /// Data frame: grid steps or positions of axis tables; for points, relative to the origin.
   Affine world_from_data;
   Box3 bounds_data;  ///< of all cells, data frame
-  std::variant<UniformGrid, RectilinearGrid, TetData<float>, TetData<double>, TriangleData> view;
+  DataView view;
   /// Of the field of a grid.
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();
   /// Of the field of a mesh, or of a surface; null for grids.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -41,11 +42,10 @@ RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::
 // Meshes.
 
 /// Data looked up in a mesh besides its own field.
-template <class T>
 struct MeshLookup {
-  const TetData<T>* view;
+  const TetData* view;
   std::shared_ptr<const PointGradients> gradients{};  ///< null: not needed
-  std::variant<std::monostate, std::span<const float>, std::span<const double>> field{};
+  std::optional<TetData> field{};
 };
 
 /// The cells of a group's hits: their points and weights.
@@ -104,8 +104,7 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
 }
 
 /// Misses get an arbitrary cell.
-template <class T>
-RHORAY_INLINE void find_cells(const TetData<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+RHORAY_INLINE void find_cells(const TetData& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
   Numbers place[3], away[4][3], field[4];
   find_places(rays, hits, first, place);
@@ -149,18 +148,14 @@ RHORAY_INLINE void replace_gradients(const HitCells& cells, std::span<const std:
   }
 }
 
-template <class T>
-RHORAY_INLINE void look_up_in_mesh(const MeshLookup<T>& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
+RHORAY_INLINE void look_up_in_mesh(const MeshLookup& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
                                    double* values) {
   HitCells cells;
   find_cells(*lookup.view, rays, hits, first, cells);
   if (lookup.gradients) replace_gradients(cells, lookup.gradients->of_points(), hits, first);
-  const auto look_up = [&](const auto& field) {
+  if (lookup.field)
     interpolate(
-        cells, [&](std::uint32_t point) { return static_cast<double>(field[point]); }, values);
-  };
-  if (const auto* floats = std::get_if<1>(&lookup.field)) look_up(*floats);
-  if (const auto* doubles = std::get_if<2>(&lookup.field)) look_up(*doubles);
+        cells, [&](std::uint32_t point) { return lookup.field->value_at(point); }, values);
 }
 
 // Surfaces.
@@ -235,19 +230,12 @@ LookUp in_grid(Grid grid, Machine machine) {
   };
 }
 
-template <class T>
-LookUp look_up_for(const TetData<T>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned threads, Machine machine) {
-  MeshLookup<T> lookup{.view = &view};
+LookUp look_up_for(const TetData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
+                   Machine machine) {
+  MeshLookup lookup{.view = &view};
   if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads);
-  if (attributes.field) {
-    const std::size_t field = *view.mesh().find_field(*attributes.field);
-    if (view.description().fields[field].type == formats::ElementType::F32)
-      lookup.field = view.mesh().template values<float>(field);
-    else
-      lookup.field = view.mesh().template values<double>(field);
-  }
-  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh<T>>(machine)](
+  if (attributes.field) lookup.field.emplace(view.mesh(), *view.mesh().find_field(*attributes.field));
+  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh>(machine)](
              const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
     look_up(lookup, rays, hits, first, values);
   };
