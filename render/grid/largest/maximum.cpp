@@ -135,7 +135,7 @@ bool is_direct(Method::Algorithm algorithm) {
 }  // namespace
 
 Kernel largest_value_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
-  if (!is_direct(method.algorithm) || !largest_values_on(machine)) return nullptr;
+  if (!is_direct(method.algorithm)) return nullptr;
   const UniformGrid* view = fit_grid(dataset);
   if (view == nullptr) return nullptr;
   // Positions on it have enough digits in single precision.
