@@ -10,9 +10,9 @@ namespace rhoray::render {
 
 template <class View>
 ReferenceKernels reference_kernels(const View& view, Method::Algorithm algorithm) {
-  return {.first_hit = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<View>,
+  return {.first_hit = kernel_for<View, first_crossing_of_ray<View>, sampled_crossing_of_ray<GridSampler<View>>,
                                   certified_first_crossing<View>, exact_first_hit<View>>(algorithm),
-          .largest = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<View>,
+          .largest = kernel_for<View, largest_value_on_ray<View>, sampled_maximum_on_ray<GridSampler<View>>,
                                 certified_largest_value<View>, exact_largest_hit<View>>(algorithm),
           .queue_entries = largest_queue_size(view.lattice(), view.level_count())};
 }

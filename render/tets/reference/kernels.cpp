@@ -11,9 +11,9 @@ namespace rhoray::render {
 
 template <>
 ReferenceKernels reference_kernels(const TetData& view, Method::Algorithm algorithm) {
-  return {.first_hit = kernel_for<TetData, first_crossing_of_ray<TetData>, sampled_crossing_of_ray<TetData>,
+  return {.first_hit = kernel_for<TetData, first_crossing_of_ray<TetData>, sampled_crossing_of_ray<TetSampler<TetData>>,
                                   certified_first_crossing<TetData>, exact_first_hit<TetData>>(algorithm),
-          .largest = kernel_for<TetData, largest_value_on_ray<TetData>, sampled_maximum_on_ray<TetData>,
+          .largest = kernel_for<TetData, largest_value_on_ray<TetData>, sampled_maximum_on_ray<TetSampler<TetData>>,
                                 certified_largest_value<TetData>, exact_largest_hit<TetData>>(algorithm),
           .queue_entries = queue_size_for(view)};
 }
