@@ -24,7 +24,7 @@ using render::Hit;
 using render::KernelCounters;
 using render::Ray;
 using render::RayQuery;
-using PackedVolume = render::TetData<float>;
+using PackedVolume = render::TetData;
 using Items = std::span<const std::uint32_t>;
 
 struct PackedName {
@@ -143,7 +143,7 @@ struct TreeView {
   const Tree& tree;
 
   const formats::CellClustersView& clusters() const { return tree.clusters(); }
-  const formats::ClusterRangesView<float>& cluster_ranges() const { return tree.cluster_ranges(); }
+  auto cluster_ranges(int level, std::uint64_t block) const { return tree.cluster_ranges(level, block); }
   RHORAY_INLINE auto sorted_vertices(std::uint32_t cell) const { return mesh.sorted_vertices(cell); }
   template <class Vertices>
   RHORAY_INLINE std::array<double, 4> values_at(const Vertices& v) const {
