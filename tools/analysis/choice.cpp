@@ -8,8 +8,8 @@
 #include "render/method_words.h"
 #include "render/render.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/measure.h"
 #include "tools/analysis/truth.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

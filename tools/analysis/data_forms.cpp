@@ -13,8 +13,8 @@
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
 #include "preprocess/unpack_mesh.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

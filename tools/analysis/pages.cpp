@@ -14,10 +14,10 @@
 #include "tools/analysis/gnuplot.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
+#include "tools/analysis/measure.h"
 #include "tools/analysis/plots.h"
 #include "tools/analysis/variant_names.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::tools {

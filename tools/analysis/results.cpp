@@ -5,7 +5,7 @@
 
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 

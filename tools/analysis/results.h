@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tools/analysis/study.h"
+#include "tools/analysis/table.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/table.h"
 
 namespace rhoray::tools {
 

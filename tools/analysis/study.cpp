@@ -12,8 +12,8 @@
 #include "formats/base/number_text.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
-#include "tools/rhoray/cpu_meter.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/cpu_meter.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 

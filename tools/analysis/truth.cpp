@@ -9,8 +9,8 @@
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
 #include "render/scene_spec.h"
-#include "tools/rhoray/cpu_meter.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/cpu_meter.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 

@@ -5,14 +5,14 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/validation_report.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/validation_report.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {

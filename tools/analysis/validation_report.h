@@ -6,8 +6,8 @@
 
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
+#include "tools/analysis/table.h"
 #include "tools/rhoray/report.h"
-#include "tools/rhoray/table.h"
 
 namespace rhoray::tools {
 

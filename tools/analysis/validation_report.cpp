@@ -1,4 +1,4 @@
-#include "tools/rhoray/validation_report.h"
+#include "tools/analysis/validation_report.h"
 
 #include <algorithm>
 #include <cmath>
