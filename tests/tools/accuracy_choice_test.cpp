@@ -14,7 +14,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
-#include "tools/analysis/self_check.h"
+#include "tools/analysis/accuracy.h"
 #include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
@@ -152,7 +152,7 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   render::Framebuffer right;
   render::render(plan.datasets, plan.scene, plan.frame, right);
   const auto check = [&](const render::Framebuffer& picture, std::optional<double> limit = {}) {
-    return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
+    return tools::check_picture(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
   };
   EXPECT_EQ(check(right).broken, "");
   render::Framebuffer wrong = right;
@@ -193,7 +193,7 @@ TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
     plan.frame.channels = tools::channels_to_check(plan);
     render::Framebuffer picture;
     render::render(plan.datasets, plan.scene, plan.frame, picture);
-    const tools::SelfCheck check = tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = {}}, 2);
+    const tools::SelfCheck check = tools::check_picture(plan, picture, {.pixels = 500, .seed = 1, .limit = {}}, 2);
     return concat(check.broken, " ", check.random.shown, " ", check.random.missed, " ", check.random.false_hits, " ",
                   check.random.largest, " ", check.random.kept_by_99, " ", check.edges.shown, " ", check.edges.largest);
   };

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
-#include "tools/analysis/errors.h"
 #include "tools/analysis/flip.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
 #include "tools/analysis/picture_errors.h"
+#include "tools/analysis/truth.h"
 
 namespace rhoray::tests {
 namespace {

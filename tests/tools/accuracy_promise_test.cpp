@@ -10,7 +10,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/workbench.h"
-#include "tools/analysis/choice.h"
+#include "tools/analysis/accuracy.h"
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/data_choice.h"
 
@@ -63,10 +63,8 @@ render::ResolvedScene planned(const Workbench& bench, const Shown& shown) {
 void expect_kept(const Workbench& bench, const Shown& shown) {
   const render::ResolvedScene plan = planned(bench, shown);
   const render::Dataset& dataset = plan.datasets[0];
-  const FieldTruth field(dataset);
   const Truth truth = find_truth({.dataset = dataset,
                                   .scene = plan.scene,
-                                  .field = field,
                                   .size = {plan.frame.width, plan.frame.height},
                                   .seconds = std::numeric_limits<double>::infinity()});
   ASSERT_TRUE(truth.are_all());
@@ -79,9 +77,9 @@ void expect_kept(const Workbench& bench, const Shown& shown) {
     ASSERT_EQ(choices.size(), 1U);
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
     const render::Layer& layer = chosen.scene.layers[0];
-    const std::vector<render::Hit> hits = answers(
+    const std::vector<render::Hit> hits = trace_rays(
         {.dataset = dataset, .mode = layer.mode, .isovalue = layer.isovalue, .method = layer.method}, truth.rays);
-    const double share = count_errors(errors_against(truth, field, layer, hits)).within(error * unit);
+    const double share = count_errors(errors_against(truth, layer.mode, hits)).within(error * unit);
     EXPECT_GE(share, 0.99) << shown.file << " " << error << " " << choices[0].sentence;
   }
 }
@@ -124,13 +122,11 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
                         bench / "mesh.rho");
   const render::ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
   const render::Dataset& dataset = plan.datasets[0];
-  const FieldTruth field(dataset);
-  const Truth truth =
-      find_truth({.dataset = dataset, .scene = plan.scene, .field = field, .size = {160, 120}, .seconds = 1000});
+  const Truth truth = find_truth({.dataset = dataset, .scene = plan.scene, .size = {160, 120}, .seconds = 1000});
   const auto counted = [&](const render::Method& method) {
     return count_errors(errors_against(
-        truth, field, plan.scene.layers[0],
-        answers({.dataset = dataset, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
+        truth, plan.scene.layers[0].mode,
+        trace_rays({.dataset = dataset, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
   };
   // A tetrahedron that is treated as larger than it is hides what lies behind it, and shows a
   // surface where there is none.

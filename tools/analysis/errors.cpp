@@ -1,4 +1,4 @@
-#include "tools/analysis/errors.h"
+#include "tools/analysis/truth.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/framebuffer.h"
-#include "tools/analysis/errors.h"
 #include "tools/analysis/flip.h"
+#include "tools/analysis/truth.h"
 
 namespace rhoray::tools {
 

@@ -117,18 +117,18 @@ const TruePicture& LayerStudy::compared_with(const Variant& variant, const PassR
 
 void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResult& result) {
   const render::Layer& layer = scene_.layers[0];
-  const std::vector<render::Ray> rays = rays_of(data.dataset, scene_.camera, result.size, result.truth.pixels);
+  const std::vector<render::Ray> rays = pixel_rays(data.dataset, scene_.camera, result.size, result.truth.pixels);
   std::vector<render::Hit> hits =
-      answers({.dataset = data.dataset,
-               .mode = layer.mode,
-               .isovalue = data.own(layer.isovalue),
-               .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
-               .clip = clip_of(scene_, layer),
-               .threads = options_.threads,
-               .stop = options_.stop},
-              rays);
+      trace_rays({.dataset = data.dataset,
+                  .mode = layer.mode,
+                  .isovalue = data.own(layer.isovalue),
+                  .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
+                  .clip = clip_of(scene_, layer),
+                  .threads = options_.threads,
+                  .stop = options_.stop},
+                 rays);
   for (render::Hit& hit : hits) hit.value = data.original(hit.value);
-  ErrorList list = errors_against(result.truth, field_, layer, hits, data.border.get());
+  ErrorList list = errors_on_data(result.truth, field_, layer, hits, data.border.get());
   row.errors = count_errors(list);
   row.judges_all = result.truth.are_all();
   row.error_list = std::move(list.errors);
@@ -198,7 +198,7 @@ InstrumentCost LayerStudy::instrument_cost(double seconds) {
 
 /// For the variant that is true by definition: measures only its cost.
 void LayerStudy::measure_exact(Measured& row, const PassResult& result) {
-  ErrorList list = errors_against(result.truth, field_, scene_.layers[0], result.truth.hits);
+  ErrorList list = errors_on_data(result.truth, field_, scene_.layers[0], result.truth.hits);
   row.errors = count_errors(list);
   row.judges_all = result.truth.are_all();
   row.error_list = std::move(list.errors);
@@ -258,19 +258,19 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
       part.hits.push_back(truth.hits[order[i]]);
       part.cells_per_t.push_back(truth.cells_per_t[order[i]]);
     }
-    const Asking asking{.dataset = dataset_,
-                        .mode = layer.mode,
-                        .isovalue = layer.isovalue,
-                        .method = *variant.method,
-                        .clip = clip_of(scene_, layer),
-                        .threads = options_.threads,
-                        .stop = options_.stop};
+    const TraceSpec spec{.dataset = dataset_,
+                         .mode = layer.mode,
+                         .isovalue = layer.isovalue,
+                         .method = *variant.method,
+                         .clip = clip_of(scene_, layer),
+                         .threads = options_.threads,
+                         .stop = options_.stop};
     std::vector<render::Hit> found;
-    cpu_s += meter.measure([&] { found = answers(asking, std::span(part.rays).subspan(first)); }).cpu_s;
+    cpu_s += meter.measure([&] { found = trace_rays(spec, std::span(part.rays).subspan(first)); }).cpu_s;
     said.insert(said.end(), found.begin(), found.end());
   }
   Measured row{.variant = variant, .method = option_of(*variant.method, layer.mode, dataset_.is_mesh()).word};
-  row.errors = count_errors(errors_against(part, field_, layer, said));
+  row.errors = count_errors(errors_on_data(part, field_, layer, said));
   row.cpu_ms = {1e3 * cpu_s / static_cast<double>(said.size()) * pixels_of(result.size)};
   row.data_bytes = dataset_.file().file_bytes();
   row.note = concat("too slow for a picture; ", said.size(), " random pixels, with the time extrapolated");
@@ -325,7 +325,6 @@ void LayerStudy::pass(const Pass& spec) {
   PassResult result{.size = spec.size,
                     .truth = find_truth({.dataset = dataset_,
                                          .scene = scene_,
-                                         .field = field_,
                                          .size = spec.size,
                                          .seed = options_.seed,
                                          .seconds = spec.judge_seconds,

@@ -10,8 +10,8 @@
 
 #include "render/document.h"
 #include "render/render.h"
+#include "tools/analysis/data_errors.h"
 #include "tools/analysis/data_forms.h"
-#include "tools/analysis/errors.h"
 #include "tools/analysis/picture_errors.h"
 #include "tools/analysis/truth.h"
 #include "tools/analysis/variant.h"
@@ -133,7 +133,7 @@ class LayerStudy {
   bool use_hierarchy_;
   int antialiasing_;
   DataForms forms_;
-  FieldTruth field_;
+  FieldValues field_;
   std::vector<Variant> variants_;
   std::optional<PassResult> result_;
   /// Of the last pass's size.

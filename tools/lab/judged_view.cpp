@@ -35,12 +35,8 @@ render::Scene scene_of(const ViewSpec& setting) {
 
 ExactView::ExactView(const render::Dataset& dataset, const ViewSpec& setting)
     : dataset_(dataset), wish_(setting), field_(dataset_), scene_(scene_of(wish_)) {
-  truth_ = tools::find_truth({.dataset = dataset_,
-                              .scene = scene_,
-                              .field = field_,
-                              .size = wish_.size,
-                              .seed = wish_.seed,
-                              .seconds = wish_.judge_seconds});
+  truth_ = tools::find_truth(
+      {.dataset = dataset_, .scene = scene_, .size = wish_.size, .seed = wish_.seed, .seconds = wish_.judge_seconds});
   if (truth_.hit_count() == 0)
     throw Error(ErrorCode::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
   // If exact arithmetic could not decide all pixels in time, their picture is the certified one.
@@ -61,10 +57,10 @@ double ExactView::cell_length() const {
 }
 
 Json ExactView::ray_errors(const Shown& shown) const {
-  const std::vector<render::Ray> rays = tools::rays_of(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
+  const std::vector<render::Ray> rays = tools::pixel_rays(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
-      tools::answers({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
-  const tools::ErrorList list = tools::errors_against(truth_, field_, scene_.layers[0], hits, shown.border);
+      tools::trace_rays({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
+  const tools::ErrorList list = tools::errors_on_data(truth_, field_, scene_.layers[0], hits, shown.border);
   const tools::ErrorCounts errors = tools::count_errors(list);
   std::vector<double> world;
   std::uint64_t wrong_at_border = 0;

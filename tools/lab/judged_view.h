@@ -8,8 +8,7 @@
 #include "render/load.h"
 #include "render/render.h"
 #include "render/scene_spec.h"
-#include "tools/analysis/errors.h"
-#include "tools/analysis/field_truth.h"
+#include "tools/analysis/data_errors.h"
 #include "tools/analysis/picture_errors.h"
 #include "tools/analysis/truth.h"
 #include "tools/rhoray/report.h"
@@ -66,7 +65,7 @@ class ExactView {
 
   render::Dataset dataset_;
   ViewSpec wish_;
-  tools::FieldTruth field_;
+  tools::FieldValues field_;
   render::Scene scene_;  ///< with one layer
   tools::Truth truth_;
   std::unique_ptr<const tools::TruePicture> picture_;

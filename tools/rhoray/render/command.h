@@ -4,8 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/analysis/choice.h"
-#include "tools/analysis/self_check.h"
+#include "tools/analysis/accuracy.h"
 #include "tools/rhoray/common_options.h"
 #include "tools/rhoray/pick.h"
 #include "tools/rhoray/picture_options.h"

@@ -8,8 +8,7 @@
 
 #include "render/document.h"
 #include "render/render.h"
-#include "tools/analysis/choice.h"
-#include "tools/analysis/self_check.h"
+#include "tools/analysis/accuracy.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
 

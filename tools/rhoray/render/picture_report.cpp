@@ -7,6 +7,7 @@
 #include "render/document.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/pick.h"
 
