@@ -70,6 +70,7 @@ const Layer layers[] = {
     {"render/frame",
      {"formats", "render", "render/traverse", "render/dataset", "render/query", "render/shadow", "render/shade"}},
     {"render/document", {"formats", "render"}},
+    {"render/check", {"formats", "render"}},
 
     {"preprocess/process", {"formats", "preprocess"}},
     {"preprocess/values", {"formats", "preprocess"}},

@@ -7,15 +7,16 @@
 #include <numbers>
 #include <random>
 
+#include "render/truth.h"
 #include "tools/analysis/flip.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
 #include "tools/analysis/picture_errors.h"
-#include "tools/analysis/truth.h"
 
 namespace rhoray::tests {
 namespace {
 
+using namespace render;
 using namespace tools;
 
 TEST(AccuracyMeasures, count_missed_and_false_rays_as_beyond_every_limit) {

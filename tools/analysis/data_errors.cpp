@@ -15,9 +15,9 @@ std::optional<double> FieldValues::at(const render::Ray& ray, const render::Hit&
   return isovalue + truth.gradient.dot(ray.direction) * (t - truth.t);
 }
 
-ErrorList errors_on_data(const Truth& truth, const FieldValues& field, const render::Layer& layer,
-                         std::span<const render::Hit> hits, const ResampledBorder* border) {
-  ErrorList list = errors_against(truth, layer.mode, hits);
+render::ErrorList errors_on_data(const render::Truth& truth, const FieldValues& field, const render::Layer& layer,
+                                 std::span<const render::Hit> hits, const ResampledBorder* border) {
+  render::ErrorList list = render::errors_against(truth, layer.mode, hits);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (border != nullptr) list.is_border.push_back(border->separates(truth.rays[i], truth.hits[i], hits[i]));
     if (layer.mode == render::Mode::mip || !std::isfinite(list.errors[i])) continue;

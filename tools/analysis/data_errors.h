@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
+#include "render/truth.h"
 #include "tools/analysis/border.h"
-#include "tools/analysis/truth.h"
 #include "tools/validate/grid_field.h"
 
 namespace rhoray::tools {
@@ -27,7 +27,7 @@ class FieldValues {
 /// value_errors and is_border.
 /// @param hits    values in the truth's unit
 /// @param border  between a mesh and the grid that was traced instead; null: there is none
-ErrorList errors_on_data(const Truth& truth, const FieldValues& field, const render::Layer& layer,
-                         std::span<const render::Hit> hits, const ResampledBorder* border = nullptr);
+render::ErrorList errors_on_data(const render::Truth& truth, const FieldValues& field, const render::Layer& layer,
+                                 std::span<const render::Hit> hits, const ResampledBorder* border = nullptr);
 
 }  // namespace rhoray::tools

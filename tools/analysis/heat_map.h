@@ -4,7 +4,7 @@
 #include <string>
 
 #include "render/framebuffer.h"
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
 namespace rhoray::tools {
 

@@ -14,7 +14,7 @@ void require_above_0(const char* option, const std::optional<double>& number) {
 
 }  // namespace
 
-std::vector<Option> goal_options(Goal& goal) {
+std::vector<Option> goal_options(render::Goal& goal) {
   return in_group(
       "Accuracy",
       {with_details(value_option("--max-error", "E",
@@ -29,7 +29,7 @@ std::vector<Option> goal_options(Goal& goal) {
            "--max-error has priority"))});
 }
 
-std::vector<Option> self_check_options(SelfCheckOptions& options) {
+std::vector<Option> self_check_options(render::SelfCheckOptions& options) {
   return in_group(
       "Accuracy",
       {with_details(value_option("--verify", "N",
@@ -43,12 +43,12 @@ std::vector<Option> self_check_options(SelfCheckOptions& options) {
        for_experts(value_option("--verify-seed", "N", "Random seed for --verify; default 1", options.seed))});
 }
 
-void check(const Goal& goal) {
+void require_valid(const render::Goal& goal) {
   require_above_0("--max-error", goal.max_error);
   require_above_0("--budget-ms", goal.budget_ms);
 }
 
-void check(const SelfCheckOptions& options) {
+void require_valid(const render::SelfCheckOptions& options) {
   if (options.limit && options.pixels == 0)
     throw Error(ErrorCode::usage, "--verify-limit: needs --verify", "--verify 1000");
   require_above_0("--verify-limit", options.limit);
@@ -59,8 +59,8 @@ void require_checkable(const render::ResolvedScene& resolved) {
     throw Error(ErrorCode::usage, concat("--verify: ", reason));
 }
 
-std::string text_of(const SelfCheck& check) {
-  const auto line = [&](const char* name, const CheckedPixels& found) {
+std::string text_of(const render::SelfCheck& check) {
+  const auto line = [&](const char* name, const render::CheckedPixels& found) {
     return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " false negatives, ",
                   found.false_hits, " false positives, largest error ", rounded(found.largest),
                   check.unit.empty() ? "" : " ", check.unit,
@@ -75,8 +75,8 @@ std::string text_of(const SelfCheck& check) {
       "\n");
 }
 
-Json json_of(const SelfCheck& check) {
-  const auto found = [](const CheckedPixels& pixels) {
+Json json_of(const render::SelfCheck& check) {
+  const auto found = [](const render::CheckedPixels& pixels) {
     return Json{{"pixels", pixels.pixels},
                 {"missed", pixels.missed},
                 {"false_hits", pixels.false_hits},

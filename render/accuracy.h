@@ -11,7 +11,7 @@
 
 /// How accurate a picture is, and which method is accurate enough. Exact arithmetic decides
 /// (truth.h).
-namespace rhoray::tools {
+namespace rhoray::render {
 
 struct SelfCheckOptions {
   std::uint64_t pixels = 0;  ///< of each kind; 0: no check
@@ -45,16 +45,16 @@ struct SelfCheck {
 };
 
 /// The channels that a check reads.
-render::ChannelSet channels_to_check(const render::ResolvedScene& resolved);
+ChannelSet channels_to_check(const ResolvedScene& resolved);
 
 /// Why pictures of a scene cannot be checked: a pixel does not define one position or value, as for
 /// triangles, transparent surfaces, projections beside other layers. Empty if they can.
-std::string why_not_checkable(const render::ResolvedScene& resolved);
+std::string why_not_checkable(const ResolvedScene& resolved);
 
 /// Traces pixels of a picture again in exact arithmetic and compares. Depths are compared as stored
 /// in the picture, in single precision; that rounding does not count as an error.
-SelfCheck check_picture(const render::ResolvedScene& resolved, const render::Framebuffer& picture,
-                        const SelfCheckOptions& options, unsigned threads);
+SelfCheck check_picture(const ResolvedScene& resolved, const Framebuffer& picture, const SelfCheckOptions& options,
+                        unsigned threads);
 
 /// Goal that a chosen method must meet.
 struct Goal {
@@ -68,7 +68,7 @@ struct Goal {
 
 /// A method that was tried on a small picture of the scene.
 struct Candidate {
-  render::Method method;
+  Method method;
   std::string word;
   /// Upper bound for 99 % of the pixels that show or should show something.
   double error = 0;
@@ -89,11 +89,11 @@ struct Choice {
 /// meets the time. If no method meets both, the error has priority. If none meets the time, the
 /// fastest is chosen. The sentence says so.
 /// @param goal  for this layer, if there are several
-Choice choose_method(const render::ResolvedScene& resolved, std::size_t layer, const Goal& goal, unsigned threads,
+Choice choose_method(const ResolvedScene& resolved, std::size_t layer, const Goal& goal, unsigned threads,
                      std::stop_token stop = {});
 
 /// Chooses for every isosurface and projection, which share the time. Stores the methods in the
 /// scene.
-std::vector<Choice> choose_methods(render::ResolvedScene& resolved, const Goal& goal, unsigned threads);
+std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads);
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

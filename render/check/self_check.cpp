@@ -6,23 +6,21 @@
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
+#include "render/accuracy.h"
 #include "render/method_words.h"
-#include "tools/analysis/accuracy.h"
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
-using render::Hit;
-
-bool is_projection(const render::ResolvedScene& resolved) {
-  return resolved.scene.layers[0].mode == render::Mode::mip;
+bool is_projection(const ResolvedScene& resolved) {
+  return resolved.scene.layers[0].mode == Mode::mip;
 }
 
-bool is_proven(const render::ResolvedScene& resolved) {
+bool is_proven(const ResolvedScene& resolved) {
   return std::all_of(resolved.scene.layers.begin(), resolved.scene.layers.end(),
-                     [](const render::Layer& layer) { return render::proves(layer.method); });
+                     [](const Layer& layer) { return proves(layer.method); });
 }
 
 /// What a level promises for a picture.
@@ -32,25 +30,24 @@ struct Promise {
   double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
 };
 
-Promise promise_of(const render::Layer& layer, const render::Dataset& dataset) {
-  using Algorithm = render::Method::Algorithm;
+Promise promise_of(const Layer& layer, const Dataset& dataset) {
+  using Algorithm = Method::Algorithm;
   const Interval<double> range = dataset.field().range;
-  const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
-  if (render::proves(layer.method))
-    return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
+  const double unit = layer.mode == Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
+  if (proves(layer.method)) return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
   if (layer.method.algorithm != Algorithm::direct) return {};
-  if (layer.mode == render::Mode::mip)
+  if (layer.mode == Mode::mip)
     return {"no false negatives or false positives, 99 % of the values within a millionth of the field's range", 0,
             unit};
-  if (layer.method.precision == render::Method::Precision::float64)
+  if (layer.method.precision == Method::Precision::float64)
     return {"false negatives and false positives at most 0.1 % + 1 pixel, 99 % within 1e-6 cells", 1e-3, 1e-6};
   return {"false negatives and false positives at most 1 % + 1 pixel, 99 % within 1e-3 cells", 1e-2, 1e-3};
 }
 
 /// The loosest promise of all layers.
-Promise promise_of(const render::ResolvedScene& resolved) {
+Promise promise_of(const ResolvedScene& resolved) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
-  for (const render::Layer& layer : resolved.scene.layers) {
+  for (const Layer& layer : resolved.scene.layers) {
     const Promise promise = promise_of(layer, resolved.datasets[layer.dataset]);
     if (promise.said.empty()) return promise;
     if (promise.wrong_share > loosest.wrong_share) loosest = promise;
@@ -66,7 +63,7 @@ std::vector<std::uint32_t> some_of(std::vector<std::uint32_t> pixels, std::uint6
   return pixels;
 }
 
-std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
+std::vector<std::uint32_t> all_pixels(const Framebuffer& picture) {
   std::vector<std::uint32_t> pixels(picture.pixel_count());
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint32_t>(i);
   return pixels;
@@ -74,7 +71,7 @@ std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
 
 /// Pixels with a neighbour whose depth differs by more than a hundredth. Pixels with a surface
 /// differ from pixels without.
-std::vector<std::uint32_t> edge_pixels(const render::Framebuffer& picture) {
+std::vector<std::uint32_t> edge_pixels(const Framebuffer& picture) {
   std::vector<std::uint32_t> edges;
   const auto width = static_cast<std::size_t>(picture.width);
   const auto differ = [&](std::size_t a, std::size_t b) {
@@ -99,30 +96,29 @@ struct TrueHit {
   double value_per_t = 0;  ///< slope of the field along the ray
 };
 
-std::vector<TrueHit> true_hits(const render::ResolvedScene& resolved, const render::Framebuffer& picture,
+std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer& picture,
                                const std::vector<std::uint32_t>& pixels, unsigned threads) {
   std::vector<TrueHit> nearest(pixels.size());
-  for (const render::Layer& layer : resolved.scene.layers) {
-    const render::Dataset& dataset = resolved.datasets[layer.dataset];
+  for (const Layer& layer : resolved.scene.layers) {
+    const Dataset& dataset = resolved.datasets[layer.dataset];
     const CellLengths lengths(dataset);
-    const std::vector<render::Ray> rays =
-        pixel_rays(dataset, resolved.scene.camera, {picture.width, picture.height}, pixels);
+    const std::vector<Ray> rays = pixel_rays(dataset, resolved.scene.camera, {picture.width, picture.height}, pixels);
     const std::vector<Hit> hits = trace_rays({.dataset = dataset,
                                               .mode = layer.mode,
                                               .isovalue = layer.isovalue,
-                                              .method = render::method_of(render::Accuracy::exact),
+                                              .method = method_of(Accuracy::exact),
                                               .clip = clip_of(resolved.scene, layer),
                                               .threads = threads},
                                              rays);
     for (std::size_t i = 0; i < hits.size(); ++i)
       if (!hits[i].is_miss() && hits[i].t < nearest[i].hit.t)
-        nearest[i] = {hits[i], layer.mode == render::Mode::mip ? 0 : lengths.cells_per_t(rays[i], hits[i]),
+        nearest[i] = {hits[i], layer.mode == Mode::mip ? 0 : lengths.cells_per_t(rays[i], hits[i]),
                       std::abs(hits[i].gradient.dot(rays[i].direction))};
   }
   return nearest;
 }
 
-CheckedPixels checked_pixels(const render::ResolvedScene& resolved, const render::Framebuffer& picture,
+CheckedPixels checked_pixels(const ResolvedScene& resolved, const Framebuffer& picture,
                              const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
   const bool is_value = is_projection(resolved);
   const std::vector<TrueHit> truth = true_hits(resolved, picture, pixels, threads);
@@ -177,33 +173,32 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
 }
 
 /// The requested limit, in the unit of errors.
-double limit_in_unit(const render::ResolvedScene& resolved, double limit) {
+double limit_in_unit(const ResolvedScene& resolved, double limit) {
   const Interval<double> range = resolved.datasets[resolved.scene.layers[0].dataset].field().range;
   return is_projection(resolved) ? limit * (range.hi - range.lo) : limit;
 }
 
 }  // namespace
 
-render::ChannelSet channels_to_check(const render::ResolvedScene& resolved) {
+ChannelSet channels_to_check(const ResolvedScene& resolved) {
   return {.depth = true, .value = true, .error = is_proven(resolved)};
 }
 
-std::string why_not_checkable(const render::ResolvedScene& resolved) {
-  const std::vector<render::Layer>& layers = resolved.scene.layers;
+std::string why_not_checkable(const ResolvedScene& resolved) {
+  const std::vector<Layer>& layers = resolved.scene.layers;
   constexpr const char* expected = "; expected isosurfaces or one projection";
-  for (const render::Layer& layer : layers) {
-    if (layer.mode == render::Mode::triangles) return concat("a layer holds triangles", expected);
-    if (layer.mode == render::Mode::slice) return concat("a layer is a slice", expected);
-    if (layer.mode == render::Mode::mip && layers.size() > 1)
-      return concat("a projection beside other layers", expected);
-    if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.material.opacity < 1)
+  for (const Layer& layer : layers) {
+    if (layer.mode == Mode::triangles) return concat("a layer holds triangles", expected);
+    if (layer.mode == Mode::slice) return concat("a layer is a slice", expected);
+    if (layer.mode == Mode::mip && layers.size() > 1) return concat("a projection beside other layers", expected);
+    if (layer.mode == Mode::isosurface && layers.size() > 1 && layer.material.opacity < 1)
       return "a transparent surface beside other layers; expected opaque isosurfaces";
   }
   return {};
 }
 
-SelfCheck check_picture(const render::ResolvedScene& resolved, const render::Framebuffer& picture,
-                        const SelfCheckOptions& options, unsigned threads) {
+SelfCheck check_picture(const ResolvedScene& resolved, const Framebuffer& picture, const SelfCheckOptions& options,
+                        unsigned threads) {
   const DefaultFloatingPoint default_floating_point;
   std::mt19937_64 random(options.seed);
   SelfCheck check{.seed = options.seed, .unit = is_projection(resolved) ? "" : "cells"};
@@ -231,4 +226,4 @@ SelfCheck check_picture(const render::ResolvedScene& resolved, const render::Fra
   return check;
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

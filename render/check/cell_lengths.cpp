@@ -1,8 +1,8 @@
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
 #include <algorithm>
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
@@ -31,16 +31,16 @@ double longest_edge(const formats::TetMesh& mesh, std::uint32_t tet) {
 
 }  // namespace
 
-CellLengths::CellLengths(const render::Dataset& dataset) {
+CellLengths::CellLengths(const Dataset& dataset) {
   if (dataset.is_mesh())
     mesh_.emplace(dataset.file());
   else if (dataset.file().description().kind == "grid")
     grid_.emplace(dataset.file());
 }
 
-double CellLengths::cells_per_t(const render::Ray& ray, const render::Hit& hit) const {
+double CellLengths::cells_per_t(const Ray& ray, const Hit& hit) const {
   if (grid_) return in_cells(grid_->description(), ray.direction, ray.at(hit.t));
   return mesh_ ? ray.direction.length() / longest_edge(*mesh_, hit.tet) : ray.direction.length();
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

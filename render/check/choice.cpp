@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "formats/base/number_text.h"
+#include "render/accuracy.h"
 #include "render/method_words.h"
 #include "render/render.h"
 #include "render/scene_spec.h"
-#include "tools/analysis/accuracy.h"
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
@@ -30,7 +30,7 @@ constexpr CandidateRow candidate_rows[] = {{"preview", true, true, false},
                                            {"sampled:0.5+linear", false, true, true},
                                            {"sampled:0.25+linear", false, true, true}};
 
-render::PictureSize small_size(const render::ResolvedScene& resolved) {
+PictureSize small_size(const ResolvedScene& resolved) {
   const double pixels = static_cast<double>(resolved.frame.width) * resolved.frame.height;
   const double shrink = std::max(1.0, std::sqrt(pixels / small_pixels));
   const auto side = [&](int whole) { return std::max(1, static_cast<int>(std::lround(whole / shrink))); };
@@ -39,13 +39,13 @@ render::PictureSize small_size(const render::ResolvedScene& resolved) {
 
 /// One layer of a resolved, alone.
 struct Alone {
-  const render::Dataset& dataset;
-  render::Scene scene;
-  render::PictureSize size;
+  const Dataset& dataset;
+  Scene scene;
+  PictureSize size;
   unsigned threads;
 
-  render::Layer& layer() { return scene.layers[0]; }
-  bool is_projection() const { return scene.layers[0].mode == render::Mode::mip; }
+  Layer& layer() { return scene.layers[0]; }
+  bool is_projection() const { return scene.layers[0].mode == Mode::mip; }
   /// Unit of an error.
   double unit() const {
     const Interval<double> range = dataset.field().range;
@@ -54,12 +54,12 @@ struct Alone {
 };
 
 double traced_ms(Alone& alone) {
-  render::Framebuffer picture;
-  render::RenderContext memory;
-  const render::FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
+  Framebuffer picture;
+  RenderContext memory;
+  const FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
-    const render::FrameStatistics statistics = render::render(alone.dataset, alone.scene, frame, picture, memory);
+    const FrameStatistics statistics = render(alone.dataset, alone.scene, frame, picture, memory);
     const double taken = 1e3 * (statistics.wall_s - statistics.preparation_s);
     // The first fills caches; a slow one is timed once.
     if (time > 0 || taken > 500) ms.push_back(taken);
@@ -70,25 +70,24 @@ double traced_ms(Alone& alone) {
 }
 
 /// True for a method that proves that its error is below max_error.
-bool is_proven(const render::Method& method, double max_error, bool is_projection, bool is_mesh) {
-  if (method.algorithm == render::Method::Algorithm::exact) return max_error >= 1e-9;
-  return method.algorithm == render::Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
+bool is_proven(const Method& method, double max_error, bool is_projection, bool is_mesh) {
+  if (method.algorithm == Method::Algorithm::exact) return max_error >= 1e-9;
+  return method.algorithm == Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
 }
 
-Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, const Goal& goal,
-                std::stop_token stop) {
+Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Goal& goal, std::stop_token stop) {
   alone.layer().method = method;
   Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.dataset.is_mesh()).word};
-  const bool is_exact = method.algorithm == render::Method::Algorithm::exact;
-  const std::vector<render::Hit> hits = is_exact ? truth.hits
-                                                 : trace_rays({.dataset = alone.dataset,
-                                                               .mode = alone.layer().mode,
-                                                               .isovalue = alone.layer().isovalue,
-                                                               .method = method,
-                                                               .clip = clip_of(alone.scene, alone.layer()),
-                                                               .threads = alone.threads,
-                                                               .stop = stop},
-                                                              truth.rays);
+  const bool is_exact = method.algorithm == Method::Algorithm::exact;
+  const std::vector<Hit> hits = is_exact ? truth.hits
+                                         : trace_rays({.dataset = alone.dataset,
+                                                       .mode = alone.layer().mode,
+                                                       .isovalue = alone.layer().isovalue,
+                                                       .method = method,
+                                                       .clip = clip_of(alone.scene, alone.layer()),
+                                                       .threads = alone.threads,
+                                                       .stop = stop},
+                                                      truth.rays);
   const ErrorCounts errors = count_errors(errors_against(truth, alone.layer().mode, hits));
   candidate.error = errors.kept_by(0.99) / alone.unit();
   candidate.foreseen_ms = traced_ms(alone);
@@ -144,9 +143,9 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 
 }  // namespace
 
-Choice choose_method(const render::ResolvedScene& resolved, std::size_t index, const Goal& goal, unsigned threads,
+Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
-  const render::Layer& layer = resolved.scene.layers[index];
+  const Layer& layer = resolved.scene.layers[index];
   Alone alone{.dataset = resolved.datasets[layer.dataset],
               .scene = resolved.scene,
               .size = small_size(resolved),
@@ -164,19 +163,18 @@ Choice choose_method(const render::ResolvedScene& resolved, std::size_t index, c
   std::vector<Candidate> candidates;
   for (const CandidateRow& row : candidate_rows) {
     if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
-    const render::Method method = row.is_level ? render::method_of(render::accuracy_named(row.word))
-                                               : render::method_named(row.word, layer.mode, alone.dataset.is_mesh());
+    const Method method = row.is_level ? method_of(accuracy_named(row.word))
+                                       : method_named(row.word, layer.mode, alone.dataset.is_mesh());
     candidates.push_back(tried(alone, method, truth, goal, stop));
     candidates.back().foreseen_ms *= growth;
   }
   return chosen_of(candidates, goal, alone);
 }
 
-std::vector<Choice> choose_methods(render::ResolvedScene& resolved, const Goal& goal, unsigned threads) {
+std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads) {
   std::vector<std::size_t> layers;
   for (std::size_t layer = 0; layer < resolved.scene.layers.size(); ++layer)
-    if (const render::Mode mode = resolved.scene.layers[layer].mode;
-        mode == render::Mode::isosurface || mode == render::Mode::mip)
+    if (const Mode mode = resolved.scene.layers[layer].mode; mode == Mode::isosurface || mode == Mode::mip)
       layers.push_back(layer);
   Goal of_layer = goal;
   if (goal.budget_ms)
@@ -187,4 +185,4 @@ std::vector<Choice> choose_methods(render::ResolvedScene& resolved, const Goal& 
   return choices;
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

@@ -1,4 +1,4 @@
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,13 +11,9 @@
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
-
-using render::Hit;
-using render::Ray;
-using render::RayCaster;
 
 void end_if_asked(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
@@ -49,7 +45,7 @@ void trace_largest(const TraceSpec& spec, std::span<const Ray> rays, std::span<H
 
 std::vector<Hit> trace_whole(const TraceSpec& spec, std::span<const Ray> rays) {
   std::vector<Hit> hits(rays.size());
-  if (spec.mode == render::Mode::mip)
+  if (spec.mode == Mode::mip)
     trace_largest(spec, rays, hits);
   else
     trace_crossings(spec, rays, hits);
@@ -58,9 +54,9 @@ std::vector<Hit> trace_whole(const TraceSpec& spec, std::span<const Ray> rays) {
 
 /// Interval of t in which a ray in world axes is inside a clip region's half spaces; empty if
 /// `from` is above `to`.
-Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray& ray) {
+Interval<double> span_in(const std::vector<HalfSpace>& halves, const Ray& ray) {
   Interval<double> span{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  for (const render::HalfSpace& half : halves) {
+  for (const HalfSpace& half : halves) {
     const double slope = half.normal.dot(ray.direction), height = half.normal.dot(half.point - ray.origin);
     if (slope > 0)
       span.lo = std::max(span.lo, height / slope);
@@ -75,8 +71,8 @@ Interval<double> span_in(const std::vector<render::HalfSpace>& halves, const Ray
 /// Traces the parts of rays that the clip region keeps: the first part of each ray, and with
 /// cuts_away also the second part behind the gap. Empty parts are not traced.
 std::vector<Hit> trace_clipped(const TraceSpec& spec, std::span<const Ray> rays) {
-  const std::vector<render::HalfSpace> halves = render::half_spaces_of(*spec.clip);
-  const Affine& world_from_rays = render::world_from_ray_frame(spec.dataset);
+  const std::vector<HalfSpace> halves = half_spaces_of(*spec.clip);
+  const Affine& world_from_rays = world_from_ray_frame(spec.dataset);
   std::vector<Hit> hits(rays.size());
   for (const int part : {0, 1}) {
     if (part == 1 && !spec.clip->cuts_away) break;
@@ -95,7 +91,7 @@ std::vector<Hit> trace_clipped(const TraceSpec& spec, std::span<const Ray> rays)
       } else if (part == 1) {
         ray.t_min = passes_by ? std::numeric_limits<double>::infinity() : std::max(ray.t_min, span.hi);
       }
-      const bool is_decided = part == 1 && spec.mode != render::Mode::mip && !hits[i].is_miss();
+      const bool is_decided = part == 1 && spec.mode != Mode::mip && !hits[i].is_miss();
       if (is_decided || !(ray.t_min < ray.t_max)) continue;
       asked.push_back(i);
       parts.push_back(ray);
@@ -122,7 +118,7 @@ std::vector<std::uint32_t> shuffled_pixels(std::uint64_t count, std::uint64_t se
 
 }  // namespace
 
-const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer) {
+const Clip* clip_of(const Scene& scene, const Layer& layer) {
   return scene.clip && layer.clipped ? &*scene.clip : nullptr;
 }
 
@@ -131,9 +127,9 @@ std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays) {
   return trace_whole(spec, rays);
 }
 
-std::vector<Ray> pixel_rays(const render::Dataset& dataset, const render::Camera& camera,
-                            const render::PictureSize& size, std::span<const std::uint32_t> pixels) {
-  std::vector<Ray> all = render::camera_rays(dataset, camera, size.width, size.height);
+std::vector<Ray> pixel_rays(const Dataset& dataset, const Camera& camera, const PictureSize& size,
+                            std::span<const std::uint32_t> pixels) {
+  std::vector<Ray> all = camera_rays(dataset, camera, size.width, size.height);
   if (pixels.size() == all.size()) return all;
   std::vector<Ray> rays;
   rays.reserve(pixels.size());
@@ -150,11 +146,11 @@ Truth find_truth(const TruthSpec& spec) {
   Truth truth{.size = spec.size};
   std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), spec.seed);
   order.resize(std::min<std::size_t>(order.size(), spec.most_pixels));
-  const render::Layer& layer = spec.scene.layers[0];
+  const Layer& layer = spec.scene.layers[0];
   const TraceSpec exact{.dataset = spec.dataset,
                         .mode = layer.mode,
                         .isovalue = layer.isovalue,
-                        .method = render::method_of(render::Accuracy::exact),
+                        .method = method_of(Accuracy::exact),
                         .clip = clip_of(spec.scene, layer),
                         .threads = spec.threads,
                         .stop = spec.stop};
@@ -191,7 +187,7 @@ Truth find_truth(const TruthSpec& spec) {
   return truth;
 }
 
-ErrorList errors_against(const Truth& truth, render::Mode mode, std::span<const Hit> hits) {
+ErrorList errors_against(const Truth& truth, Mode mode, std::span<const Hit> hits) {
   RHORAY_CHECK(hits.size() == truth.hits.size());
   ErrorList list;
   list.errors.reserve(hits.size());
@@ -199,7 +195,7 @@ ErrorList errors_against(const Truth& truth, render::Mode mode, std::span<const 
     const Hit &is = truth.hits[i], &said = hits[i];
     if (is.is_miss() || said.is_miss()) {
       list.errors.push_back(is.is_miss() && said.is_miss() ? nothing_there : is.is_miss() ? is_false : is_missed);
-    } else if (mode == render::Mode::mip) {
+    } else if (mode == Mode::mip) {
       list.value_errors.push_back(std::abs(said.value - is.value));
       list.errors.push_back(static_cast<float>(list.value_errors.back()));
     } else {
@@ -209,4 +205,4 @@ ErrorList errors_against(const Truth& truth, render::Mode mode, std::span<const 
   return list;
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

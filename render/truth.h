@@ -15,7 +15,7 @@
 
 /// The true hits of a picture, and errors against them, for tools that measure how accurate a
 /// method is.
-namespace rhoray::tools {
+namespace rhoray::render {
 
 struct Quantiles {
   double median = 0, p99 = 0, largest = 0;
@@ -73,34 +73,34 @@ ErrorCounts count_errors(const ErrorList& list);
 
 /// What rays are traced through, how, and with which resources.
 struct TraceSpec {
-  const render::Dataset& dataset;
-  render::Mode mode = render::Mode::isosurface;
+  const Dataset& dataset;
+  Mode mode = Mode::isosurface;
   double isovalue = 0;
-  render::Method method{};
-  const render::Clip* clip = nullptr;  ///< the region of the scene; null: no clipping
-  unsigned threads = 0;                ///< 0: all cores
+  Method method{};
+  const Clip* clip = nullptr;  ///< the region of the scene; null: no clipping
+  unsigned threads = 0;        ///< 0: all cores
   std::stop_token stop{};
 };
 
 /// The clip region that a scene applies to a layer; null: none.
-const render::Clip* clip_of(const render::Scene& scene, const render::Layer& layer);
+const Clip* clip_of(const Scene& scene, const Layer& layer);
 
 /// Traces rays in the data's frame with a method. An interrupt ends it (ErrorCode::interrupted).
-std::vector<render::Hit> trace_rays(const TraceSpec& spec, std::span<const render::Ray> rays);
+std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays);
 
 /// The rays of some pixels of a picture, in the data's frame; t is a distance in the world.
-std::vector<render::Ray> pixel_rays(const render::Dataset& dataset, const render::Camera& camera,
-                                    const render::PictureSize& size, std::span<const std::uint32_t> pixels);
+std::vector<Ray> pixel_rays(const Dataset& dataset, const Camera& camera, const PictureSize& size,
+                            std::span<const std::uint32_t> pixels);
 
 /// The lengths of a dataset's cells along rays, to measure distances in cells.
 class CellLengths {
  public:
-  explicit CellLengths(const render::Dataset& dataset);
+  explicit CellLengths(const Dataset& dataset);
 
   /// Number of cells that a ray passes while t grows by 1, at a hit. For a grid these are its cells
   /// along the ray. For a mesh it is the reciprocal of the longest edge of the tetrahedron hit. For
   /// OpenVDB these are voxels.
-  double cells_per_t(const render::Ray& ray, const render::Hit& hit) const;
+  double cells_per_t(const Ray& ray, const Hit& hit) const;
 
  private:
   std::optional<formats::BrickGrid> grid_;
@@ -109,11 +109,11 @@ class CellLengths {
 
 /// The true hits of a picture's pixels, computed in exact arithmetic.
 struct Truth {
-  render::PictureSize size;
+  PictureSize size;
   /// Examined pixels in ascending order: all, or a random sample.
   std::vector<std::uint32_t> pixels{};
-  std::vector<render::Ray> rays{};  ///< of these pixels
-  std::vector<render::Hit> hits{};
+  std::vector<Ray> rays{};  ///< of these pixels
+  std::vector<Hit> hits{};
   std::vector<double> cells_per_t{};  ///< for pixels that are hit, else 0
   double cpu_s = 0;                   ///< of the exact computation
 
@@ -125,9 +125,9 @@ struct Truth {
 };
 
 struct TruthSpec {
-  const render::Dataset& dataset;
-  const render::Scene& scene;  ///< of one layer
-  render::PictureSize size;
+  const Dataset& dataset;
+  const Scene& scene;  ///< of one layer
+  PictureSize size;
   std::uint64_t seed = 1;
   double seconds = 0;  ///< pixels are taken in random order until this time is over
   std::uint64_t most_pixels = 1'000'000;
@@ -139,6 +139,6 @@ Truth find_truth(const TruthSpec& spec);
 /// Compares hits on the truth's rays with the true ones. For a largest value, value_errors are
 /// errors; for an isosurface there are none.
 /// @param hits  values in the truth's unit
-ErrorList errors_against(const Truth& truth, render::Mode mode, std::span<const render::Hit> hits);
+ErrorList errors_against(const Truth& truth, Mode mode, std::span<const Hit> hits);
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render
