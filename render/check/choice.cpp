@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
 #include "render/accuracy.h"
 #include "render/method_words.h"
@@ -145,6 +146,7 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 
 Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
+  const DefaultFloatingPoint default_floating_point;
   const Layer& layer = resolved.scene.layers[index];
   Alone alone{.dataset = resolved.datasets[layer.dataset],
               .scene = resolved.scene,

@@ -9,6 +9,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/error.h"
+#include "formats/base/floating_point.h"
 #include "formats/base/parallel.h"
 
 namespace rhoray::render {
@@ -123,6 +124,7 @@ const Clip* clip_of(const Scene& scene, const Layer& layer) {
 }
 
 std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays) {
+  const DefaultFloatingPoint default_floating_point;
   if (spec.clip != nullptr) return trace_clipped(spec, rays);
   return trace_whole(spec, rays);
 }
@@ -143,6 +145,7 @@ std::uint64_t Truth::hit_count() const {
 }
 
 Truth find_truth(const TruthSpec& spec) {
+  const DefaultFloatingPoint default_floating_point;
   Truth truth{.size = spec.size};
   std::vector<std::uint32_t> order = shuffled_pixels(truth.pixel_count(), spec.seed);
   order.resize(std::min<std::size_t>(order.size(), spec.most_pixels));
