@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "tools/analysis/errors.h"
+#include "render/truth.h"
 #include "tools/analysis/flip.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
@@ -16,6 +16,7 @@
 namespace rhoray::tests {
 namespace {
 
+using namespace render;
 using namespace tools;
 
 TEST(AccuracyMeasures, count_missed_and_false_rays_as_beyond_every_limit) {

@@ -43,7 +43,7 @@ const ResultRow* cheapest_within(const Rows& rows, double limit) {
 }
 
 std::string wrong_text(const ResultRow& row) {
-  const ErrorCounts& errors = *row.measured->errors;
+  const render::ErrorCounts& errors = *row.measured->errors;
   if (row.measured->judges_all) {
     if (errors.missed == 0 && errors.false_hits == 0)
       return concat("no false negatives and no false positives in ", grouped(errors.rays),
@@ -52,7 +52,7 @@ std::string wrong_text(const ResultRow& row) {
                   ", false positives ", grouped(errors.false_hits));
   }
   const auto ppm = [&](std::uint64_t count) {
-    const Share share = share_of(count, errors.rays, false);
+    const render::Share share = render::share_of(count, errors.rays, false);
     return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
                   short_number(1e6 * share.high, 2), ")");
   };
@@ -93,7 +93,7 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
   out.push_back(sentence + ".");
   if (layer.scene().layers[0].mode != render::Mode::mip)
     out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depth errors are within ",
-                         short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
+                         short_number(quick->measured->errors->error.value_or(render::Quantiles{}).p99, 2),
                          " cells in 99 % of the pixels that both hit."));
 }
 

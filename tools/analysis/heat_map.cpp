@@ -51,9 +51,9 @@ render::Framebuffer heat_map(const HeatMapInput& input, const HeatScale& scale) 
     }
   for (int y = 0; y < input.height; ++y)
     for (int x = 0; x < input.width; ++x)
-      if (const float error = error_at(x, y); error == is_missed || error == is_false)
+      if (const float error = error_at(x, y); error == render::is_missed || error == render::is_false)
         for (int j = -1; j <= 1; ++j)
-          for (int i = -1; i <= 1; ++i) paint(picture, x + i, y + j, error == is_missed ? missed : false_hit);
+          for (int i = -1; i <= 1; ++i) paint(picture, x + i, y + j, error == render::is_missed ? missed : false_hit);
   return picture;
 }
 

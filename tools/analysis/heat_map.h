@@ -4,7 +4,7 @@
 #include <string>
 
 #include "render/framebuffer.h"
-#include "tools/analysis/errors.h"
+#include "render/truth.h"
 
 namespace rhoray::tools {
 

@@ -14,11 +14,10 @@
 #include "tools/analysis/gnuplot.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/html.h"
+#include "tools/analysis/measure.h"
 #include "tools/analysis/plots.h"
 #include "tools/analysis/variant_names.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
 
@@ -45,7 +44,7 @@ HeatScale scale_of_looks() {
 }
 
 /// Edge length of the blocks of pixels drawn in one colour, so that a sample fills the picture.
-int block_of_sample(const Truth& truth) {
+int block_of_sample(const render::Truth& truth) {
   if (truth.are_all()) return 1;
   const double share = static_cast<double>(truth.pixels.size()) / static_cast<double>(truth.pixel_count());
   // Four samples per block: few blocks are empty.
@@ -55,7 +54,7 @@ int block_of_sample(const Truth& truth) {
 /// Draws the errors of the examined pixels; errors of values as shares of the field's range. For a
 /// sample, each block of pixels has its largest error; missed and false pixels stay single pixels.
 render::Framebuffer errors_of(const LayerStudy& layer, const Measured& measured) {
-  const Truth& truth = layer.result()->truth;
+  const render::Truth& truth = layer.result()->truth;
   const Interval<double> range = layer.dataset().field().range;
   const auto width = static_cast<std::uint32_t>(truth.size.width),
              block = static_cast<std::uint32_t>(block_of_sample(truth));
@@ -63,7 +62,8 @@ render::Framebuffer errors_of(const LayerStudy& layer, const Measured& measured)
   const auto block_of = [&](std::uint32_t pixel) {
     return static_cast<std::size_t>(pixel / width / block) * blocks + pixel % width / block;
   };
-  std::vector<float> largest(block_of(static_cast<std::uint32_t>(truth.pixel_count() - 1)) + blocks, nothing_there);
+  std::vector<float> largest(block_of(static_cast<std::uint32_t>(truth.pixel_count() - 1)) + blocks,
+                             render::nothing_there);
   for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
     float& most = largest[block_of(truth.pixels[i])];
     const float error = measured.error_list[i];
@@ -108,15 +108,15 @@ std::string row_html(const ResultRow& row, bool of_values) {
   if (measured.variant.name != measured.method) name += concat(" <small>", html_text(measured.method), "</small>");
   std::string out = concat(row.is_on_front ? "<tr class=\"front\">" : "<tr>", "<td>", name, row.is_on_front ? " ◆" : "",
                            "</td>", spread_cell(measured));
-  const std::optional<ErrorCounts>& errors = measured.errors;
-  using Border = ErrorCounts::Border;
-  for (const auto& [member, of_border] :
-       {std::pair{&ErrorCounts::missed, &Border::missed}, {&ErrorCounts::false_hits, &Border::false_hits}}) {
+  const std::optional<render::ErrorCounts>& errors = measured.errors;
+  using Border = render::ErrorCounts::Border;
+  for (const auto& [member, of_border] : {std::pair{&render::ErrorCounts::missed, &Border::missed},
+                                          {&render::ErrorCounts::false_hits, &Border::false_hits}}) {
     if (!errors) {
       out += "<td>–</td>";
       continue;
     }
-    const Share share = share_of((*errors).*member, errors->rays, measured.judges_all);
+    const render::Share share = render::share_of((*errors).*member, errors->rays, measured.judges_all);
     out += concat("<td>", number_html(1e6 * share.found, 3));
     if (!measured.judges_all)
       out += concat(" <small>[", number_html(1e6 * share.low, 2), ", ", number_html(1e6 * share.high, 2), "]</small>");
@@ -127,8 +127,8 @@ std::string row_html(const ResultRow& row, bool of_values) {
           "</small>");
     out += "</td>";
   }
-  const auto quantiles = [&](const std::optional<Quantiles>& of) {
-    for (const auto member : {&Quantiles::median, &Quantiles::p99, &Quantiles::largest})
+  const auto quantiles = [&](const std::optional<render::Quantiles>& of) {
+    for (const auto member : {&render::Quantiles::median, &render::Quantiles::p99, &render::Quantiles::largest})
       out += cell(of ? std::optional((*of).*member) : std::nullopt, 2);
   };
   quantiles(errors ? errors->error : std::nullopt);
@@ -266,7 +266,7 @@ std::string instruments_html(const Json& facts) {
 
 std::string how_measured(const LayerStudy& layer) {
   const PassResult& result = *layer.result();
-  const Truth& truth = result.truth;
+  const render::Truth& truth = result.truth;
   const std::string judged =
       truth.are_all()
           ? concat("all ", grouped(truth.pixels.size()), " pixels")
@@ -333,7 +333,7 @@ std::string ResultsFolder::picture(const render::Framebuffer& pixels, const std:
                                    const std::string& description) {
   const std::filesystem::path path = folder_ / (name + ".png");
   const std::vector<std::byte> png =
-      encode_picture(pixels, {{"Software", concat("rhoray ", version())}, {"Description", description}}, path);
+      encode_picture(pixels, {{"Software", concat("rhoray ", version_)}, {"Description", description}}, path);
   files_->add(path, png);
   const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
   return concat("<img alt=\"", html_text(description), "\" src=\"data:image/png;base64,", base64(bytes), "\">");
@@ -399,6 +399,7 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
 void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyContext& context) {
   if (!has_gnuplot() && std::exchange(has_gnuplot_, false))
     context.notes.push_back(concat("no plots: they need gnuplot (Debian package ", gnuplot_package, ")"));
+  version_ = context.facts.at("version").get<std::string>();
   files_.emplace(/*replace_existing=*/true);
   files_->add(folder_ / "results.csv", csv_of(table_of(layers, context)));
   std::string body = concat(

@@ -31,7 +31,7 @@ Vec3 normal_at(const render::Framebuffer& picture, std::size_t pixel) {
   return {picture.normal[3 * pixel], picture.normal[3 * pixel + 1], picture.normal[3 * pixel + 2]};
 }
 
-std::optional<Quantiles> normal_angles(const render::Framebuffer& truth, const render::Framebuffer& picture) {
+std::optional<render::Quantiles> normal_angles(const render::Framebuffer& truth, const render::Framebuffer& picture) {
   if (truth.normal.empty() || picture.normal.empty()) return std::nullopt;
   std::vector<double> angles;
   for (std::size_t pixel = 0; pixel < truth.pixel_count(); ++pixel) {
@@ -39,7 +39,7 @@ std::optional<Quantiles> normal_angles(const render::Framebuffer& truth, const r
     if (p == Vec3(0, 0, 0) || q == Vec3(0, 0, 0)) continue;
     angles.push_back(std::atan2(p.cross(q).length(), p.dot(q)) * 180 / std::numbers::pi);
   }
-  return quantiles_of(std::move(angles));
+  return render::quantiles_of(std::move(angles));
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ std::optional<Plot> wrong_against_time(const LayerStudy& layer, const std::vecto
   const double least = place_of_zero(1e6 / static_cast<double>(rays));
   const std::vector<Series> groups = by_group(rows, [&](const ResultRow& row) -> std::optional<double> {
     if (!row.kept) return std::nullopt;
-    const ErrorCounts& errors = *row.measured->errors;
+    const render::ErrorCounts& errors = *row.measured->errors;
     return std::max(least,
                     1e6 * static_cast<double>(errors.missed + errors.false_hits) / static_cast<double>(errors.rays));
   });
@@ -155,7 +155,7 @@ std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vec
   for (const ResultRow& row : rows) {
     const Variant& variant = row.measured->variant;
     const bool is_copy = variant.data.kind != DataForm::Kind::original;
-    const std::optional<ErrorCounts>& errors = row.measured->errors;
+    const std::optional<render::ErrorCounts>& errors = row.measured->errors;
     if (!errors || !errors->error || row.measured->memory_bytes == 0 || !(is_copy || variant.group == group_levels))
       continue;
     const Point point{static_cast<double>(row.measured->memory_bytes) / (1 << 20),
@@ -214,7 +214,7 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
     const Measured& measured = *row.measured;
     const bool is_shown = measured.variant.has_picture || measured.variant.group == group_levels;
     if (!measured.errors || !is_shown || measured.method == "exact") continue;
-    const ErrorCounts& errors = *measured.errors;
+    const render::ErrorCounts& errors = *measured.errors;
     const double seen = static_cast<double>(errors.true_hits + errors.false_hits);
     if (errors.sorted.empty()) continue;
     Series line{measured.variant.name, {}};

@@ -5,7 +5,7 @@
 
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 
@@ -17,20 +17,22 @@ Json number(double value) {
 }
 
 void put_quantiles(Json& row, const std::string& name, const std::string& unit,
-                   const std::optional<Quantiles>& quantiles) {
-  const auto put = [&](const char* which, double Quantiles::*member) {
+                   const std::optional<render::Quantiles>& quantiles) {
+  const auto put = [&](const char* which, double render::Quantiles::*member) {
     row[concat(name, "_", which, unit)] = quantiles ? number((*quantiles).*member) : Json(nullptr);
   };
-  put("median", &Quantiles::median);
-  put("p99", &Quantiles::p99);
-  put("max", &Quantiles::largest);
+  put("median", &render::Quantiles::median);
+  put("p99", &render::Quantiles::p99);
+  put("max", &render::Quantiles::largest);
 }
 
-void put_share(Json& row, const std::string& name, const std::optional<Share>& share) {
-  const auto ppm = [&](double Share::*member) { return share ? number(1e6 * (*share).*member) : Json(nullptr); };
-  row[name + "_ppm"] = ppm(&Share::found);
-  row[name + "_ppm_low"] = ppm(&Share::low);
-  row[name + "_ppm_high"] = ppm(&Share::high);
+void put_share(Json& row, const std::string& name, const std::optional<render::Share>& share) {
+  const auto ppm = [&](double render::Share::*member) {
+    return share ? number(1e6 * (*share).*member) : Json(nullptr);
+  };
+  row[name + "_ppm"] = ppm(&render::Share::found);
+  row[name + "_ppm_low"] = ppm(&render::Share::low);
+  row[name + "_ppm_high"] = ppm(&render::Share::high);
 }
 
 void put_times(Json& row, const std::string& name, const std::vector<double>& times) {
@@ -45,7 +47,7 @@ void put_times(Json& row, const std::string& name, const std::vector<double>& ti
 
 Json row_json(const LayerStudy& layer, const PassResult& result, const Measured& measured, bool is_on_front) {
   const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
-  const std::optional<ErrorCounts>& errors = measured.errors;
+  const std::optional<render::ErrorCounts>& errors = measured.errors;
   Json row{{"layer", layer.name()},
            {"group", measured.variant.group},
            {"variant", measured.variant.name},
@@ -57,18 +59,18 @@ Json row_json(const LayerStudy& layer, const PassResult& result, const Measured&
            {"true_hits", errors ? Json(errors->true_hits) : Json(nullptr)},
            {"missed", errors ? Json(errors->missed) : Json(nullptr)},
            {"false_hits", errors ? Json(errors->false_hits) : Json(nullptr)}};
-  const auto at_border = [&](std::uint64_t ErrorCounts::Border::*count) {
+  const auto at_border = [&](std::uint64_t render::ErrorCounts::Border::*count) {
     return errors && errors->border ? Json((*errors->border).*count) : Json(nullptr);
   };
-  row["border_missed"] = at_border(&ErrorCounts::Border::missed);
-  row["border_false"] = at_border(&ErrorCounts::Border::false_hits);
-  row["border_off"] = at_border(&ErrorCounts::Border::off);
-  const auto share = [&](std::uint64_t ErrorCounts::*count) {
-    return errors ? std::optional(share_of((*errors).*count, errors->rays, measured.judges_all)) : std::nullopt;
+  row["border_missed"] = at_border(&render::ErrorCounts::Border::missed);
+  row["border_false"] = at_border(&render::ErrorCounts::Border::false_hits);
+  row["border_off"] = at_border(&render::ErrorCounts::Border::off);
+  const auto share = [&](std::uint64_t render::ErrorCounts::*count) {
+    return errors ? std::optional(render::share_of((*errors).*count, errors->rays, measured.judges_all)) : std::nullopt;
   };
-  put_share(row, "missed", share(&ErrorCounts::missed));
-  put_share(row, "false", share(&ErrorCounts::false_hits));
-  const std::optional<Quantiles> none;
+  put_share(row, "missed", share(&render::ErrorCounts::missed));
+  put_share(row, "false", share(&render::ErrorCounts::false_hits));
+  const std::optional<render::Quantiles> none;
   put_quantiles(row, "depth", "_cells", errors && !is_projection ? errors->error : none);
   row["depth_kept_by_99_cells"] = errors && !is_projection ? number(errors->kept_by(0.99)) : Json(nullptr);
   put_quantiles(row, "value", "", errors ? errors->value_error : none);

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "tools/analysis/study.h"
-#include "tools/rhoray/report.h"
-#include "tools/rhoray/table.h"
+#include "tools/analysis/table.h"
 
 namespace rhoray::tools {
 

@@ -22,14 +22,14 @@
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/table.h"
 #include "tools/lab/preprocess_speed.h"
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
 #include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/option_values.h"
 #include "tools/rhoray/subcommand.h"
-#include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 
 namespace rhoray::study {

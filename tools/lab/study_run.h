@@ -5,9 +5,9 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/table.h"
 #include "tools/rhoray/common_options.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/table.h"
 #include "tools/rhoray/version.h"
 
 /// Common parts of the studies: the machine on which they ran, and the output of their tables.

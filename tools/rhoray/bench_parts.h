@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/bench_options.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 
 namespace rhoray::tools {

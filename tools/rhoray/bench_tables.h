@@ -3,8 +3,8 @@
 #include <functional>
 #include <string_view>
 
+#include "tools/analysis/table.h"
 #include "tools/rhoray/bench_options.h"
-#include "tools/rhoray/table.h"
 
 namespace rhoray::tools {
 

@@ -20,7 +20,7 @@ struct PictureOptions {
   std::string mode = "iso";
   std::vector<render::LayerSpec> slices{};
   std::filesystem::path texture;          ///< empty = none
-  std::vector<std::string> landmarks;      ///< files of triangles, landmarks beside the file
+  std::vector<std::string> landmarks;     ///< files of triangles, landmarks beside the file
   bool shadows = false;                   ///< the key light casts them
   std::optional<Angles> key_light;        ///< where it stands
   std::optional<double> key_light_size;   ///< degrees; its shadows are soft

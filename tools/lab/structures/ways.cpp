@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "preprocess/pack_mesh.h"
+#include "tools/analysis/cpu_meter.h"
 #include "tools/lab/structures/cell_orders.h"
 #include "tools/lab/structures/cluster_tree.h"
 #include "tools/lab/structures/mailbox.h"
@@ -13,7 +14,6 @@
 #include "tools/lab/structures/ordered_lists.h"
 #include "tools/lab/structures/plain_mesh.h"
 #include "tools/lab/structures/two_level_grid.h"
-#include "tools/rhoray/cpu_meter.h"
 
 namespace rhoray::study {
 namespace {
