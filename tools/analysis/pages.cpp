@@ -17,8 +17,8 @@
 #include "tools/analysis/plots.h"
 #include "tools/analysis/variant_names.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
 

@@ -25,12 +25,12 @@
 #include "tools/lab/preprocess_speed.h"
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
-#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/subcommand.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/option_values.h"
-#include "tools/rhoray/subcommand.h"
 #include "tools/rhoray/table.h"
-#include "tools/rhoray/version.h"
 
 namespace rhoray::study {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/table.h"
-#include "tools/rhoray/version.h"
 
 /// Common parts of the studies: the machine on which they ran, and the output of their tables.
 namespace rhoray::study {

@@ -13,10 +13,10 @@
 #include "preprocess/input_file.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/repair_surface.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/fault_file.h"
 #include "tools/rhoray/measure.h"
-#include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

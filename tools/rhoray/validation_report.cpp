@@ -10,7 +10,7 @@
 #include "formats/base/write_failure.h"
 #include "tools/analysis/error_map.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/version.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {

@@ -6,9 +6,9 @@
 
 #include "tools/analysis/choice.h"
 #include "tools/analysis/self_check.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/pick.h"
-#include "tools/rhoray/picture_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/render/pick.h"
+#include "tools/rhoray/render/picture_options.h"
 
 namespace rhoray::tools {
 
