@@ -7,7 +7,7 @@
 
 #include "formats/base/checks.h"
 #include "tests/fuzz/harness.h"
-#include "tools/rhoray/command_line.h"
+#include "tools/rhoray/cli/command_line.h"
 #include "tools/rhoray/subcommands.h"
 
 using namespace rhoray::tools;

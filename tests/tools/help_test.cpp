@@ -1,4 +1,4 @@
-#include "tools/rhoray/help.h"
+#include "tools/rhoray/cli/help.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "formats/base/text.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/cli/option_values.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {

@@ -1,8 +1,8 @@
-#include "tools/rhoray/option_values.h"
+#include "tools/rhoray/cli/option_values.h"
 
 #include "render/scene_spec.h"
 #include "tests/support/expect_error.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/common_options.h"
 
 namespace rhoray::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

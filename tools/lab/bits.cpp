@@ -18,10 +18,10 @@
 #include "tools/lab/rounds.h"
 #include "tools/lab/stored_samples.h"
 #include "tools/lab/study_run.h"
+#include "tools/rhoray/bench/views.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/views.h"
 
 namespace rhoray::study {
 

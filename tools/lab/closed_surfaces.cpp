@@ -14,8 +14,8 @@
 #include "formats/base/read_value.h"
 #include "tools/lab/ray_tally.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 namespace rhoray::study {
 namespace {

@@ -15,7 +15,7 @@
 #include "tools/lab/peers/ours.h"
 #include "tools/lab/picture_errors.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 namespace rhoray::study {
 

@@ -18,9 +18,9 @@
 #include "tools/lab/judged_view.h"
 #include "tools/lab/shadow_starts.h"
 #include "tools/lab/study_run.h"
+#include "tools/rhoray/bench/views.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/views.h"
 
 namespace rhoray::study {
 

@@ -12,10 +12,10 @@
 #include "tools/lab/plain_grid.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
+#include "tools/rhoray/bench/views.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/views.h"
 #ifdef RHORAY_WITH_EMBREE
 #include "render/isovalue.h"
 #include "render/scene_spec.h"

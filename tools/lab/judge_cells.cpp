@@ -15,7 +15,7 @@
 #include "formats/base/read_value.h"
 #include "tools/lab/hard_cells.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 namespace rhoray::study {
 namespace {

@@ -19,8 +19,8 @@
 #include "render/ray_caster.h"
 #include "tools/lab/hard_cells.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 namespace rhoray::study {
 namespace {

@@ -15,8 +15,8 @@
 #include "tools/lab/resample_or_direct.h"
 #include "tools/lab/secondary_rays.h"
 #include "tools/lab/structures.h"
-#include "tools/rhoray/command_line.h"
-#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/cli/command_line.h"
+#include "tools/rhoray/cli/interrupt.h"
 
 int main(int argc, char** argv) {
   using namespace rhoray;

@@ -12,7 +12,7 @@
 #include "tools/lab/peers/triangles.h"
 #include "tools/lab/peers/vdb.h"
 #include "tools/lab/plain_grid.h"
-#include "tools/rhoray/interrupt.h"
+#include "tools/rhoray/cli/interrupt.h"
 #ifdef RHORAY_WITH_EMBREE
 #include "tools/lab/peers/embree_triangles.h"
 #endif

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/rhoray/subcommand.h"
+#include "tools/rhoray/cli/subcommand.h"
 
 namespace rhoray::study {
 

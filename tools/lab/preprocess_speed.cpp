@@ -27,10 +27,10 @@
 #include "tools/lab/preprocess_speed.h"
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/option_values.h"
-#include "tools/rhoray/subcommand.h"
-#include "tools/rhoray/version.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/subcommand.h"
+#include "tools/rhoray/cli/version.h"
 
 namespace rhoray::study {
 namespace {

@@ -20,10 +20,10 @@
 #include "tools/lab/judged_view.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
+#include "tools/rhoray/bench/views.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
-#include "tools/rhoray/views.h"
 #include "tools/validate/grid_field.h"
 
 namespace rhoray::study {

@@ -9,10 +9,10 @@
 #include "render/document.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
-#include "tools/rhoray/bench_effects.h"
-#include "tools/rhoray/bench_tables.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/bench/effects.h"
+#include "tools/rhoray/bench/tables.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {

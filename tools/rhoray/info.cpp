@@ -10,12 +10,12 @@
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "preprocess/unpack_mesh.h"
-#include "tools/rhoray/command_line.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/foreign_info.h"
+#include "tools/rhoray/cli/command_line.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/info/foreign.h"
+#include "tools/rhoray/info/vdb.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/vdb_info.h"
 
 namespace rhoray::tools {
 

@@ -1,8 +1,8 @@
 #include <csignal>
 
-#include "tools/rhoray/command_line.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/standard_streams.h"
+#include "tools/rhoray/cli/command_line.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/standard_streams.h"
 #include "tools/rhoray/subcommands.h"
 
 int main(int argc, char** argv) {

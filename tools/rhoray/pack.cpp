@@ -5,8 +5,8 @@
 #include "preprocess/input_file.h"
 #include "preprocess/pack.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

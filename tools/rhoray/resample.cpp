@@ -7,9 +7,9 @@
 #include "preprocess/export_grid.h"
 #include "preprocess/resample.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/interrupt.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tools/rhoray/subcommand.h"
+#include "tools/rhoray/cli/subcommand.h"
 
 namespace rhoray::tools {
 

@@ -14,9 +14,9 @@
 #include "preprocess/inspect_surface.h"
 #include "preprocess/repair_surface.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/fault_file.h"
-#include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

@@ -7,13 +7,13 @@
 #include "render/scene_spec.h"
 #include "tools/analysis/measure.h"
 #include "tools/analysis/validation_report.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {

@@ -9,10 +9,10 @@
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
-#include "tools/rhoray/command_line.h"
-#include "tools/rhoray/common_options.h"
+#include "tools/rhoray/cli/command_line.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

@@ -1,4 +1,4 @@
-#include "tools/rhoray/views.h"
+#include "tools/rhoray/bench/views.h"
 
 #include <gmock/gmock.h>
 

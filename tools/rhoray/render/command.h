@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "render/accuracy.h"
-#include "tools/rhoray/common_options.h"
-#include "tools/rhoray/pick.h"
-#include "tools/rhoray/picture_options.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/render/pick.h"
+#include "tools/rhoray/render/picture_options.h"
 
 namespace rhoray::tools {
 

@@ -9,9 +9,9 @@
 #include "render/scene_words.h"
 #include "render/sweep.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/progress_display.h"
+#include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
 

@@ -12,10 +12,10 @@
 #include "tools/pictures/annotations.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/accuracy_options.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/pick.h"
-#include "tools/rhoray/reproducing_command.h"
-#include "tools/rhoray/version.h"
+#include "tools/rhoray/render/pick.h"
+#include "tools/rhoray/render/reproducing_command.h"
 
 namespace rhoray::tools {
 

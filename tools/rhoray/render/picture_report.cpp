@@ -8,8 +8,8 @@
 #include "render/method_words.h"
 #include "render/scene_words.h"
 #include "tools/rhoray/accuracy_options.h"
-#include "tools/rhoray/format_statistics.h"
-#include "tools/rhoray/pick.h"
+#include "tools/rhoray/render/format_statistics.h"
+#include "tools/rhoray/render/pick.h"
 
 namespace rhoray::tools {
 

@@ -1,0 +1,100 @@
+#include "tools/rhoray/cli/common_options.h"
+
+#include <cstdio>
+#include <string_view>
+
+#include "formats/base/error.h"
+
+namespace rhoray::tools {
+
+std::vector<Option> output_options(CommonOptions& common, const std::string& help, const std::string& value) {
+  return {value_option("-o,--output", value, help, common.output),
+          flag_option("--force", "Overwrite existing output", common.force)};
+}
+
+std::vector<Option> threads_option(CommonOptions& common) {
+  return {value_option("--threads", "N", "Number of threads; default 0 (all cores)", common.threads)};
+}
+
+Option memory_option(CommonOptions& common, const std::string& help) {
+  return value_option("--memory", "SIZE", help, common.memory);
+}
+
+Option worker_memory_option(CommonOptions& common, const std::string& worker) {
+  return for_experts(
+      memory_option(common, concat("Memory limit of ", worker, "; default: see Limits in `rhoray --help`")));
+}
+
+std::vector<Option> message_options(CommonOptions& common, const std::string& json_help) {
+  return {flag_option("-q,--quiet", "Print errors only", common.quiet),
+          flag_option("-v,--verbose", "Print more messages", common.verbose),
+          for_experts(choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
+                                    "Progress on stderr; auto: a bar on a terminal, else none; default auto",
+                                    common.progress)),
+          flag_option("--json", json_help, common.json)};
+}
+
+Option max_error_option(std::optional<double>& max_error) {
+  return with_details(
+      value_option("--max-error", "E", "Largest error of the tetrahedra that replace a higher-order cell; default 0.01",
+                   max_error),
+      "The error of the shape is relative to the diagonal of the mesh's box. The error of a kept field "
+      "is relative to the field's range");
+}
+
+Option time_option(std::string& time) {
+  return value_option("--time", "T",
+                      "Time step: first, last, #N counted from 0, or the nearest to a time; default last", time);
+}
+
+std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {
+  std::vector<Option> all;
+  for (const std::vector<Option>& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+void say(const CommonOptions& common, const std::string& line) {
+  if (!common.quiet) std::fputs((line + "\n").c_str(), stderr);
+}
+
+void tell(const CommonOptions& common, const std::string& line) {
+  if (common.verbose) say(common, line);
+}
+
+void require_writable(const CommonOptions& common, const std::filesystem::path& output,
+                      const std::filesystem::path& input) {
+  const std::string name = output.string();
+  std::error_code ignored;
+  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder, ignored))
+    throw Error(ErrorCode::usage, concat(name, ": there is no folder ", folder.string()), "create the folder first");
+  if (std::filesystem::is_directory(output, ignored))
+    throw Error(ErrorCode::usage, concat(name, ": is a folder; expected a file name"));
+  if (std::filesystem::equivalent(output, input, ignored))
+    throw Error(ErrorCode::usage, concat(name, ": is the input file; expected another name"));
+  if (std::filesystem::exists(output, ignored) && !common.force)
+    throw Error(ErrorCode::usage, concat(name, " already exists"), "use --force to overwrite it");
+}
+
+std::string shell_line(const std::vector<std::string>& words) {
+  static constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%+=:,./-";
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char letter : word) {
+      if (letter == '\'')
+        line += "'\\''";
+      else
+        line += letter;
+    }
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,382 @@
+#include "tools/rhoray/render/picture_options.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "formats/base/error.h"
+#include "render/method_words.h"
+#include "render/scene_spec.h"
+#include "render/scene_words.h"
+#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/render/plane_options.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+/// A row that also notes that it was given.
+Option of_the_layer(PictureOptions& options, Option row) {
+  row.take = [take = row.take, name = row.names, &given = options.of_the_layer](const std::string& text) {
+    take(text);
+    given.push_back(name);
+  };
+  return row;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
+  return text;
+}
+
+Option word_option(std::string names, const std::vector<std::string>& words, std::string help,
+                   std::optional<std::string>& out) {
+  const auto word = std::make_shared<std::string>();
+  Option row = choice_option(std::move(names), words, std::move(help), *word);
+  row.take = [take = row.take, word, &out](const std::string& text) {
+    take(text);
+    out = *word;
+  };
+  return row;
+}
+
+Option switch_option(std::string names, std::string help, bool answer, std::optional<bool>& out) {
+  return {Option::Kind::flag, std::move(names), "", std::move(help),
+          [answer, &out](const std::string&) { out = answer; }};
+}
+
+Option above_zero_option(std::string names, std::string value, std::string help, std::optional<double>& out) {
+  return {Option::Kind::value, std::move(names), std::move(value), std::move(help), [&out](const std::string& text) {
+            double number = 0;
+            read_value(text, number);
+            if (!(number > 0)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected a number above 0"));
+            out = number;
+          }};
+}
+
+Option whole_number_option(std::string names, std::string value, std::string help, const Interval<int>& limits,
+                           std::optional<int>& out) {
+  return {Option::Kind::value, std::move(names), std::move(value), std::move(help),
+          [limits, &out](const std::string& text) {
+            int number = 0;
+            read_value(text, number);
+            if (!limits.contains(number))
+              throw Error(ErrorCode::usage,
+                          concat("found '", text, "'; expected a whole number from ", limits.lo, " to ", limits.hi));
+            out = number;
+          }};
+}
+
+Option angles_option(std::string names, std::string help, std::optional<Angles>& out) {
+  return {Option::Kind::value, std::move(names), "AZ,EL", std::move(help), [&out](const std::string& text) {
+            const std::string expected =
+                concat("two angles azimuth,elevation in degrees, elevation from ", render::limits::elevation_deg.lo,
+                       " to ", render::limits::elevation_deg.hi);
+            const std::size_t comma = text.find(',');
+            if (comma == std::string::npos)
+              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
+            Angles angles;
+            read_value(text.substr(0, comma), angles.azimuth_deg);
+            read_value(text.substr(comma + 1), angles.elevation_deg);
+            if (!render::limits::elevation_deg.contains(angles.elevation_deg))
+              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
+            out = angles;
+          }};
+}
+
+template <class T>
+void replace(std::optional<T>& old, const std::optional<T>& said) {
+  if (said) old = said;
+}
+
+/// Beside the file that is shown; both have names then, by which the layer asks for them.
+void add_texture(const std::filesystem::path& file, render::SceneSpec& scene) {
+  scene.data[0].name = scene.layers[0].data = "data";
+  scene.data.push_back({.name = "texture", .file = file});
+  scene.layers[0].texture = "texture";
+}
+
+/// A key light, and a weaker one at the camera that fills its shadows.
+/// @param towards  the key light, in the world; nothing: from the upper left of the camera
+std::vector<render::LightSpec> key_and_fill(const std::optional<Angles>& towards, bool shadows,
+                                            const std::optional<double>& angular_diameter_deg) {
+  render::LightSpec key{.type = render::Light::Kind::directional, .intensity = 0.8, .shadows = shadows};
+  key.angular_diameter_deg = angular_diameter_deg;
+  key.azimuth_deg = towards ? towards->azimuth_deg : -40;
+  key.elevation_deg = towards ? towards->elevation_deg : 40;
+  if (!towards) key.from = "camera";
+  return {key, {.type = render::Light::Kind::head, .intensity = 0.35}};
+}
+
+/// The lights that options ask for; nothing where they ask for none.
+std::optional<std::vector<render::LightSpec>> lights_of(const PictureOptions& options) {
+  if (!options.shadows && !options.key_light && !options.key_light_size) return std::nullopt;
+  return key_and_fill(options.key_light, options.shadows || options.key_light_size, options.key_light_size);
+}
+
+/// A view by a word or angles replaces a place that was given; an angle of view, an orthographic
+/// one.
+render::CameraSpec camera_under(render::CameraSpec camera, const render::CameraSpec& said) {
+  if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
+  if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
+  if (said.fov_deg) camera.orthographic = std::nullopt, camera.orthographic_height = std::nullopt;
+  replace(camera.view, said.view);
+  for (const auto member :
+       {&render::CameraSpec::azimuth_deg, &render::CameraSpec::elevation_deg, &render::CameraSpec::zoom,
+        &render::CameraSpec::fov_deg, &render::CameraSpec::orthographic_height})
+    replace(camera.*member, said.*member);
+  for (const auto member : {&render::CameraSpec::position, &render::CameraSpec::target, &render::CameraSpec::up})
+    replace(camera.*member, said.*member);
+  replace(camera.orthographic, said.orthographic);
+  return camera;
+}
+
+}  // namespace
+
+std::vector<Option> picture_options(PictureOptions& options) {
+  render::SceneSpec& scene = options.scene_spec;
+  render::LayerSpec& layer = scene.layers[0];
+  render::CameraSpec& camera = scene.camera;
+  render::PictureSpec& image = scene.image;
+  const auto layers = [&](Option row) { return of_the_layer(options, std::move(row)); };
+  return all_options(
+      {in_group("Input",
+                {layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
+                                     scene.data[0].field)),
+                 layers(value_option("--landmark", "FILE[,FILE...]",
+                                     "Packed triangle meshes to show too, such as landmarks", options.landmarks))}),
+       in_group(
+           "Surface",
+           {with_details(
+                layers(choice_option("--mode", {"iso", "mip"},
+                                     "Isosurface or maximum intensity projection (MIP); default iso", options.mode)),
+                "Triangle meshes are shown as they are"),
+            with_details(layers(value_option("--iso", "V[,V...]",
+                                             "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
+                                             "default auto",
+                                             layer.isovalues)),
+                         "Several values give several surfaces. For the field boundary_distance, auto is 1/10000 of "
+                         "its maximum"),
+            layers(slice_option(options.slices)),
+            layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", render::limits::share, layer.opacity)),
+            with_details(layers(choice_option(
+                             "--normals", render::normals_words(),
+                             "Surface normals: flat or smooth for meshes, exact for grids; default flat for meshes",
+                             layer.normals)),
+                         "flat: exact gradient of each cell, or normal of each triangle. smooth: linear between "
+                         "averages at the points. exact: gradient of the trilinear field")}),
+       in_group(
+           "Colour",
+           {with_details(layers(value_option("--surface-color", "COLOR",
+                                             "Surface colour: #rrggbb (sRGB) or r,g,b (linear)", layer.color)),
+                         "Linear r, g and b lie between 0 and 1. By default, several surfaces have different colours"),
+            layers(
+                value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
+            layers(choice_option("--colormap", render::colormap_words(),
+                                 "Colour map of --color-by and --slice; default viridis", layer.colormap)),
+            with_details(
+                layers(value_option("--range", "A,B",
+                                    "Values of the first and the last colour; default the field's range", layer.range)),
+                "In MIP these colours are black and white"),
+            with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
+                                             options.texture)),
+                         "The texture is placed in world axes"),
+            value_option("--background", "COLOR",
+                         "Background colour, written as for --surface-color; default white (MIP: black)",
+                         image.background)}),
+       in_group(
+           "Light",
+           {with_details(flag_option("--shadows", "Cast shadows from a key light at the upper left, or from --light",
+                                     options.shadows),
+                         "A weaker light at the camera brightens the shadows. By default, one light at the camera "
+                         "casts no shadows"),
+            with_details(angles_option("--light", "Add a key light in this direction: azimuth and elevation in degrees",
+                                       options.key_light),
+                         "The angles are those of a camera. A weaker light at the camera is added too. The key light "
+                         "casts shadows only with --shadows or --light-size"),
+            with_details(
+                number_option("--light-size", "DEG", "Angular diameter of the key light, for soft shadows; default 0",
+                              render::limits::angular_diameter_deg, options.key_light_size),
+                "The key light then casts shadows, with 16 rays per hit"),
+            with_details(
+                {Option::Kind::flag, "--ao", "", "Ambient occlusion: less ambient light near opaque surfaces",
+                 [&effects = scene.effects](const std::string&) { effects.occlusion = render::OcclusionSpec{}; }},
+                "Surfaces occlude up to a tenth of the diagonal of the shown data, with 16 rays per hit"),
+            {Option::Kind::value, "--fog", "A,B",
+             "Fade surfaces into the background between the distances A and B from the camera",
+             [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
+            layers(number_option("--ambient", "A", "Ambient light, 0 to 1; default 0.12", render::limits::share,
+                                 layer.ambient)),
+            layers(number_option("--specular", "S", "Specular strength, 0 to 1; default 0.25", render::limits::share,
+                                 layer.specular)),
+            layers(number_option("--shininess", "N", "Specular exponent; default 40", render::limits::shininess,
+                                 layer.shininess))}),
+       in_group(
+           "Camera",
+           {word_option("--view", render::view_words(),
+                        "Side from which the camera looks; iso: three-quarter view; default iso", camera.view),
+            value_option("--azimuth", "DEG", "Camera azimuth around the z axis; 0 looks along +y", camera.azimuth_deg),
+            number_option("--elevation", "DEG", "Camera elevation; 90 looks straight down",
+                          render::limits::elevation_deg, camera.elevation_deg),
+            number_option("--zoom", "FACTOR", "Zoom factor; 1 just fits the data; default 1", render::limits::zoom,
+                          camera.zoom),
+            number_option("--fov", "DEG", "Vertical field of view in degrees; default 30", render::limits::fov_deg,
+                          camera.fov_deg),
+            switch_option("--ortho", "Use an orthographic projection", true, camera.orthographic),
+            for_experts(above_zero_option("--ortho-height", "H", "Height of the image in world units; implies --ortho",
+                                          camera.orthographic_height)),
+            for_experts(value_option("--camera-position", "X,Y,Z",
+                                     "Camera position in world units; default fitted to the data", camera.position)),
+            for_experts(value_option("--camera-target", "X,Y,Z", "Point at which the camera looks, in world units",
+                                     camera.target)),
+            for_experts(value_option("--camera-up", "X,Y,Z", "Up direction of the image", camera.up))}),
+       in_group("Clipping", clip_options(scene.clip)),
+       in_group("Annotation",
+                {{Option::Kind::flag, "--axes", "", "Draw arrows along the world axes",
+                  [&annotations = scene.annotations](const std::string&) { annotations.axes = render::AxesSpec{}; }},
+                 switch_option("--box", "Draw a box around the data, with ticks in world units", true,
+                               scene.annotations.box),
+                 with_details({Option::Kind::flag, "--colorbar", "", "Draw a colour bar",
+                               [&annotations = scene.annotations](const std::string&) {
+                                 annotations.color_bar = render::ColorBarSpec{};
+                               }},
+                              "For --color-by, a slice, a MIP or a heat map"),
+                 value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
+       in_group(
+           "Accuracy",
+           {with_details(
+                choice_option("--accuracy", render::accuracy_words(),
+                              "Accuracy of hits, from fast to exact; default float for most isosurfaces, else double",
+                              scene.accuracy),
+                "preview: approximate. float: single precision inside cells. double: double precision. "
+                "certified: every hit and miss is proven, with an error bound. exact: exact arithmetic for "
+                "every decision. certified and exact first check the file's value ranges; exit code 4 if "
+                "these are wrong. The default is float for isosurfaces of meshes and of uniform grids, dense "
+                "or in bricks; else double"),
+            for_experts(
+                with_details(layers(value_option("--method", "NAME", "Use one method, for comparison", layer.method)),
+                             render::method_forms())),
+            for_experts(with_details(
+                word_option("--show", render::show_words(),
+                            "Draw a heat map: error, roots in the hit cell, iterations of the root search, or cost "
+                            "(cells visited); default color",
+                            image.show),
+                "error needs --accuracy certified or exact")),
+            for_experts(with_details(
+                switch_option("--no-hierarchy", "Visit every leaf cell, for comparison", false, image.hierarchy),
+                "At --accuracy double the picture is the same"))})});
+}
+
+std::vector<Option> image_options(PictureOptions& options) {
+  render::PictureSpec& image = options.scene_spec.image;
+  return {value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+          with_details(whole_number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 1",
+                                           render::limits::pixel_samples, image.antialias),
+                       "Pixels at edges get more samples than others"),
+          with_details(
+              value_option("--channels", "A,B", "Extra EXR channels, such as depth, normal, value", image.channels),
+              concat("All: ", joined(render::channel_words()), ". error needs --accuracy certified or exact")),
+          with_details(
+              whole_number_option("--frames", "N", "Number of pictures of a scene's camera path; needs -o out_%04d.png",
+                                  render::limits::frames, image.frames),
+              "They go from the first key frame to the last")};
+}
+
+namespace {
+
+/// Refuses options of surfaces if no surface is shown.
+void refuse_words_of_surfaces(const render::LayerSpec& layer) {
+  for (const auto& [option, text] :
+       {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
+    if (!text->empty())
+      throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a maximum intensity projection has none"));
+}
+
+/// The slices, then the layer of the options; slices alone if no option asks for that layer.
+void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
+  if (options.slices.empty()) return;
+  render::LayerSpec& layer = scene_spec.layers[0];
+  std::vector<render::LayerSpec> slices = options.slices;
+  const bool has_range = layer.color_by.empty() && layer.type != render::LayerType::mip;
+  for (render::LayerSpec& slice : slices) {
+    slice.colormap = layer.colormap;
+    if (has_range) slice.range = layer.range;
+  }
+  if (layer.color_by.empty()) layer.colormap.clear();
+  if (has_range) layer.range.reset();
+  const std::vector<std::string>& given = options.of_the_layer;
+  const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
+  if (is_given("--mode") || is_given("--iso")) {
+    scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
+    return;
+  }
+  constexpr std::array of_slices{"--slice", "--field", "--colormap", "--range", "--opacity"};
+  for (const std::string& name : given)
+    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
+      throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
+                  "add --mode iso or --iso to show an isosurface too");
+  for (render::LayerSpec& slice : slices) slice.opacity = layer.opacity;
+  scene_spec.layers = std::move(slices);
+}
+
+/// A layer of its own for each file of triangles.
+void add_landmarks(const std::vector<std::string>& files, render::SceneSpec& scene_spec) {
+  if (files.empty()) return;
+  scene_spec.data[0].name = "data";
+  for (render::LayerSpec& layer : scene_spec.layers) layer.data = "data";
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string name = concat("mesh ", i + 1);
+    scene_spec.data.push_back({.name = name, .file = files[i]});
+    scene_spec.layers.push_back({.type = render::LayerType::triangles, .data = name});
+  }
+}
+
+}  // namespace
+
+render::SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file) {
+  render::SceneSpec scene_spec = options.scene_spec;
+  scene_spec.data[0].file = file;
+  if (!options.texture.empty()) add_texture(options.texture, scene_spec);
+  scene_spec.lights = lights_of(options);
+  scene_spec.layers[0].type = options.mode == "mip" ? render::LayerType::mip : render::LayerType::isosurface;
+  if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
+    throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
+  if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(scene_spec.layers[0]);
+  add_slices(options, scene_spec);
+  add_landmarks(options.landmarks, scene_spec);
+  return scene_spec;
+}
+
+render::SceneSpec with_options(render::SceneSpec document, const PictureOptions& options) {
+  if (!options.of_the_layer.empty())
+    throw Error(ErrorCode::usage,
+                concat(options.of_the_layer.front(), ": not allowed with the scene ", document.document,
+                       "; its layers define what is shown"),
+                "set it in a layer of the document");
+  const render::SceneSpec& said = options.scene_spec;
+  document.camera = camera_under(document.camera, said.camera);
+  replace(document.lights, lights_of(options));
+  replace(document.effects.occlusion, said.effects.occlusion);
+  replace(document.effects.fog, said.effects.fog);
+  replace(document.clip, said.clip);
+  replace(document.image.size, said.image.size);
+  replace(document.image.background, said.image.background);
+  replace(document.image.channels, said.image.channels);
+  replace(document.image.show, said.image.show);
+  replace(document.image.hierarchy, said.image.hierarchy);
+  replace(document.image.antialias, said.image.antialias);
+  replace(document.image.frames, said.image.frames);
+  replace(document.annotations.axes, said.annotations.axes);
+  replace(document.annotations.box, said.annotations.box);
+  replace(document.annotations.color_bar, said.annotations.color_bar);
+  if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
+  if (!said.accuracy.empty()) {
+    document.accuracy = said.accuracy;
+    for (render::LayerSpec& layer : document.layers) layer.accuracy.clear(), layer.method.clear();
+  }
+  return document;
+}
+
+}  // namespace rhoray::tools
