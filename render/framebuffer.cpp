@@ -1,6 +1,30 @@
 #include "render/framebuffer.h"
 
+#include <sys/mman.h>
+
+#include <new>
+
 namespace rhoray::render {
+
+namespace {
+
+constexpr std::size_t large_page = std::size_t{2} << 20;
+
+std::align_val_t alignment_of(std::size_t bytes) {
+  return std::align_val_t{bytes < large_page ? 64 : large_page};
+}
+
+}  // namespace
+
+void* allocate_pixels(std::size_t bytes) {
+  void* const pixels = ::operator new(bytes, alignment_of(bytes));
+  if (bytes >= large_page) ::madvise(pixels, bytes, MADV_HUGEPAGE);  // without them the pages stay small
+  return pixels;
+}
+
+void free_pixels(void* pixels, std::size_t bytes) {
+  ::operator delete(pixels, alignment_of(bytes));
+}
 
 ChannelSet& ChannelSet::operator|=(const ChannelSet& other) {
   depth |= other.depth;

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <new>
 #include <vector>
 
 namespace rhoray::render {
@@ -31,19 +30,23 @@ struct ChannelSet {
   bool any() const { return *this != ChannelSet{}; }
 };
 
-/// Allocator that aligns its memory to cache lines.
+/// Memory for pixels, aligned to cache lines. From some size on it stands in large pages, where the
+/// system has them: writing to a new page for the first time takes longer than tracing what it shows.
+void* allocate_pixels(std::size_t bytes);
+void free_pixels(void* pixels, std::size_t bytes);  ///< takes the size that was allocated
+
 template <class T>
-struct OnCacheLines {
+struct PixelAllocator {
   using value_type = T;
 
-  OnCacheLines() = default;
+  PixelAllocator() = default;
   template <class U>
-  explicit OnCacheLines(const OnCacheLines<U>&) {}
+  explicit PixelAllocator(const PixelAllocator<U>&) {}
 
-  T* allocate(std::size_t count) { return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{64})); }
-  void deallocate(T* place, std::size_t) { ::operator delete (place, std::align_val_t{64}); }
+  T* allocate(std::size_t count) { return static_cast<T*>(allocate_pixels(count * sizeof(T))); }
+  void deallocate(T* pixels, std::size_t count) { free_pixels(pixels, count * sizeof(T)); }
 
-  friend bool operator==(const OnCacheLines&, const OnCacheLines&) { return true; }
+  friend bool operator==(const PixelAllocator&, const PixelAllocator&) { return true; }
 };
 
 /// A picture, rows from the top, pixels from the left. Channels that were not requested stay empty.
@@ -66,7 +69,7 @@ struct Framebuffer {
   std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind all hits
   /// Linear RGBA, 4 per pixel, over the background. Alpha is the part of the pixel that is covered:
   /// 1 where something opaque is hit, else 0.
-  std::vector<float, OnCacheLines<float>> color;
+  std::vector<float, PixelAllocator<float>> color;
   std::vector<float> depth;                            ///< 1 per pixel
   std::vector<float> normal;                           ///< 3 per pixel
   std::vector<std::uint64_t> cell;                     ///< 1 per pixel

@@ -128,14 +128,28 @@ std::vector<png_text> png_texts(std::span<const PngText> texts) {
   return all;
 }
 
+/// Converts floats of linear RGBA to bytes of sRGB.
+void encode_row(std::span<const float> linear, std::uint8_t* bytes) {
+  const SrgbTable& table = srgb_table();
+  for (std::size_t at = 0; at < linear.size(); at += 4)
+    for (std::size_t c = 0; c < 3; ++c) *bytes++ = table(linear[at + c]);
+}
+
+std::span<const float> row_of(const Framebuffer& picture, int y) {
+  const std::size_t length = 4 * static_cast<std::size_t>(picture.width);
+  return std::span(picture.color).subspan(length * static_cast<std::size_t>(y), length);
+}
+
 /// False when libpng reports an error. No object in this function may need a destructor, because of
 /// longjmp.
-bool write_png(PngWriter& writer, int width, int height, std::span<const png_text> texts,
-               std::span<const png_bytep> rows) {
+/// @param row  room for a row of bytes
+bool write_png(PngWriter& writer, const Framebuffer& picture, std::span<const png_text> texts,
+               std::span<std::uint8_t> row) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   png_set_write_fn(writer.png, &writer, rhoray_png_write, rhoray_png_flush);
-  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
-               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(picture.width),
+               static_cast<png_uint_32>(picture.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_ABSOLUTE);
   // Measured on rendered pictures: files are within 2 % of those with all filters, in 12 to 20 %
   // less time. Level 4 takes another quarter less, but makes smooth pictures 10 % larger.
@@ -143,7 +157,10 @@ bool write_png(PngWriter& writer, int width, int height, std::span<const png_tex
   png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FAST_FILTERS);
   if (!texts.empty()) png_set_text(writer.png, writer.info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(writer.png, writer.info);
-  png_write_image(writer.png, const_cast<png_bytepp>(rows.data()));
+  for (int y = 0; y < picture.height; ++y) {
+    encode_row(row_of(picture, y), row.data());
+    png_write_row(writer.png, row.data());
+  }
   png_write_end(writer.png, nullptr);
   return true;
 }
@@ -155,18 +172,13 @@ std::uint8_t srgb_byte(float linear) {
 }
 
 std::vector<std::uint8_t> srgb_bytes(const Framebuffer& picture) {
-  const SrgbTable& table = srgb_table();
   std::vector<std::uint8_t> bytes(3 * picture.pixel_count());
-  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
-    for (std::size_t c = 0; c < 3; ++c) bytes[3 * pixel + c] = table(picture.color[4 * pixel + c]);
+  encode_row(picture.color, bytes.data());
   return bytes;
 }
 
 std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const PngText> texts) {
-  std::vector<std::uint8_t> pixels = srgb_bytes(picture);
-  std::vector<png_bytep> rows;
-  for (int y = 0; y < picture.height; ++y)
-    rows.push_back(pixels.data() + 3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(y));
+  std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(picture.width));
   const std::vector<png_text> entries = png_texts(texts);
   PngWriter writer;
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, rhoray_png_error, rhoray_png_warning);
@@ -176,7 +188,7 @@ std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const Pn
   // A scene's text of a hundred thousand letters is not an attack: nothing that libpng limits comes
   // from a file.
   png_set_chunk_malloc_max(writer.png, 0);
-  const bool is_written = write_png(writer, picture.width, picture.height, entries, rows);
+  const bool is_written = write_png(writer, picture, entries, row);
   if (writer.out_of_memory) throw std::bad_alloc();
   if (!is_written) throw Error(ErrorCode::internal, concat("the picture cannot be made a PNG: ", writer.error));
   return std::move(writer.bytes);

@@ -4,38 +4,32 @@
 #include <optional>
 #include <vector>
 
+#include "formats/base/vector.h"
 #include "render/document/resolve.h"
 #include "render/scene_spec.h"
 
 namespace rhoray::render {
 
-/// A number that key frames name at some times. Between them it follows the monotone cubic through
-/// all of them (F. Fritsch and R. Carlson, SIAM J. Numer. Anal. 17, 1980): exact at the keys,
-/// without a jump of its rate, and never beyond the two numbers that it lies between. Before the
-/// first and after the last it stays.
-class NumberTrack {
+/// A number or a point that key frames name at some times. Before the first time and after the last
+/// it stays.
+///
+/// Between them a number follows the monotone cubic through all of them (F. Fritsch and R. Carlson,
+/// SIAM J. Numer. Anal. 17, 1980): exact at the keys, without a jump of its rate, and never beyond
+/// the two numbers that it lies between. A point follows a cubic through all of them whose direction
+/// at each is that from the key before to the key after (Catmull and Rom, with the keys' own times).
+template <class T>
+class Track {
  public:
-  void add(double time, double value);  ///< times rise
+  void add(double time, const T& value) { times_.push_back(time), values_.push_back(value); }  ///< times rise
   bool is_empty() const { return times_.empty(); }
-  double at(double time) const;
-
- private:
-  std::vector<double> times_, values_;
-};
-
-/// A place that key frames name at some times, likewise: a cubic through all of them whose
-/// direction at each is that from the key before to the key after (Catmull and Rom, with the keys'
-/// own times).
-class PlaceTrack {
- public:
-  void add(double time, const Vec3& value);
-  bool is_empty() const { return times_.empty(); }
-  Vec3 at(double time) const;
+  T at(double time) const;
 
  private:
   std::vector<double> times_;
-  std::vector<Vec3> values_;
+  std::vector<T> values_;
 };
+extern template class Track<double>;
+extern template class Track<Vec3>;
 
 /// A camera, and perhaps an isovalue, that move from key frame to key frame; frames lie at even
 /// times from the first key to the last. What no key names stays as the document says.
@@ -52,7 +46,7 @@ class Sweep {
   int frame_count() const { return frame_count_; }
   double time_of(int frame) const;
 
-  /// Wishes of one frame alone.
+  /// The requested scene of one frame alone.
   SceneSpec spec_at(double time) const;
 
   /// Makes a plan of spec_at any time that of a frame: its isovalue, its camera, and what depends
@@ -68,9 +62,9 @@ class Sweep {
   SceneSpec scene_spec_;
   std::vector<KeyframeSpec> keys_;
   int frame_count_;
-  std::size_t isovalue_layer_ = 0;  ///< the wish whose isovalue it is
-  NumberTrack azimuth_, elevation_, zoom_, fov_, isovalue_;
-  PlaceTrack position_, target_, up_;
+  std::size_t isovalue_layer_ = 0;  ///< index into SceneSpec::layers
+  Track<double> azimuth_, elevation_, zoom_, fov_, isovalue_;
+  Track<Vec3> position_, target_, up_;
   std::optional<Box3> shown_;                      ///< at any of the keys
   double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1
 };

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
-#include "render/document/plane_text.h"
+#include "render/document/slices.h"
 
 namespace rhoray::render {
 
@@ -15,7 +15,9 @@ ValueKind<Box3> box_value() {
       "two corners [[x, y, z], [x, y, z]]; each coordinate of the first is below that of the second";
   const ValueKind<Vec3> corner = vector_value();
   return {.expected = expected,
-          .schema = {{"type", "array"}, {"items", corner.schema}, {"minItems", 2}, {"maxItems", 2}},
+          .schema = [corner]() -> Json {
+            return {{"type", "array"}, {"items", corner.schema()}, {"minItems", 2}, {"maxItems", 2}};
+          },
           .read = [=](const Json& json, const Reading& at) -> Box3 {
             if (!json.is_array() || json.size() != 2) at.place.refuse(json, expected);
             const Vec3 low = corner.read(json[0], at.at(0)), high = corner.read(json[1], at.at(1));
@@ -30,23 +32,7 @@ ValueKind<Box3> box_value() {
 
 ValueKind<std::vector<HalfSpace>> half_spaces_value() {
   constexpr std::size_t most = Clip::most_planes;
-  const std::string expected = concat("an array of 1 to ", most, " planes");
-  return {.expected = expected,
-          .schema = {{"type", "array"}, {"items", schema_of(half_space_rows())}, {"minItems", 1}, {"maxItems", most}},
-          .read =
-              [expected](const Json& json, const Reading& at) {
-                if (!json.is_array() || json.empty() || json.size() > most) at.place.refuse(json, expected);
-                std::vector<HalfSpace> planes;
-                for (std::size_t i = 0; i < json.size(); ++i)
-                  planes.push_back(read_object(json[i], at.at(i), half_space_rows()));
-                return planes;
-              },
-          .write =
-              [](const std::vector<HalfSpace>& planes) {
-                Json json = Json::array();
-                for (const HalfSpace& plane : planes) json.push_back(write_object(plane, half_space_rows()));
-                return planes.empty() ? Json() : json;
-              }};
+  return list_of(half_space_rows(), concat("an array of 1 to ", most, " planes"), {1, most});
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ const std::vector<Row<HalfSpace>>& half_space_rows();
 /// A vector that is not 0.
 ValueKind<Vec3> direction_value();
 /// The requested region. Refuses one that has neither a box nor planes.
-/// @param place  of the wish in its document; of a command line without a document
+/// @param place  of the region in its document; of a command line without a document
 std::optional<Clip> choose_clip(const std::optional<ClipSpec>& spec, const Place& place);
 /// The specification of a region.
 std::optional<ClipSpec> clip_spec(const std::optional<Clip>& clip);

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
+#include <vector>
 
 #include "formats/base/error.h"
 #include "formats/base/regular_file.h"
-#include "render/document/json_tree.h"
 #include "render/document/tables.h"
 
 namespace rhoray::render {
@@ -28,6 +29,108 @@ std::string document_text(const std::filesystem::path& path) {
   if (text.size() > most_bytes)
     throw Error(ErrorCode::invalid, concat(path.string(), ": is larger than 4 MiB; expected a scene document"));
   return text;
+}
+
+constexpr std::size_t most_levels = 16;
+
+/// The library's words without its numbers, and without what it read last where that is long.
+std::string syntax_text(std::string message) {
+  if (const std::size_t at = message.find("parse error at "); at != std::string::npos)
+    message.erase(0, at + std::string_view("parse error at ").size());
+  constexpr std::size_t longest = 60;
+  const std::size_t from = message.find("; last read: '"), to = message.rfind("'");
+  if (from != std::string::npos && to > from + longest) message.erase(from, to + 1 - from);
+  for (char& letter : message)
+    if (static_cast<unsigned char>(letter) < ' ') letter = ' ';
+  return message;
+}
+
+/// Makes the tree while it is read, since the library's own maker lets a second key replace the
+/// first.
+class TreeMaker final : public nlohmann::json_sax<Json> {
+ public:
+  explicit TreeMaker(const std::string& name) : name_(name) {}
+
+  Json take() { return std::move(root_); }
+
+  bool null() override { return put(nullptr); }
+  bool boolean(bool value) override { return put(value); }
+  bool number_integer(number_integer_t value) override { return put(value); }
+  bool number_unsigned(number_unsigned_t value) override { return put(value); }
+  bool number_float(number_float_t value, const string_t&) override { return put(value); }
+  bool string(string_t& value) override { return put(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // not in text
+
+  bool start_object(std::size_t) override { return open(Json::object()); }
+  bool key(string_t& name) override {
+    if (open_.back()->contains(name))
+      throw Error(ErrorCode::invalid, concat(here().at(name).text(), ": duplicate key"));
+    keys_.back() = name;
+    return true;
+  }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override { return open(Json::array()); }
+  bool end_array() override { return close(); }
+
+  bool parse_error(std::size_t, const std::string& last_read, const nlohmann::detail::exception& error) override {
+    constexpr int number_overflow = 406;
+    if (error.id == number_overflow)
+      throw Error(ErrorCode::invalid, concat(next().text(), ": found ", last_read, "; expected a finite number"));
+    throw Error(ErrorCode::invalid, concat(name_, ", ", syntax_text(error.what())));
+  }
+
+ private:
+  /// Of the innermost value that is open.
+  Place here() const {
+    Place place{name_, {}};
+    for (std::size_t level = 0; level + 1 < open_.size(); ++level)
+      place = open_[level]->is_array() ? place.at(open_[level]->size() - 1) : place.at(keys_[level]);
+    return place;
+  }
+  /// Of the value that comes next.
+  Place next() const {
+    if (open_.empty()) return {name_, {}};
+    return open_.back()->is_array() ? here().at(open_.back()->size()) : here().at(keys_.back());
+  }
+
+  Json& add(Json value) {
+    if (open_.empty()) return root_ = std::move(value);
+    if (!open_.back()->is_array()) return (*open_.back())[keys_.back()] = std::move(value);
+    open_.back()->push_back(std::move(value));
+    return open_.back()->back();
+  }
+  bool put(Json value) {
+    add(std::move(value));
+    return true;
+  }
+  bool open(Json value) {
+    if (open_.size() == most_levels)
+      throw Error(ErrorCode::invalid, concat(next().text(), ": nested deeper than ", most_levels, " levels"));
+    Json& added = add(std::move(value));
+    open_.push_back(&added);
+    keys_.emplace_back();
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    keys_.pop_back();
+    return true;
+  }
+
+  const std::string& name_;
+  Json root_;
+  std::vector<Json*> open_;  ///< outermost first; what is open is not moved
+  std::vector<std::string> keys_;
+};
+
+/// JSON of at most 16 levels, in which no object has a key twice and every number is finite.
+/// Refuses other texts with line and column, or with the JSON pointer of what is wrong
+/// (ErrorCode::invalid).
+/// @param name  of the document, for messages
+Json read_json(const std::string& text, const std::string& name) {
+  TreeMaker maker(name);
+  Json::sax_parse(text, &maker);
+  return maker.take();
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "formats/base/number_text.h"
 #include "render/called_for.h"
-#include "render/document/plane_text.h"
+#include "render/document/slices.h"
 #include "render/document/tables.h"
 #include "render/method_words.h"
 

@@ -2,10 +2,13 @@
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/document/place.h"
+#include "render/document/values.h"
+#include "render/load.h"
 #include "render/scene.h"
 #include "render/scene_spec.h"
 
@@ -29,5 +32,14 @@ std::optional<Fog> choose_fog(const std::optional<FogSpec>& spec, const Camera& 
 /// The specifications of lights and effects; nothing if they are the defaults.
 std::optional<std::vector<LightSpec>> light_specs(const std::vector<Light>& lights);
 EffectsSpec effects_spec(const Scene& scene);
+
+/// Notes about lights that are probably a mistake, one sentence each: lights without intensity,
+/// inside opaque surfaces or behind everything visible, lights with a size that cast no shadows,
+/// and surfaces without any light.
+///
+/// A light counts as inside if each of 26 rays from it hits an opaque surface, and the ray to the
+/// camera too. This holds for any field, whichever side is solid, and for triangles. At the end of
+/// the data, or where a surface has a gap, a light inside may not be noticed.
+std::vector<std::string> light_notes(const Scene& scene, std::span<const Dataset> datasets);
 
 }  // namespace rhoray::render

@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/word_list.h"
 #include "render/color_map.h"
 #include "render/scene_words.h"
 
@@ -42,10 +43,8 @@ formats::FieldSummary color_field(const LayerSpec& spec, const Dataset& dataset,
     return refusal(layer, "color_by", "--color-by", fact, hint, error_code);
   };
   if (std::find(names.begin(), names.end(), spec.color_by) == names.end()) {
-    std::string known;
-    for (const std::string& name : names) known += concat(known.empty() ? "" : ", ", "'", name, "'");
-    throw refuse(concat("no field '", spec.color_by, "'; available: ", known), did_you_mean(spec.color_by, names),
-                 ErrorCode::usage);
+    throw refuse(concat("no field '", spec.color_by, "'; available: ", joined(names, ", ", "'")),
+                 did_you_mean(spec.color_by, names), ErrorCode::usage);
   }
   const std::optional<formats::FieldSummary> field = dataset.field(spec.color_by);
   if (!field)

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/document/place.h"
+#include "render/document/values.h"
 #include "render/load.h"
 #include "render/scene.h"
 #include "render/scene_spec.h"
@@ -14,7 +14,7 @@ namespace rhoray::render {
 /// Refuses normals that the dataset has not, colours by a field that is not there, and a range or
 /// colour map without such a field: of a document with the place (ErrorCode::invalid), of a command
 /// line with the option (ErrorCode::usage).
-/// @param layer  where the wish stands; of a command line without a document
+/// @param layer  its place in its document; of a command line without a document
 Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer);
 
 }  // namespace rhoray::render

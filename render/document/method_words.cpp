@@ -8,6 +8,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/read_value.h"
 #include "formats/base/text.h"
+#include "formats/base/word_list.h"
 
 namespace rhoray::render {
 
@@ -65,9 +66,7 @@ std::string form_of(const MethodWord& word) {
 }
 
 std::string forms(Mode mode, bool is_mesh) {
-  std::string text;
-  for (const MethodWord& word : words_for(mode, is_mesh)) text += concat(text.empty() ? "" : ", ", form_of(word));
-  return text;
+  return joined(names_in(words_for(mode, is_mesh), form_of));
 }
 
 /// Takes `ending` off the end of a word; false when the word does not end so.
@@ -80,9 +79,7 @@ bool take_ending(std::string& word, std::string_view ending) {
 }  // namespace
 
 std::vector<std::string> accuracy_words() {
-  std::vector<std::string> words;
-  for (const auto& [word, accuracy] : accuracies) words.emplace_back(word);
-  return words;
+  return names_in(accuracies, &std::pair<const char*, Accuracy>::first);
 }
 
 Accuracy accuracy_named(const std::string& word) {
@@ -100,10 +97,8 @@ std::string method_forms() {
 
 Method method_named(const std::string& word, Mode mode, bool is_mesh, const std::string& asked_by) {
   const auto refuse = [&]() -> Method {
-    std::vector<std::string> known;
-    for (const MethodWord& row : words_for(mode, is_mesh)) known.emplace_back(row.word);
     throw Error(ErrorCode::usage, concat(asked_by, ": found '", word, "'; expected one of ", forms(mode, is_mesh)),
-                did_you_mean(word, known));
+                did_you_mean(word, names_in(words_for(mode, is_mesh), &MethodWord::word)));
   };
   const std::size_t colon = word.find(':');
   const std::string name = word.substr(0, colon);

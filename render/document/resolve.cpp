@@ -6,14 +6,14 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/regular_file.h"
+#include "formats/base/word_list.h"
 #include "formats/color_grid.h"
 #include "render/document/clip.h"
-#include "render/document/light_notes.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
-#include "render/document/place.h"
 #include "render/document/slices.h"
 #include "render/document/tables.h"
+#include "render/document/values.h"
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
@@ -46,44 +46,32 @@ auto at_place(const Place& place, const Act& act) {
   }
 }
 
-std::vector<std::string> names_of(const std::vector<DataSpec>& data) {
-  std::vector<std::string> names;
-  for (const DataSpec& each : data) names.push_back(each.name);
-  return names;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += concat(text.empty() ? "" : ", ", '"', name, '"');
-  return text;
-}
-
 /// The data that a layer names.
 /// @param key  of the layer, where the name stands
 const DataSpec& data_named(const SceneSpec& scene_spec, const std::string& name, const Place& key) {
-  const std::vector<std::string> names = names_of(scene_spec.data);
+  const std::vector<std::string> names = names_in(scene_spec.data, &DataSpec::name);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
-    throw Error(
-        ErrorCode::invalid,
-        concat(key.text(), ": found \"", name, "\"; expected ", names.size() == 1 ? "" : "one of ", listed(names)),
-        did_you_mean(name, names));
+    throw Error(ErrorCode::invalid,
+                concat(key.text(), ": found \"", name, "\"; expected ", names.size() == 1 ? "" : "one of ",
+                       joined(names, ", ", "\"")),
+                did_you_mean(name, names));
   return scene_spec.data[static_cast<std::size_t>(found - names.begin())];
 }
 
 const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t index) {
   const LayerSpec& layer = scene_spec.layers[index];
-  const std::vector<std::string> names = names_of(scene_spec.data);
+  const std::vector<std::string> names = names_in(scene_spec.data, &DataSpec::name);
   if (layer.data.empty() && scene_spec.data.size() == 1) return scene_spec.data[0];
   if (layer.data.empty())
-    throw Error(ErrorCode::invalid,
-                concat(layer_place(scene_spec, index).text(), ": has no \"data\"; expected one of ", listed(names)));
+    throw Error(ErrorCode::invalid, concat(layer_place(scene_spec, index).text(), ": has no \"data\"; expected one of ",
+                                           joined(names, ", ", "\"")));
   return data_named(scene_spec, layer.data, layer_place(scene_spec, index).at("data"));
 }
 
 /// The index of the dataset, opened when it is first asked for.
 std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const OpenData& open, ResolvedScene& plan) {
-  const std::vector<std::string> names = names_of(plan.data);
+  const std::vector<std::string> names = names_in(plan.data, &DataSpec::name);
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const Place place = root(scene_spec).at("data").at(data.name).at(data.field.empty() ? "file" : "field");
@@ -100,7 +88,6 @@ std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const 
 
 /// Opens a packed file of colours; refuses others and names the command that packs colours
 /// (ErrorCode::invalid).
-render::Texture load_texture(const std::filesystem::path& path);
 Texture load_texture(const std::filesystem::path& path) {
   require_readable(path);
   const auto refuse = [&](const std::string& found) {
@@ -129,7 +116,7 @@ std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index
       throw Error(ErrorCode::usage,
                   concat(data.file.string(), ": field '", data.field, "': a file of colours has no fields"));
   });
-  const std::vector<std::string> names = names_of(plan.texture_data);
+  const std::vector<std::string> names = names_in(plan.texture_data, &DataSpec::name);
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return plan.textures[static_cast<std::size_t>(found - names.begin())];
   plan.textures.push_back(at_place(key, [&] { return load_texture(data.file); }));
@@ -360,10 +347,6 @@ class LayerPlanner {
   std::vector<Outside> outside_;
 };
 
-bool proves_errors(const Layer& layer) {
-  return proves(layer.method);
-}
-
 /// Size, channels and background.
 void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
   const PictureSpec& image = scene_spec.image;
@@ -380,7 +363,8 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
   }
   const std::vector<Layer>& layers = plan.scene.layers;
   const bool shows_error = plan.page && channel_of(*plan.page).error;
-  if ((plan.frame.channels.error || shows_error) && !std::all_of(layers.begin(), layers.end(), proves_errors))
+  if ((plan.frame.channels.error || shows_error) &&
+      !std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return proves(layer.method); }))
     at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
              [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
   const bool is_projection =

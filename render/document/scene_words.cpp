@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/word_list.h"
 #include "render/color_map.h"
 
 namespace rhoray::render {
@@ -28,9 +29,7 @@ std::vector<std::string> view_words() {
 }
 
 std::vector<std::string> channel_words() {
-  std::vector<std::string> words;
-  for (const auto& [word, member] : channels) words.emplace_back(word);
-  return words;
+  return names_in(channels, [](const auto& row) { return row.first; });
 }
 
 ChannelSet channel_set(const std::vector<std::string>& words) {
@@ -41,9 +40,7 @@ ChannelSet channel_set(const std::vector<std::string>& words) {
     for (const auto& [word, member] : channels)
       if (name == word) found = set.*member = true;
     if (found) continue;
-    std::string known_text;
-    for (const std::string& word : known) known_text += concat(known_text.empty() ? "" : ", ", word);
-    throw Error(ErrorCode::usage, concat("--channels: found '", name, "'; expected ", known_text),
+    throw Error(ErrorCode::usage, concat("--channels: found '", name, "'; expected ", joined(known)),
                 did_you_mean(name, known));
   }
   return set;
@@ -57,8 +54,8 @@ std::vector<std::string> words_of(const ChannelSet& set) {
 }
 
 std::vector<std::string> show_words() {
-  std::vector<std::string> words{"color"};
-  for (const auto& [word, page] : pages) words.emplace_back(word);
+  std::vector<std::string> words = names_in(pages, [](const auto& row) { return row.first; });
+  words.insert(words.begin(), "color");
   return words;
 }
 
@@ -81,9 +78,7 @@ std::span<const NamedNormals> named_normals() {
 }
 
 std::vector<std::string> normals_words() {
-  std::vector<std::string> words;
-  for (const NamedNormals& row : named_normals()) words.emplace_back(row.name);
-  return words;
+  return names_in(named_normals(), &NamedNormals::name);
 }
 
 bool has_flat_normals(const Dataset& dataset) {
@@ -97,9 +92,7 @@ std::string word_of(Normals normals, bool flat) {
 }
 
 std::vector<std::string> colormap_words() {
-  std::vector<std::string> words;
-  for (const NamedColorMap& named : color_maps()) words.emplace_back(named.name);
-  return words;
+  return names_in(color_maps(), &NamedColorMap::name);
 }
 
 std::string word_of(ColorMap map) {

@@ -6,7 +6,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "render/document/place.h"
+#include "render/document/values.h"
 
 namespace rhoray::render {
 
@@ -55,15 +55,6 @@ Vec3 rate(const std::vector<double>& times, const std::vector<Vec3>& values, std
   return (values[to] - values[from]) / (times[to] - times[from]);
 }
 
-template <class T>
-T on_track(const std::vector<double>& times, const std::vector<T>& values, double time) {
-  const auto [key, share] = between(times, time);
-  if (share == 0) return values[key];
-  const double way = times[key + 1] - times[key];
-  return cubic<T>(values[key], values[key + 1], rate(times, values, key) * way, rate(times, values, key + 1) * way,
-                  share);
-}
-
 const char* angle_in(const KeyframeSpec& key) {
   return key.azimuth_deg ? "azimuth" : key.elevation_deg ? "elevation" : key.zoom ? "zoom" : nullptr;
 }
@@ -99,19 +90,16 @@ int frame_count_of(const SceneSpec& scene_spec, const std::vector<KeyframeSpec>&
 
 }  // namespace
 
-void NumberTrack::add(double time, double value) {
-  times_.push_back(time), values_.push_back(value);
+template <class T>
+T Track<T>::at(double time) const {
+  const auto [key, share] = between(times_, time);
+  if (share == 0) return values_[key];
+  const double way = times_[key + 1] - times_[key];
+  return cubic<T>(values_[key], values_[key + 1], rate(times_, values_, key) * way,
+                  rate(times_, values_, key + 1) * way, share);
 }
-double NumberTrack::at(double time) const {
-  return on_track(times_, values_, time);
-}
-
-void PlaceTrack::add(double time, const Vec3& value) {
-  times_.push_back(time), values_.push_back(value);
-}
-Vec3 PlaceTrack::at(double time) const {
-  return on_track(times_, values_, time);
-}
+template class Track<double>;
+template class Track<Vec3>;
 
 void Sweep::check_keys() const {
   const Place place = keys_place(scene_spec_);

@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "formats/base/error.h"
+#include "formats/base/text.h"
+#include "formats/base/word_list.h"
+#include "render/document.h"
 #include "render/document/clip.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
@@ -112,9 +115,7 @@ void refuse_keys_of_others(const Json& json, const Kind<Object>& kind, std::span
 
 template <class Object>
 const Kind<Object>& kind_said(const Json& json, std::span<const Kind<Object>> kinds, const Reading& at) {
-  std::vector<std::string> words;
-  for (const Kind<Object>& kind : kinds) words.emplace_back(kind.word);
-  const ValueKind<std::string> type = word_value(words);
+  const ValueKind<std::string> type = word_value(names_in(kinds, &Kind<Object>::word));
   if (!json.contains("type")) refuse_missing_key("type", type.expected, at);
   const std::string word = type.read(json["type"], at.at("type"));
   return *std::find_if(kinds.begin(), kinds.end(), [&](const Kind<Object>& kind) { return word == kind.word; });
@@ -150,12 +151,13 @@ template <class Object>
 ValueKind<std::vector<Object>> list_by_type(std::span<const Kind<Object>> kinds, const char* noun,
                                             const Interval<std::size_t>& counts) {
   const std::string expected = concat("an array of ", counts.lo, " to ", counts.hi, " ", noun, "s");
-  Json schemas = Json::array();
-  for (const Kind<Object>& kind : kinds) schemas.push_back(schema_of(kind));
-  Json schema{{"type", "array"}, {"minItems", counts.lo}, {"maxItems", counts.hi}};
-  schema["items"]["oneOf"] = std::move(schemas);
   return {.expected = expected,
-          .schema = std::move(schema),
+          .schema =
+              [=] {
+                Json schema{{"type", "array"}, {"minItems", counts.lo}, {"maxItems", counts.hi}};
+                for (const Kind<Object>& kind : kinds) schema["items"]["oneOf"].push_back(schema_of(kind));
+                return schema;
+              },
           .read =
               [=](const Json& json, const Reading& at) {
                 if (!json.is_array() || json.size() < counts.lo || json.size() > counts.hi)
@@ -181,7 +183,9 @@ ValueKind<std::vector<Object>> list_by_type(std::span<const Kind<Object>> kinds,
 ValueKind<std::vector<DataSpec>> data_value() {
   const std::string expected = "an object of files by name, such as {\"head\": {\"file\": \"head.rho\"}}";
   return {.expected = expected,
-          .schema = {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", schema_of(data_rows())}},
+          .schema = []() -> Json {
+            return {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", schema_of(data_rows())}};
+          },
           .read =
               [expected](const Json& json, const Reading& at) {
                 if (!json.is_object() || json.empty()) at.place.refuse(json, expected);
@@ -324,7 +328,7 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
           "Camera position in world units; default fitted to the shown data"),
       row("target", &CameraSpec::target, vector_value(), "Point the camera looks at, in world units"),
       row("up", &CameraSpec::up, vector_value(), "Up direction of the image"),
-      row("keyframes", &CameraSpec::keyframes, list_of(keyframe_rows(), "key frames"),
+      row("keyframes", &CameraSpec::keyframes, list_of(keyframe_rows(), "an array of key frames"),
           "Camera motion: an array of at least 2 key frames; -o out_%04d.png names the pictures")};
   return rows;
 }
@@ -393,6 +397,50 @@ const std::vector<Row<SceneSpec>>& scene_rows() {
           "Annotations drawn over the finished picture; the channels of an EXR do not change"),
       row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Accuracy of layers that set none")};
   return rows;
+}
+
+namespace {
+
+/// Escapes bars, which would end a table's cell.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char letter : text) out += letter == '|' ? std::string("\\|") : std::string(1, letter);
+  return out;
+}
+
+template <class Object>
+std::string table(const std::string& title, const std::vector<Row<Object>>& rows) {
+  std::string text = concat("### ", title, "\n\n| key | takes | |\n|---|---|---|\n");
+  for (const Row<Object>& row : rows)
+    text += concat("| `", row.key, "` | ", cell(row.expected), " | ", row.required ? "Required. " : "", cell(row.help),
+                   " |\n");
+  return text;
+}
+
+}  // namespace
+
+std::string scene_schema_text() {
+  Json schema{
+      {"$schema", "https://json-schema.org/draft/2020-12/schema"},
+      {"title", "Rhoray scene"},
+      {"description",
+       "What a picture shows: data, layers, lights, camera and image; rhoray render SCENE.json -o picture.png"}};
+  schema.update(schema_of(scene_rows()));
+  return dump_lines(schema);
+}
+
+std::string scene_reference() {
+  std::string text = table("The document", scene_rows()) + "\n" + table("`data`, one for each name", data_rows());
+  for (const LayerKind& kind : layer_kinds())
+    text += "\n" + table(concat("`layers`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
+  for (const LightKind& kind : light_kinds())
+    text += "\n" + table(concat("`lights`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
+  text += "\n" + table("`effects`", effect_rows()) + "\n" + table("`ambient_occlusion` of effects", occlusion_rows()) +
+          "\n" + table("`fog` of effects", fog_rows());
+  text += "\n" + table("`clip`", clip_rows()) + "\n" + table("`planes` of clip", half_space_rows());
+  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`keyframes` of the camera", keyframe_rows()) +
+         "\n" + table("`image`", image_rows()) + "\n" + table("`annotations`", annotation_rows()) + "\n" +
+         table("`axes` of annotations", axes_rows()) + "\n" + table("`colorbar` of annotations", color_bar_rows());
 }
 
 }  // namespace rhoray::render

@@ -10,7 +10,7 @@ namespace rhoray::render {
 
 // What may stand in a scene document: one table for each kind of object. Reading, writing, the
 // published schema and the reference are all made from these rows. A new key is a row here and a
-// member in wishes.h.
+// member in scene_spec.h.
 
 const std::vector<Row<SceneSpec>>& scene_rows();
 const std::vector<Row<DataSpec>>& data_rows();

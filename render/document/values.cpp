@@ -1,15 +1,31 @@
 #include "render/document/values.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "formats/base/error.h"
 #include "formats/base/read_value.h"
 #include "formats/base/regular_file.h"
+#include "formats/base/word_list.h"
 #include "render/method_words.h"
 
 namespace rhoray::render {
 
 namespace {
+
+constexpr int largest_side = 65'536;
+
+/// sRGB (IEC 61966-2-1) to linear, both in [0, 1].
+double linear_from_srgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+std::optional<double> srgb_byte(std::string_view two_digits) {
+  unsigned value = 0;
+  const auto [end, error_code] = std::from_chars(two_digits.data(), two_digits.data() + 2, value, 16);
+  if (error_code != std::errc{} || end != two_digits.data() + 2) return std::nullopt;
+  return linear_from_srgb(value / 255.0);
+}
 
 Json numbers_schema(std::size_t count) {
   return {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", count}, {"maxItems", count}};
@@ -24,12 +40,6 @@ std::optional<std::vector<double>> numbers_in(const Json& json, std::size_t coun
     numbers.push_back(number.get<double>());
   }
   return numbers;
-}
-
-std::string quoted(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", '"', word, '"');
-  return text;
 }
 
 /// A text that an option would take too.
@@ -53,154 +63,215 @@ bool is_percentile(const std::string& text) {
   }();
 }
 
+/// A kind of which a parser takes what it can, and returns nothing for what is to be refused.
+template <class T>
+ValueKind<T> parsed(
+    const std::string& expected, Json schema, std::function<std::optional<T>(const Json&)> parse,
+    std::function<Json(const T&)> write = [](const T& value) -> Json { return value; }) {
+  return {.expected = expected,
+          .schema = [schema = std::move(schema)] { return schema; },
+          .read =
+              [expected, parse = std::move(parse)](const Json& json, const Reading& at) {
+                const std::optional<T> value = parse(json);
+                if (!value) at.place.refuse(json, expected);
+                return *value;
+              },
+          .write = std::move(write)};
+}
+
+/// @param limits  how the schema says what is taken
+ValueKind<double> number_if(const std::string& expected, const Json& limits, std::function<bool(double)> is_taken) {
+  Json schema{{"type", "number"}};
+  schema.update(limits);
+  return parsed<double>(expected, std::move(schema),
+                        [is_taken = std::move(is_taken)](const Json& json) -> std::optional<double> {
+                          if (!json.is_number() || !is_taken(json.get<double>())) return std::nullopt;
+                          return json.get<double>();
+                        });
+}
+
 }  // namespace
 
+void read_value(const std::string& text, PictureSize& out) {
+  static constexpr std::pair<std::string_view, PictureSize> names[] = {
+      {"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"4k", {3840, 2160}}};
+  for (const auto& [name, size] : names)
+    if (text == name) {
+      out = size;
+      return;
+    }
+  const std::vector<std::string> sides = split(text, 'x');
+  const auto side = [&](std::size_t i) { return whole_number(sides[i]).value_or(0); };
+  if (sides.size() != 2 || side(0) < 1 || side(1) < 1 || side(0) > largest_side || side(1) > largest_side)
+    refuse_value(text, concat("WxH with sides from 1 to ", largest_side, ", or 720p, 1080p, 4k"));
+  out = {side(0), side(1)};
+}
+
+void read_value(const std::string& text, Color& out) {
+  if (text.size() == 7 && text[0] == '#') {
+    const std::string_view digits(text);
+    const auto r = srgb_byte(digits.substr(1, 2)), g = srgb_byte(digits.substr(3, 2)),
+               b = srgb_byte(digits.substr(5, 2));
+    if (r && g && b) {
+      out.linear = {*r, *g, *b};
+      return;
+    }
+  }
+  const std::vector<std::string> parts = split(text, ',');
+  const auto part = [&](std::size_t i) { return finite_number(parts[i]).value_or(-1); };
+  const auto is_share = [](double value) { return value >= 0 && value <= 1; };
+  if (parts.size() != 3 || !is_share(part(0)) || !is_share(part(1)) || !is_share(part(2)))
+    refuse_value(text, "a colour: #rrggbb, or r,g,b (linear) from 0 to 1");
+  out.linear = {part(0), part(1), part(2)};
+}
+
+Place Place::at(std::string_view key) const {
+  Place place = *this;
+  place.pointer += '/';
+  for (const char letter : key) {
+    if (letter == '~')
+      place.pointer += "~0";
+    else if (letter == '/')
+      place.pointer += "~1";
+    else
+      place.pointer += letter;
+  }
+  return place;
+}
+
+Place Place::at(std::size_t index) const {
+  return at(concat(index));
+}
+
+std::string Place::text() const {
+  return pointer.empty() ? document : concat(document, ": ", pointer);
+}
+
+void Place::refuse(const Json& found, const std::string& expected, const std::string& hint) const {
+  throw Error(ErrorCode::invalid, concat(text(), ": found ", found_text(found), "; expected ", expected), hint);
+}
+
+std::string found_text(const Json& value) {
+  constexpr std::size_t most = 40;
+  if (value.is_object()) return "an object";
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    return text.size() <= most ? dump(value) : concat(dump(text.substr(0, most - 3) + "..."));
+  }
+  const std::string text = value.is_array() && value.size() > most ? std::string(most + 1, ' ') : dump(value);
+  return text.size() <= most ? text : concat("an array of ", value.size());
+}
+
 ValueKind<double> number() {
-  return {.expected = "a number",
-          .schema = {{"type", "number"}},
-          .read =
-              [](const Json& json, const Reading& at) {
-                if (!json.is_number()) at.place.refuse(json, "a number");
-                return json.get<double>();
-              },
-          .write = [](double value) -> Json { return value; }};
+  return number_if("a number", Json::object(), [](double) { return true; });
 }
 
 ValueKind<double> number_within(const Interval<double>& limits) {
-  ValueKind<double> kind = number();
-  kind.expected = concat("a number from ", limits.lo, " to ", limits.hi);
-  kind.schema.update(Json{{"minimum", limits.lo}, {"maximum", limits.hi}});
-  kind.read = [limits, expected = kind.expected](const Json& json, const Reading& at) {
-    if (!json.is_number() || !limits.contains(json.get<double>())) at.place.refuse(json, expected);
-    return json.get<double>();
-  };
-  return kind;
+  return number_if(concat("a number from ", limits.lo, " to ", limits.hi),
+                   Json{{"minimum", limits.lo}, {"maximum", limits.hi}},
+                   [limits](double value) { return limits.contains(value); });
 }
 
 ValueKind<double> number_from_zero() {
-  ValueKind<double> kind = number();
-  kind.expected = "a number from 0 up";
-  kind.schema["minimum"] = 0;
-  kind.read = [](const Json& json, const Reading& at) {
-    if (!json.is_number() || !(json.get<double>() >= 0)) at.place.refuse(json, "a number from 0 up");
-    return json.get<double>();
-  };
-  return kind;
+  return number_if("a number from 0 up", Json{{"minimum", 0}}, [](double value) { return value >= 0; });
 }
 
 ValueKind<double> number_above_zero() {
-  ValueKind<double> kind = number();
-  kind.expected = "a number above 0";
-  kind.schema["exclusiveMinimum"] = 0;
-  kind.read = [](const Json& json, const Reading& at) {
-    if (!json.is_number() || !(json.get<double>() > 0)) at.place.refuse(json, "a number above 0");
-    return json.get<double>();
-  };
-  return kind;
+  return number_if("a number above 0", Json{{"exclusiveMinimum", 0}}, [](double value) { return value > 0; });
 }
 
 ValueKind<int> whole_number_within(const Interval<int>& limits) {
-  const std::string expected = concat("a whole number from ", limits.lo, " to ", limits.hi);
-  return {.expected = expected,
-          .schema = {{"type", "integer"}, {"minimum", limits.lo}, {"maximum", limits.hi}},
-          .read =
-              [limits, expected](const Json& json, const Reading& at) {
-                const Interval<double> of_doubles{static_cast<double>(limits.lo), static_cast<double>(limits.hi)};
-                if (!json.is_number_integer() || !of_doubles.contains(json.get<double>()))
-                  at.place.refuse(json, expected);
-                return json.get<int>();
-              },
-          .write = [](int value) -> Json { return value; }};
+  return parsed<int>(
+      concat("a whole number from ", limits.lo, " to ", limits.hi),
+      {{"type", "integer"}, {"minimum", limits.lo}, {"maximum", limits.hi}},
+      [limits](const Json& json) -> std::optional<int> {
+        const Interval<double> of_doubles{static_cast<double>(limits.lo), static_cast<double>(limits.hi)};
+        if (!json.is_number_integer() || !of_doubles.contains(json.get<double>())) return std::nullopt;
+        return json.get<int>();
+      });
 }
 
 ValueKind<bool> yes_or_no() {
-  return {.expected = "true or false",
-          .schema = {{"type", "boolean"}},
-          .read =
-              [](const Json& json, const Reading& at) {
-                if (!json.is_boolean()) at.place.refuse(json, "true or false");
-                return json.get<bool>();
-              },
-          .write = [](bool value) -> Json { return value; }};
+  return parsed<bool>("true or false", {{"type", "boolean"}}, [](const Json& json) -> std::optional<bool> {
+    if (!json.is_boolean()) return std::nullopt;
+    return json.get<bool>();
+  });
 }
 
 ValueKind<std::string> text_value() {
-  return {.expected = "a string",
-          .schema = {{"type", "string"}, {"minLength", 1}},
-          .read =
-              [](const Json& json, const Reading& at) {
-                if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a string");
-                return json.get<std::string>();
-              },
-          .write = [](const std::string& text) -> Json { return text.empty() ? Json() : Json(text); }};
+  return parsed<std::string>(
+      "a string", {{"type", "string"}, {"minLength", 1}},
+      [](const Json& json) -> std::optional<std::string> {
+        if (!json.is_string() || json.get_ref<const std::string&>().empty()) return std::nullopt;
+        return json.get<std::string>();
+      },
+      [](const std::string& text) { return text.empty() ? Json() : Json(text); });
 }
 
 ValueKind<Vec3> vector_value() {
-  return {.expected = "three numbers [x, y, z]",
-          .schema = numbers_schema(3),
-          .read = [](const Json& json, const Reading& at) -> Vec3 {
-            const auto numbers = numbers_in(json, 3);
-            if (!numbers) at.place.refuse(json, "three numbers [x, y, z]");
-            return {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-          },
-          .write = [](const Vec3& v) { return json_of(v); }};
+  return parsed<Vec3>(
+      "three numbers [x, y, z]", numbers_schema(3),
+      [](const Json& json) -> std::optional<Vec3> {
+        const auto numbers = numbers_in(json, 3);
+        if (!numbers) return std::nullopt;
+        return Vec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+      },
+      [](const Vec3& v) { return json_of(v); });
 }
 
 ValueKind<Interval<double>> interval_value() {
-  const std::string expected = "two numbers [a, b] with a below b";
-  return {.expected = expected,
-          .schema = numbers_schema(2),
-          .read = [expected](const Json& json, const Reading& at) -> Interval<double> {
-            const auto numbers = numbers_in(json, 2);
-            if (!numbers || !((*numbers)[0] < (*numbers)[1])) at.place.refuse(json, expected);
-            return {(*numbers)[0], (*numbers)[1]};
-          },
-          .write = [](const Interval<double>& interval) { return json_of(interval); }};
+  return parsed<Interval<double>>(
+      "two numbers [a, b] with a below b", numbers_schema(2),
+      [](const Json& json) -> std::optional<Interval<double>> {
+        const auto numbers = numbers_in(json, 2);
+        if (!numbers || !((*numbers)[0] < (*numbers)[1])) return std::nullopt;
+        return Interval<double>{(*numbers)[0], (*numbers)[1]};
+      },
+      [](const Interval<double>& interval) { return json_of(interval); });
 }
 
 ValueKind<Color> color_value() {
-  const std::string expected = "a colour: \"#rrggbb\", or linear [r, g, b] from 0 to 1";
   Json parts = numbers_schema(3);
   parts["items"].update(Json{{"minimum", 0}, {"maximum", 1}});
-  return {.expected = expected,
-          .schema = {{"oneOf", {{{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}}, parts}}},
-          .read = [expected](const Json& json, const Reading& at) -> Color {
-            if (json.is_string() && json.get<std::string>().starts_with("#"))
-              if (const auto color = value_of<Color>(json)) return *color;
-            const auto numbers = numbers_in(json, 3);
-            if (!numbers) at.place.refuse(json, expected);
-            for (const double part : *numbers)
-              if (!limits::share.contains(part)) at.place.refuse(json, expected);
-            return {{(*numbers)[0], (*numbers)[1], (*numbers)[2]}};
-          },
-          .write = [](const Color& color) { return json_of(color.linear); }};
+  return parsed<Color>(
+      "a colour: \"#rrggbb\", or linear [r, g, b] from 0 to 1",
+      {{"oneOf", {{{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}}, parts}}},
+      [](const Json& json) -> std::optional<Color> {
+        if (json.is_string() && json.get_ref<const std::string&>().starts_with("#")) return value_of<Color>(json);
+        const auto numbers = numbers_in(json, 3);
+        if (!numbers) return std::nullopt;
+        for (const double part : *numbers)
+          if (!limits::share.contains(part)) return std::nullopt;
+        return Color{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}};
+      },
+      [](const Color& color) { return json_of(color.linear); });
 }
 
 ValueKind<PictureSize> size_value() {
-  const std::string expected = "[width, height] from 1 to 65536, or \"720p\", \"1080p\", \"4k\"";
-  const Json side{{"type", "integer"}, {"minimum", 1}, {"maximum", 65536}};
-  return {.expected = expected,
-          .schema = {{"oneOf",
-                      {{{"type", "array"}, {"items", side}, {"minItems", 2}, {"maxItems", 2}},
-                       {{"type", "string"}, {"pattern", "^(720p|1080p|4k|[0-9]+x[0-9]+)$"}}}}},
-          .read =
-              [expected](const Json& json, const Reading& at) {
-                if (const auto size = value_of<PictureSize>(json)) return *size;
-                const auto sides = numbers_in(json, 2);
-                if (!sides || !json[0].is_number_integer() || !json[1].is_number_integer())
-                  at.place.refuse(json, expected);
-                for (const double pixels : *sides)
-                  if (!(pixels >= 1 && pixels <= 65536)) at.place.refuse(json, expected);
-                return PictureSize{static_cast<int>((*sides)[0]), static_cast<int>((*sides)[1])};
-              },
-          .write = [](const PictureSize& size) -> Json {
-            return {size.width, size.height};
-          }};
+  const Json side{{"type", "integer"}, {"minimum", 1}, {"maximum", largest_side}};
+  return parsed<PictureSize>(
+      concat("[width, height] from 1 to ", largest_side, ", or \"720p\", \"1080p\", \"4k\""),
+      {{"oneOf",
+        {{{"type", "array"}, {"items", side}, {"minItems", 2}, {"maxItems", 2}},
+         {{"type", "string"}, {"pattern", "^(720p|1080p|4k|[0-9]+x[0-9]+)$"}}}}},
+      [](const Json& json) -> std::optional<PictureSize> {
+        if (json.is_string()) return value_of<PictureSize>(json);
+        const auto sides = numbers_in(json, 2);
+        if (!sides || !json[0].is_number_integer() || !json[1].is_number_integer()) return std::nullopt;
+        for (const double pixels : *sides)
+          if (!(pixels >= 1 && pixels <= largest_side)) return std::nullopt;
+        return PictureSize{static_cast<int>((*sides)[0]), static_cast<int>((*sides)[1])};
+      },
+      [](const PictureSize& size) -> Json {
+        return {size.width, size.height};
+      });
 }
 
 ValueKind<std::filesystem::path> file_value() {
   return {.expected = "a file name",
-          .schema = {{"type", "string"}, {"minLength", 1}},
+          .schema = []() -> Json {
+            return {{"type", "string"}, {"minLength", 1}};
+          },
           .read =
               [](const Json& json, const Reading& at) {
                 if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a file name");
@@ -217,9 +288,11 @@ ValueKind<std::filesystem::path> file_value() {
 }
 
 ValueKind<std::string> word_value(std::vector<std::string> words) {
-  const std::string expected = concat("one of ", quoted(words));
+  const std::string expected = concat("one of ", joined(words, ", ", "\""));
   return {.expected = expected,
-          .schema = {{"enum", words}},
+          .schema = [words]() -> Json {
+            return {{"enum", words}};
+          },
           .read =
               [words, expected](const Json& json, const Reading& at) {
                 if (!json.is_string()) at.place.refuse(json, expected);
@@ -233,9 +306,11 @@ ValueKind<std::string> word_value(std::vector<std::string> words) {
 
 ValueKind<std::vector<std::string>> words_value(std::vector<std::string> words) {
   const ValueKind<std::string> one = word_value(words);
-  const std::string expected = concat("an array of ", quoted(words));
+  const std::string expected = concat("an array of ", joined(words, ", ", "\""));
   return {.expected = expected,
-          .schema = {{"type", "array"}, {"items", one.schema}, {"uniqueItems", true}},
+          .schema = [one]() -> Json {
+            return {{"type", "array"}, {"items", one.schema()}, {"uniqueItems", true}};
+          },
           .read =
               [one, expected](const Json& json, const Reading& at) {
                 if (!json.is_array()) at.place.refuse(json, expected);
@@ -253,8 +328,6 @@ ValueKind<std::vector<std::string>> words_value(std::vector<std::string> words) 
 
 ValueKind<std::vector<std::string>> isovalues_value() {
   const std::string expected = "a number, \"auto\" or a percentile such as \"p95\"";
-  const Json one{{"oneOf", {{{"type", "number"}}, {{"type", "string"}, {"pattern", "^(auto|p[0-9.]+)$"}}}}};
-  Json several{{"type", "array"}, {"items", one}, {"minItems", 1}};
   const auto read_one = [expected](const Json& json, const Reading& at) -> std::string {
     if (json.is_number()) return concat(json.get<double>());
     if (!json.is_string()) at.place.refuse(json, expected);
@@ -268,7 +341,11 @@ ValueKind<std::vector<std::string>> isovalues_value() {
     return value ? Json(*value) : Json(text);
   };
   return {.expected = expected + ", or an array of these",
-          .schema = {{"oneOf", {one["oneOf"][0], one["oneOf"][1], several}}},
+          .schema = []() -> Json {
+            const Json number{{"type", "number"}}, word{{"type", "string"}, {"pattern", "^(auto|p[0-9.]+)$"}};
+            const Json several{{"type", "array"}, {"items", {{"oneOf", {number, word}}}}, {"minItems", 1}};
+            return {{"oneOf", {number, word, several}}};
+          },
           .read =
               [expected, read_one](const Json& json, const Reading& at) {
                 if (!json.is_array()) return std::vector<std::string>{read_one(json, at)};

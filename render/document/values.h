@@ -1,18 +1,38 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "formats/base/json.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
-#include "render/document/place.h"
 #include "render/scene_spec.h"
 
 namespace rhoray::render {
+
+/// Where in a scene document a value stands: the document's name and a JSON pointer (RFC 6901).
+struct Place {
+  std::string document;
+  std::string pointer;  ///< empty: the whole document
+
+  Place at(std::string_view key) const;
+  Place at(std::size_t index) const;
+  std::string text() const;  ///< torso.json: /layers/0
+
+  /// `torso.json: /image/size: found 7; expected ...` (ErrorCode::invalid).
+  [[noreturn]] void refuse(const Json& found, const std::string& expected, const std::string& hint = {}) const;
+};
+
+/// A value as messages show it: short, and on one line.
+std::string found_text(const Json& value);
 
 /// A document being read: where we are, and what goes on beside.
 struct Reading {
@@ -29,8 +49,8 @@ struct Reading {
 /// What a value of a document may be: how people are told, its JSON Schema, and the way in and out.
 template <class T>
 struct ValueKind {
-  std::string expected;  ///< "a number from 0 to 1"
-  Json schema;
+  std::string expected;                                ///< "a number from 0 to 1"
+  std::function<Json()> schema;                        ///< made when it is asked for
   std::function<T(const Json&, const Reading&)> read;  ///< refuses with the place (ErrorCode::invalid)
   std::function<Json(const T&)> write;                 ///< null: left out
 };
@@ -60,25 +80,15 @@ struct Row {
   std::string key;
   std::string help;
   std::string expected;
-  Json schema;
+  std::function<Json()> schema;  ///< made when it is asked for
   bool required = false;
   std::function<void(const Json&, const Reading&, Object&)> read;
   std::function<Json(const Object&)> write;  ///< null: left out
 };
 
-template <class Object, class T>
-Row<Object> row(std::string key, T Object::*member, ValueKind<T> kind, std::string help) {
-  return {.key = std::move(key),
-          .help = std::move(help),
-          .expected = kind.expected,
-          .schema = kind.schema,
-          .read = [member, read = kind.read](const Json& json, const Reading& at,
-                                             Object& out) { out.*member = read(json, at); },
-          .write = [member, write = kind.write](const Object& object) { return write(object.*member); }};
-}
-
-template <class Object, class T>
-Row<Object> row(std::string key, std::optional<T> Object::*member, ValueKind<T> kind, std::string help) {
+/// @param member  of type T, or std::optional<T>
+template <class Object, class Member, class T>
+Row<Object> row(std::string key, Member Object::*member, ValueKind<T> kind, std::string help) {
   return {.key = std::move(key),
           .help = std::move(help),
           .expected = kind.expected,
@@ -86,7 +96,10 @@ Row<Object> row(std::string key, std::optional<T> Object::*member, ValueKind<T> 
           .read = [member, read = kind.read](const Json& json, const Reading& at,
                                              Object& out) { out.*member = read(json, at); },
           .write = [member, write = kind.write](const Object& object) -> Json {
-            return object.*member ? write(*(object.*member)) : Json();
+            if constexpr (std::is_same_v<Member, T>)
+              return write(object.*member);
+            else
+              return object.*member ? write(*(object.*member)) : Json();
           }};
 }
 
@@ -140,7 +153,7 @@ template <class Object>
 Json schema_of(const std::vector<Row<Object>>& rows) {
   Json properties = Json::object(), required = Json::array();
   for (const Row<Object>& row : rows) {
-    Json value = row.schema;
+    Json value = row.schema();
     value["description"] = row.help;
     properties[row.key] = std::move(value);
     if (row.required) required.push_back(row.key);
@@ -154,7 +167,7 @@ Json schema_of(const std::vector<Row<Object>>& rows) {
 template <class Object>
 ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
   return {.expected = "an object",
-          .schema = schema_of(rows),
+          .schema = [&rows] { return schema_of(rows); },
           .read = [&rows](const Json& json, const Reading& at) { return read_object(json, at, rows); },
           .write = [&rows](const Object& object) -> Json {
             Json json = write_object(object, rows);
@@ -162,25 +175,32 @@ ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
           }};
 }
 
-/// Any number of objects of one kind.
+/// Objects of one kind. Where there must be some, a list without any is not written.
+/// @param counts  how many there may be; empty: any number
 template <class Object>
-ValueKind<std::vector<Object>> list_of(const std::vector<Row<Object>>& rows, const char* noun) {
-  const std::string expected = concat("an array of ", noun);
+ValueKind<std::vector<Object>> list_of(const std::vector<Row<Object>>& rows, const std::string& expected,
+                                       const Interval<std::size_t>& counts = {}) {
   return {.expected = expected,
-          .schema = {{"type", "array"}, {"items", schema_of(rows)}},
+          .schema =
+              [=, &rows] {
+                Json schema{{"type", "array"}, {"items", schema_of(rows)}};
+                if (!counts.is_empty()) schema.update(Json{{"minItems", counts.lo}, {"maxItems", counts.hi}});
+                return schema;
+              },
           .read =
-              [expected, &rows](const Json& json, const Reading& at) {
-                if (!json.is_array()) at.place.refuse(json, expected);
+              [=, &rows](const Json& json, const Reading& at) {
+                if (!json.is_array() || (!counts.is_empty() && !counts.contains(json.size())))
+                  at.place.refuse(json, expected);
                 std::vector<Object> list;
                 for (std::size_t i = 0; i < json.size(); ++i) list.push_back(read_object(json[i], at.at(i), rows));
                 return list;
               },
-          .write =
-              [&rows](const std::vector<Object>& list) {
-                Json json = Json::array();
-                for (const Object& object : list) json.push_back(write_object(object, rows));
-                return json;
-              }};
+          .write = [=, &rows](const std::vector<Object>& list) -> Json {
+            if (!counts.is_empty() && list.empty()) return Json();
+            Json json = Json::array();
+            for (const Object& object : list) json.push_back(write_object(object, rows));
+            return json;
+          }};
 }
 
 /// What is there as it is, or in so many words: true, or an object.
@@ -191,7 +211,9 @@ Row<Object> switched_row(std::string key, std::optional<T> Object::*member, cons
   return {.key = std::move(key),
           .help = std::move(help),
           .expected = expected,
-          .schema = {{"oneOf", {{{"type", "boolean"}}, schema_of(rows)}}},
+          .schema = [&rows]() -> Json {
+            return {{"oneOf", {{{"type", "boolean"}}, schema_of(rows)}}};
+          },
           .read =
               [member, expected, &rows](const Json& json, const Reading& at, Object& out) {
                 if (!json.is_boolean() && !json.is_object()) at.place.refuse(json, expected);

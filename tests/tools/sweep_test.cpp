@@ -20,9 +20,9 @@ using testing::HasSubstr;
 using namespace tools;
 using Json = nlohmann::json;
 
-TEST(NumberTrack, is_exact_at_the_keys_and_between_two_numbers_never_beyond_them) {
+TEST(Track, is_exact_at_the_keys_and_between_two_numbers_never_beyond_them) {
   const std::vector<std::pair<double, double>> keys{{0, 1}, {1, 1}, {1.5, 7}, {4, 6.5}, {5, -20}};
-  render::NumberTrack track;
+  render::Track<double> track;
   for (const auto& [time, value] : keys) track.add(time, value);
   for (const auto& [time, value] : keys) EXPECT_EQ(track.at(time), value);
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
@@ -35,8 +35,8 @@ TEST(NumberTrack, is_exact_at_the_keys_and_between_two_numbers_never_beyond_them
   EXPECT_EQ(track.at(9), -20);
 }
 
-TEST(NumberTrack, goes_evenly_through_keys_on_a_line_and_its_rate_does_not_jump) {
-  render::NumberTrack line, curve;
+TEST(Track, goes_evenly_through_keys_on_a_line_and_its_rate_does_not_jump) {
+  render::Track<double> line, curve;
   for (const double time : {0.0, 1.0, 2.5, 4.0}) {
     line.add(time, 3 * time - 1);
     curve.add(time, time * time);
@@ -47,10 +47,10 @@ TEST(NumberTrack, goes_evenly_through_keys_on_a_line_and_its_rate_does_not_jump)
     EXPECT_NEAR((curve.at(key) - curve.at(key - h)) / h, (curve.at(key + h) - curve.at(key)) / h, 1e-4);
 }
 
-TEST(PlaceTrack, is_exact_at_the_keys_and_turned_as_they_are) {
+TEST(Track, is_exact_at_the_keys_and_turned_as_they_are) {
   const std::vector<std::pair<double, Vec3>> keys{{0, {1, 0, 0}}, {1, {0, 2, 0}}, {3, {-1, 0, 5}}, {4, {0, -1, 1}}};
   const auto turned = [](const Vec3& v) { return Vec3(0.6 * v.x - 0.8 * v.y, 0.8 * v.x + 0.6 * v.y, v.z); };
-  render::PlaceTrack track, other;
+  render::Track<Vec3> track, other;
   for (const auto& [time, place] : keys) track.add(time, place), other.add(time, turned(place));
   for (const auto& [time, place] : keys) EXPECT_EQ(track.at(time), place);
   for (double time = 0; time < 4; time += 0.1) EXPECT_LT((turned(track.at(time)) - other.at(time)).length(), 1e-12);
