@@ -9,12 +9,12 @@
 #include "formats/base/number_text.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
+#include "preprocess/open_vdb.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tools {
 
@@ -208,7 +208,9 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   const Stopwatch watch;
   std::filesystem::path path = grid;
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
-  FormedData made{.dataset = load_dataset(path, {}), .file_bytes = std::filesystem::file_size(path)};
+  FormedData made{
+      .dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {})) : render::Dataset::load(path),
+      .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
   // An OpenVDB file contains the same samples as the grid.
   made.border = std::make_shared<const ResampledBorder>(dataset_, render::Dataset::load(grid));

@@ -18,7 +18,6 @@
 #include "tools/analysis/plots.h"
 #include "tools/analysis/variant_names.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/version.h"
 
 namespace rhoray::tools {
 
@@ -334,7 +333,7 @@ std::string ResultsFolder::picture(const render::Framebuffer& pixels, const std:
                                    const std::string& description) {
   const std::filesystem::path path = folder_ / (name + ".png");
   const std::vector<std::byte> png =
-      encode_picture(pixels, {{"Software", concat("rhoray ", version())}, {"Description", description}}, path);
+      encode_picture(pixels, {{"Software", concat("rhoray ", version_)}, {"Description", description}}, path);
   files_->add(path, png);
   const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
   return concat("<img alt=\"", html_text(description), "\" src=\"data:image/png;base64,", base64(bytes), "\">");
@@ -400,6 +399,7 @@ std::string ResultsFolder::layer_section(const LayerStudy& layer, const std::str
 void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyContext& context) {
   if (!has_gnuplot() && std::exchange(has_gnuplot_, false))
     context.notes.push_back(concat("no plots: they need gnuplot (Debian package ", gnuplot_package, ")"));
+  version_ = context.facts.at("version").get<std::string>();
   files_.emplace(/*replace_existing=*/true);
   files_->add(folder_ / "results.csv", csv_of(table_of(layers, context)));
   std::string body = concat(

@@ -42,6 +42,7 @@ class ResultsFolder {
   std::string layer_section(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
 
   std::filesystem::path folder_;
+  std::string version_;  ///< of this program
   bool is_made_ = false;
   std::optional<PendingFiles> files_;  ///< of the current call of `write`
   bool has_gnuplot_ = true;            ///< false once it turns out to be missing

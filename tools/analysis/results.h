@@ -6,7 +6,6 @@
 
 #include "tools/analysis/study.h"
 #include "tools/analysis/table.h"
-#include "tools/rhoray/report.h"
 
 namespace rhoray::tools {
 

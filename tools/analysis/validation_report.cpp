@@ -10,7 +10,6 @@
 #include "formats/base/write_failure.h"
 #include "tools/analysis/error_map.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {
@@ -55,11 +54,11 @@ ValidationReport::ValidationReport(formats::PackedFile answer) : answer_(std::mo
   json_ = Json::parse(bytes.begin(), bytes.end());
 }
 
-void ValidationReport::add_context(const Json& context, double seconds) {
+void ValidationReport::add_context(const Json& context, double seconds, const std::string& version) {
   Json whole = context;
   for (const auto& [key, value] : json_.items()) whole[key] = value;
   whole["seconds"] = seconds;
-  whole["version"] = version();
+  whole["version"] = version;
   json_ = std::move(whole);
 }
 
@@ -125,9 +124,10 @@ void ValidationReport::add_files(const std::filesystem::path& folder, PendingFil
                      .verdict = answer_.array<std::uint8_t>(validate::verdict_array, shape)};
   const auto save = [&](const ErrorPicture& picture, const char* name) {
     const std::filesystem::path path = folder / name;
-    files.add(path,
-              encode_picture(picture.framebuffer,
-                             {{"Software", concat("rhoray ", version())}, {"Description", picture.legend}}, path));
+    files.add(path, encode_picture(picture.framebuffer,
+                                   {{"Software", concat("rhoray ", json_.at("version").get<std::string>())},
+                                    {"Description", picture.legend}},
+                                   path));
   };
   save(signed_distance_picture(map), "signed_distance.png");
   save(depth_error_picture(map), "depth_error.png");

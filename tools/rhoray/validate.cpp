@@ -13,6 +13,7 @@
 #include "tools/rhoray/format_statistics.h"
 #include "tools/rhoray/progress_display.h"
 #include "tools/rhoray/subcommands.h"
+#include "tools/rhoray/version.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {
@@ -109,7 +110,7 @@ int run(ValidateCommand& command) {
                       {"samples", request.samples},
                       {"seed", request.seed},
                       {"range_proof", proof_json(range_proof)}},
-                     watch.seconds());
+                     watch.seconds(), version());
   std::fputs(command.common.json ? (dump(report.json()) + "\n").c_str() : report.text().c_str(), stdout);
   if (!command.folder.empty()) report.write(command.folder, command.common.force);
   report.refuse_outside_limits(command.input.string());
