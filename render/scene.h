@@ -67,7 +67,7 @@ struct Layer {
   double isovalue = 0;  ///< of isosurfaces
   Method method{};
   Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
-  Material surface{};
+  Material material{};
   /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by), which
   /// is trilinear, or linear in the cells of a mesh, in double precision at every level. Nothing is
   /// shown where there is no data. A slice casts no shadow. Where a slice and a surface have the

@@ -337,7 +337,7 @@ class LayerPlanner {
       if (scene_spec_.layers[plan_.origins[surfaces[i]].spec].color) continue;
       Color color;
       read_value(palette[i % palette.size()], color);
-      plan_.scene.layers[surfaces[i]].surface.color = color.linear;
+      plan_.scene.layers[surfaces[i]].material.color = color.linear;
     }
   }
 

@@ -64,12 +64,12 @@ class NanoVdbData : public Vdb {
       EXPECT_EQ(shadow_rays_of(sparse, scene), shadow_rays_of(packed, scene));
       expect_same_bits(picture(sparse, scene), picture(packed, scene));
       scene.lights = lights;
-      scene.layers[0].surface.opacity = 0.5;
+      scene.layers[0].material.opacity = 0.5;
       scene.layers.push_back(scene.layers[0]);
       scene.layers[1].isovalue += 1;
       expect_same_bits(picture(sparse, scene), picture(packed, scene));
       scene.layers.pop_back();
-      scene.layers[0].surface.opacity = 1;
+      scene.layers[0].material.opacity = 1;
       scene.layers[0].method = {};
       scene.lights = {{.kind = render::Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}, {}};
       scene.occlusion = {.samples = 2, .radius = packed.bounds().size().length() / 8};
@@ -83,7 +83,7 @@ class NanoVdbData : public Vdb {
       expect_same_picture(picture(sparse, scene), picture(packed, scene));
       scene.layers[0].mode = render::Mode::slice;
       scene.layers[0].plane = plane;
-      scene.layers[0].surface.color_by =
+      scene.layers[0].material.color_by =
           render::FieldColors{.field = packed.field().name, .range = packed.field().range};
       const render::Framebuffer sliced = picture(packed, scene);
       EXPECT_GT(hit_count(sliced), 300U);

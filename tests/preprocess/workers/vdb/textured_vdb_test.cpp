@@ -25,12 +25,12 @@ TEST_F(TexturedVdb, is_covered_as_the_packed_grid_of_the_same_samples) {
               folder_ / "c.rho");
   const render::Dataset packed = render::Dataset::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
   render::Scene scene = oblique_scene(packed, 10);
-  scene.layers[0].surface.texture = render::Texture::load(folder_ / "c.rho");
+  scene.layers[0].material.texture = render::Texture::load(folder_ / "c.rho");
   const render::Framebuffer expected = picture(packed, scene), found = picture(sparse, scene);
   EXPECT_GT(hit_count(expected), 400U);
   ASSERT_EQ(found.cell, expected.cell);
   for (std::size_t i = 0; i < expected.color.size(); ++i) ASSERT_NEAR(found.color[i], expected.color[i], 1e-4);
-  scene.layers[0].surface.texture.reset();
+  scene.layers[0].material.texture.reset();
   EXPECT_NE(picture(packed, scene).color, expected.color);
 }
 
