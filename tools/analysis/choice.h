@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/document.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 

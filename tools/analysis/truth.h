@@ -11,7 +11,7 @@
 #include "tools/analysis/border.h"
 #include "tools/analysis/errors.h"
 #include "tools/analysis/field_truth.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 

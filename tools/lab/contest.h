@@ -10,7 +10,7 @@
 #include "tools/lab/peers/peer.h"
 #include "tools/lab/rounds.h"
 #include "tools/rhoray/bench/views.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/table.h"
 

@@ -5,7 +5,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/table.h"

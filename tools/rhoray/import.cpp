@@ -6,7 +6,7 @@
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"

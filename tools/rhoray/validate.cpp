@@ -5,7 +5,7 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"

@@ -9,7 +9,6 @@
 #include "preprocess/pack.h"
 #include "render/document.h"
 #include "tools/rhoray/bench/parts.h"
-#include "tools/rhoray/bench/picture_hash.h"
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/version.h"

@@ -6,7 +6,7 @@
 
 #include "tools/analysis/choice.h"
 #include "tools/analysis/self_check.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
 
