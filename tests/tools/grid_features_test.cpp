@@ -71,7 +71,7 @@ TEST(GridOfAllKinds, info_tells_of_every_field_of_spacing_of_bricks_and_of_the_c
   EXPECT_EQ(json["layout"]["stored_bricks"], 8);
   EXPECT_EQ(json["layout"]["bricks"], 12);
 
-  const RunResult text = bench.rhoray({"info", "all.rho"});
+  const RunResult text = bench.rhoray({"info", "all.rho", "-v"});
   for (const char* words : {"'density'", "'pressure'", "0.5 to 190 x 3 x 4 mm", "8 of 12 bricks of 4^3 samples",
                             "certified at 12,345 points: error at most 0.5 Pa at (1 2 3), rms 0.1 Pa"})
     EXPECT_THAT(text.out, HasSubstr(words));

@@ -11,7 +11,7 @@
 
 #include "formats/base/text.h"
 #include "tests/tools/workbench.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -131,6 +131,16 @@ TEST(Help, of_the_program_lists_the_subcommands_by_group) {
     EXPECT_THAT(section, HasSubstr(concat("\n  ", each.name, " ")));
     EXPECT_THAT(section, HasSubstr(each.summary));
   }
+}
+
+TEST(Subcommands, are_made_one_at_a_time_by_their_names) {
+  for (const Subcommand& each : all_subcommands()) {
+    const std::vector<Subcommand> made = subcommands_for(each.name);
+    ASSERT_EQ(made.size(), 1U) << each.name;
+    EXPECT_EQ(made[0].name, each.name);
+  }
+  for (const char* other : {"", "--help", "rendr"})
+    EXPECT_EQ(subcommands_for(other).size(), all_subcommands().size()) << other;
 }
 
 TEST(Help, starts_with_summary_usage_and_at_most_three_examples) {

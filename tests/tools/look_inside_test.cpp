@@ -42,6 +42,8 @@ TEST(InfoCommand, tells_of_a_grid_what_was_put_in) {
   EXPECT_THAT(text.out, HasSubstr("24 x 24 x 24"));
   EXPECT_THAT(text.out, HasSubstr("0.5 x 1 x 2"));
   EXPECT_THAT(text.out, HasSubstr("█"));
+  // More than half of the samples are 12 or more from the centre, where the value is 0.
+  EXPECT_THAT(text.out, testing::ContainsRegex("percentiles p1 0, p50 0, p99 [0-9]+; Otsu's threshold "));
 }
 
 TEST(InfoCommand, tells_of_a_mesh_the_same_before_and_after_packing) {
@@ -60,6 +62,35 @@ TEST(InfoCommand, tells_of_a_mesh_the_same_before_and_after_packing) {
     for (const char* same : {"name", "range", "no_data_count"})
       EXPECT_EQ(foreign["fields"][f][same], packed["fields"][f][same]) << same;
   EXPECT_THAT(bench.rhoray({"info", "box.vtu"}).out, HasSubstr("'length'"));
+}
+
+TEST(InfoCommand, tells_how_a_file_stores_its_data_only_on_demand) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  const std::map<std::string, std::vector<const char*>> rows{{"ball.rho", {"  layout ", "  levels ", "  memory "}},
+                                                             {"box.rho", {"  clusters ", "  structure ", "  memory "}}};
+  for (const auto& [file, names] : rows) {
+    const RunResult plain = bench.rhoray({"info", file}), verbose = bench.rhoray({"info", file, "-v"});
+    for (const char* name : names) {
+      EXPECT_THAT(verbose.out, HasSubstr(name));
+      EXPECT_THAT(plain.out, testing::Not(HasSubstr(name)));
+    }
+    for (const char* name : {"  field ", "  box ", "percentiles p1 ", "  made by "}) {
+      EXPECT_THAT(plain.out, HasSubstr(name));
+      EXPECT_THAT(verbose.out, HasSubstr(name));
+    }
+  }
+}
+
+TEST(PackCommand, tells_how_the_file_compares_with_raw_data_only_on_demand) {
+  const Workbench bench;
+  bench.make_ball_raw();
+  const auto packed = [&](const char* how_much) {
+    return bench.rhoray({"pack", "ball.raw", "--raw", "24x24x24:uint8", "--force", how_much}).err;
+  };
+  EXPECT_THAT(packed("-v"), HasSubstr("times the size of the raw data"));
+  EXPECT_THAT(packed("--progress=none"), testing::Not(HasSubstr("raw data")));
 }
 
 TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_says_what_to_name) {

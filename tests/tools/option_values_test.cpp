@@ -1,8 +1,7 @@
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 
 #include "render/scene_spec.h"
 #include "tests/support/expect_error.h"
-#include "tools/rhoray/cli/common_options.h"
 
 namespace rhoray::tools {
 namespace {

@@ -11,7 +11,7 @@
 #include "tools/lab/peers/peer.h"
 #include "tools/lab/rounds.h"
 #include "tools/rhoray/bench/views.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/data_choice.h"
 
 /// Systems that show the same data from the same cameras, timed in turn and compared with the exact

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/analysis/plot_script.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::study {
 

@@ -22,7 +22,7 @@
 #include "tools/lab/plain_grid.h"
 #include "tools/lab/rounds.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/bench/picture_hash.h"
+#include "tools/rhoray/bench/parts.h"
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/progress_display.h"

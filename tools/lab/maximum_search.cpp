@@ -9,7 +9,7 @@
 
 #include "tools/lab/search_orders.h"
 #include "tools/lab/study_run.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::study {
 namespace {

@@ -28,7 +28,7 @@
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
 #include "tools/rhoray/cli/interrupt.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/subcommand.h"
 #include "tools/rhoray/cli/version.h"
 

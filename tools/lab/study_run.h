@@ -7,7 +7,7 @@
 #include "formats/base/pending_file.h"
 #include "tools/analysis/measure.h"
 #include "tools/analysis/table.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
 
 /// Common parts of the studies: the machine on which they ran, and the output of their tables.

@@ -10,15 +10,14 @@
 #include "tools/analysis/results.h"
 #include "tools/analysis/study.h"
 #include "tools/rhoray/accuracy_options.h"
-#include "tools/rhoray/cli/common_options.h"
 #include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/picture_options.h"
-#include "tools/rhoray/render/reproducing_command.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {

@@ -5,7 +5,7 @@
 
 #include "formats/base/json.h"
 #include "render/accuracy.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 

@@ -4,14 +4,14 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/parallel.h"
 #include "formats/base/pending_file.h"
+#include "formats/base/word_list.h"
 #include "formats/packed_file.h"
 #include "preprocess/input_file.h"
 #include "render/document.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
-#include "tools/rhoray/bench/effects.h"
 #include "tools/rhoray/bench/tables.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -67,8 +67,6 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     throw Error(ErrorCode::usage,
                 concat("unexpected argument '", command.words[2].string(), "'; expected [TABLE] FILE"));
   command.bench.input = command.words.back();
-  std::vector<std::string> names;
-  for (const TableRow& row : table_rows) names.emplace_back(row.name);
   std::vector<TableRow> chosen;
   if (command.words.size() == 2) {
     const std::string asked = command.words[0].string();
@@ -78,7 +76,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
       throw Error(
           ErrorCode::usage,
           concat("no table '", asked, "'; available: phases, threads, views, isovalue, effects, memory, open and pack"),
-          did_you_mean(asked, names));
+          did_you_mean(asked, names_in(table_rows, &TableRow::name)));
   }
   preprocess::require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);

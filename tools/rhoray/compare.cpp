@@ -6,7 +6,7 @@
 #include "formats/base/number_text.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/picture_difference.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

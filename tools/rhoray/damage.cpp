@@ -1,6 +1,7 @@
 #include "tools/rhoray/damage.h"
 
 #include "formats/base/text.h"
+#include "formats/base/word_list.h"
 
 namespace rhoray::tools {
 
@@ -15,9 +16,8 @@ std::vector<std::string> arrays_touched(const formats::PackedFile& file, const f
 
 std::string damage_text(const formats::PackedFile& file, const formats::DamagedBlock& block) {
   const std::vector<std::string> names = arrays_touched(file, block);
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  const std::string what = names.empty() ? "padding only" : concat(names.size() == 1 ? "array " : "arrays ", list);
+  const std::string what =
+      names.empty() ? "padding only" : concat(names.size() == 1 ? "array " : "arrays ", joined(names));
   return concat("bytes ", block.first_byte, " to ", block.first_byte + block.byte_count - 1, " are damaged (", what,
                 ")");
 }

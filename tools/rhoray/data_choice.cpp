@@ -5,7 +5,7 @@
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
 #include "preprocess/open_vdb.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 

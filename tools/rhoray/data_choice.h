@@ -5,7 +5,6 @@
 
 #include "render/document.h"
 #include "render/load.h"
-#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tools {
 

@@ -3,6 +3,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
@@ -11,7 +12,7 @@
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/report.h"
@@ -44,14 +45,11 @@ constexpr Format formats_known[] = {
 
 const Format& format_of(const std::filesystem::path& output) {
   const std::string extension = output.extension().string();
-  std::vector<std::string> known;
-  std::string list;
-  for (const Format& format : formats_known) {
+  for (const Format& format : formats_known)
     if (extension == format.extension) return format;
-    known.emplace_back(format.extension);
-    list += concat(list.empty() ? "" : ", ", format.extension);
-  }
-  throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", extension, "'; expected one of ", list),
+  const std::vector<std::string> known = names_in(formats_known, &Format::extension);
+  throw Error(ErrorCode::usage,
+              concat(output.string(), ": found extension '", extension, "'; expected one of ", joined(known)),
               did_you_mean(extension, known));
 }
 
@@ -92,18 +90,15 @@ void check(const ExportCommand& command, const Format& format, const Content& co
 
 std::optional<double> chosen_isovalue(const ExportCommand& command, const Content& content) {
   if (command.isovalue.empty()) return std::nullopt;
-  std::vector<std::string> names;
   for (const formats::FieldSummary& field : content.fields) {
-    if (command.field.empty() || field.name == command.field) {
-      const render::Isovalue iso = render::choose_isovalue(command.isovalue, field);
-      if (iso.from != "given")
-        say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
-      return iso.value;
-    }
-    names.push_back(field.name);
+    if (!command.field.empty() && field.name != command.field) continue;
+    const render::Isovalue iso = render::choose_isovalue(command.isovalue, field);
+    if (iso.from != "given")
+      say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
+    return iso.value;
   }
   throw Error(ErrorCode::usage, concat(command.input.string(), ": no field '", command.field, "'"),
-              did_you_mean(command.field, names));
+              did_you_mean(command.field, names_in(content.fields, &formats::FieldSummary::name)));
 }
 
 preprocess::ExportReport write(const ExportCommand& command, const Content& content,

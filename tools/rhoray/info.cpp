@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
 #include "formats/intact.h"
@@ -11,9 +13,8 @@
 #include "preprocess/input_file.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/cli/command_line.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/info/foreign.h"
-#include "tools/rhoray/info/vdb.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -76,6 +77,10 @@ std::string row(const std::string& name, const std::string& text) {
   return concat("  ", name, std::string(name.size() < 12 ? 12 - name.size() : 1, ' '), text, "\n");
 }
 
+std::string word(const Json& json) {
+  return json.get<std::string>();
+}
+
 std::string numbers(const Json& list, const char* separator = " ") {
   std::string text;
   for (const Json& number : list) {
@@ -86,7 +91,7 @@ std::string numbers(const Json& list, const char* separator = " ") {
 }
 
 std::string with_unit(const std::string& text, const Json& unit) {
-  return unit.get<std::string>().empty() ? text : concat(text, " ", unit.get<std::string>());
+  return word(unit).empty() ? text : concat(text, " ", word(unit));
 }
 
 std::string certificate_text(const Json& certificate, const Json& unit) {
@@ -103,7 +108,7 @@ std::string certificate_text(const Json& certificate, const Json& unit) {
 }
 
 std::string field_text(const Json& field) {
-  std::string title = concat("'", field["name"].get<std::string>(), "'  ", field["type"].get<std::string>());
+  std::string title = concat("'", word(field["name"]), "'  ", word(field["type"]));
   if (field.contains("components") && field["components"] != 1) title += concat(" x ", field["components"].get<int>());
   if (field["range"].is_null()) return row("field", title + "  no finite value");
   title += "  " + with_unit(numbers(field["range"], " to "), field["unit"]);
@@ -113,10 +118,13 @@ std::string field_text(const Json& field) {
   formats::FieldSummary summary;
   summary.histogram = field["histogram"].get<std::vector<std::uint64_t>>();
   text += row("", "|" + histogram_bars(summary) + "|");
-  const Json& percentiles = field["percentiles"];
+  const bool is_whole = word(field["type"]).front() != 'F';
+  const auto percentile = [&](const char* percent) {
+    const double value = field["percentiles"][percent].get<double>();
+    return rounded(is_whole ? std::floor(value) : value);
+  };
   text += row(
-      "", concat("percentiles p1 ", rounded(percentiles["1"]), ", p50 ", rounded(percentiles["50"]), ", p99 ",
-                 rounded(percentiles["99"]),
+      "", concat("percentiles p1 ", percentile("1"), ", p50 ", percentile("50"), ", p99 ", percentile("99"),
                  field["otsu_threshold"].is_null() ? std::string{}
                                                    : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
   if (field.contains("certificate")) text += certificate_text(field["certificate"], field["unit"]);
@@ -151,6 +159,7 @@ std::string geometry_text(const Json& json) {
   return text;
 }
 
+/// How the file stores the data, and the memory that it takes.
 std::string layout_text(const Json& json) {
   std::string text;
   if (json.contains("layout")) {
@@ -179,8 +188,25 @@ std::string layout_text(const Json& json) {
                                  json["macro_levels"]["factor"].get<std::int64_t>()));
   if (json.contains("structure_bytes")) {
     const double per_cell = json["structure_bytes"].get<double>() / json["cells"].get<double>();
-    text += row("structure", concat(rounded(per_cell, 3), " bytes a cell beside points and fields"));
+    text += row("structure", concat(rounded(per_cell, 3), " bytes per cell, without points and fields"));
   }
+  if (json.contains("memory"))
+    for (const auto& [name, bytes] : json["memory"].items())
+      text += row("memory", concat(name.substr(0, name.rfind('_')), " ", bytes_text(bytes)));
+  return text;
+}
+
+/// One line about a grid of an OpenVDB file.
+std::string grid_text(const Json& grid) {
+  std::string text = concat("'", word(grid["name"]), "'  ", word(grid["value_type"]), ", ", word(grid["class"]), ", ",
+                            grouped(grid["active_voxels"]), " active voxels");
+  const auto corner = [](const Json& index) {
+    return concat("(", index[0].get<std::int64_t>(), " ", index[1].get<std::int64_t>(), " ",
+                  index[2].get<std::int64_t>(), ")");
+  };
+  if (grid.contains("first_active"))
+    text += concat(" in ", corner(grid["first_active"]), " to ", corner(grid["last_active"]));
+  if (grid.contains("background")) text += concat(", background ", rounded(grid["background"], 6));
   return text;
 }
 
@@ -204,66 +230,57 @@ std::string packing_text(const Json& json) {
         text += row("packing", concat(counted(count, kind.singular, kind.plural), " ", kind.treatment));
   }
   if (json.contains("provenance")) {
-    text += row("from", json["provenance"]["source_name"].get<std::string>());
-    text += row("made by", json["provenance"]["command"].get<std::string>());
+    text += row("from", word(json["provenance"]["source_name"]));
+    text += row("made by", word(json["provenance"]["command"]));
   }
   if (json.contains("notes"))
-    for (const Json& note : json["notes"]) text += row("note", note.get<std::string>());
+    for (const Json& note : json["notes"]) text += row("note", word(note));
   return text;
 }
 
 /// The faults found, and in one line those not found.
 std::string findings_text(const Json& findings) {
-  std::string text, absent;
+  std::string text;
+  std::vector<std::string> absent;
   for (const Json& finding : findings) {
     const auto count = finding["count"].get<std::uint64_t>();
-    const std::string name = finding["name"].get<std::string>();
+    const std::string name = word(finding["name"]);
     if (count == 0) {
-      absent += (absent.empty() ? "" : ", ") + name;
+      absent.push_back(name);
       continue;
     }
-    std::string first;
-    for (const Json& id : finding["first"]) first += concat(first.empty() ? "" : ", ", id.get<std::uint64_t>());
+    const std::string first = numbers(finding["first"], ", ");
     text += row("found", concat(name, ": ", grouped(count),
                                 first.empty() ? ""
-                                              : concat(" (", finding["of"].get<std::string>(), " ", first,
+                                              : concat(" (", word(finding["of"]), " ", first,
                                                        count > finding["first"].size() ? ", ..." : "", ")"),
-                                "; ", finding["packing"].get<std::string>()));
+                                "; ", word(finding["packing"])));
   }
-  return absent.empty() ? text : text + row("not found", absent);
+  return absent.empty() ? text : text + row("not found", joined(absent));
 }
 
 /// The same facts as text.
-std::string info_text(const Json& json) {
-  const std::string kind = json["kind"].get<std::string>();
-  std::string text = concat(json["file"].get<std::string>(), ": ", json["packed"].get<bool>() ? "packed " : "", kind,
-                            ", ", bytes_text(json["file_bytes"]), "\n");
+/// @param verbose  with what only those who look into the file's structure need
+std::string info_text(const Json& json, bool verbose) {
+  const std::string kind = word(json["kind"]);
+  std::string text = concat(word(json["file"]), ": ", json["packed"].get<bool>() ? "packed " : "", kind, ", ",
+                            bytes_text(json["file_bytes"]), "\n");
   if (json.contains("samples")) text += row("samples", numbers(json["samples"], " x "));
   if (json.contains("texels"))
-    text += row("texels", concat(numbers(json["texels"], " x "), ", ", json["components"].get<std::string>(),
-                                 " of 8 bits (sRGB)"));
+    text += row("texels", concat(numbers(json["texels"], " x "), ", ", word(json["components"]), " of 8 bits (sRGB)"));
   for (const char* name : {"points", "cells", "facets", "triangles"})
     if (json.contains(name)) text += row(name, grouped(json[name]));
-  text += geometry_text(json) + layout_text(json);
+  text += geometry_text(json);
+  if (verbose) text += layout_text(json);
   if (json.contains("grids"))
     for (const Json& grid : json["grids"]) text += row("grid", grid_text(grid));
   if (json.contains("fields"))
     for (const Json& field : json["fields"]) text += field_text(field);
-  if (json.contains("other_fields") && !json["other_fields"].empty()) {
-    std::string names;
-    for (const Json& name : json["other_fields"])
-      names += concat(names.empty() ? "" : ", ", "'", name.get<std::string>(), "'");
-    text += row("also", names);
-  }
+  if (json.contains("other_fields") && !json["other_fields"].empty())
+    text += row("also", joined(json["other_fields"].get<std::vector<std::string>>(), ", ", "'"));
   if (json.contains("vectors"))
     for (const Json& array : json["vectors"])
-      text += row("vector",
-                  concat("'", array["name"].get<std::string>(), "'  ", array["components"].get<int>(), " components"));
-  if (json.contains("memory"))
-    for (const auto& [name, bytes] : json["memory"].items()) {
-      std::string what = name.substr(0, name.rfind('_'));
-      text += row("memory", concat(what, " ", bytes_text(bytes)));
-    }
+      text += row("vector", concat("'", word(array["name"]), "'  ", array["components"].get<int>(), " components"));
   if (json.contains("findings")) text += findings_text(json["findings"]);
   return text + packing_text(json);
 }
@@ -279,7 +296,7 @@ int run(const InfoOptions& options) {
       if (options.common.json)
         std::puts(dump(json).c_str());
       else
-        std::fputs(info_text(json).c_str(), stdout);
+        std::fputs(info_text(json, options.common.verbose).c_str(), stdout);
     } catch (const Error& error) {
       std::fputs(error_lines("rhoray info", error.what(), error.hint()).c_str(), stderr);
       result = std::max(result, static_cast<int>(error.code()));
@@ -292,18 +309,19 @@ int run(const InfoOptions& options) {
 
 Subcommand info_subcommand() {
   const auto options = std::make_shared<InfoOptions>();
-  return {
-      .name = "info",
-      .summary = "Show what a file contains",
-      .group = "Files",
-      .examples = {"rhoray info head.rho", "rhoray info head.rho torso.vtu --json", "rhoray info torso.vtu --stats"},
-      .options =
-          all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
-                        flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
-                                    options->findings),
-                        worker_memory_option(options->common, "the process that reads a foreign file")},
-                       message_options(options->common, "Print one JSON document per file to stdout, one per line")}),
-      .run = [options] { return run(*options); }};
+  return {.name = "info",
+          .summary = "Show what a file contains",
+          .group = "Files",
+          .examples = {"rhoray info head.rho", "rhoray info head.rho torso.vtu --json", "rhoray info torso.vtu --stats",
+                       "rhoray info head.rho -v"},
+          .options =
+              all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
+                            flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
+                                        options->findings),
+                            worker_memory_option(options->common, "the process that reads a foreign file")},
+                           message_options(options->common, "Print one JSON document per file to stdout, one per line",
+                                           "Also print layout and memory")}),
+          .run = [options] { return run(*options); }};
 }
 
 }  // namespace rhoray::tools

@@ -2,10 +2,11 @@
 
 #include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
+#include "formats/base/word_list.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
@@ -26,8 +27,8 @@ void report(const PackCommand& command, const std::filesystem::path& output, con
   const Usage usage = usage_so_far();
   const double ratio = static_cast<double>(result.file_bytes) / static_cast<double>(result.raw_bytes);
   for (const std::string& note : result.notes) say(command.common, concat("note: ", note));
-  say(command.common, concat(output.string(), ": ", content_of(result), ", ", bytes_text(result.file_bytes), " (",
-                             rounded(ratio, 3), " x raw)"));
+  say(command.common, concat(output.string(), ": ", content_of(result), ", ", bytes_text(result.file_bytes)));
+  tell(command.common, concat("the packed file is ", rounded(ratio, 3), " times the size of the raw data"));
   say(command.common,
       concat("took ", rounded(seconds, 3), " s (", rounded(usage.cpu_s, 3), " s of CPU), peak memory ",
              bytes_text(usage.peak_bytes), ", in the reading process ", bytes_text(usage.worker_peak_bytes)));
@@ -66,10 +67,8 @@ std::string command_line(const PackCommand& command, const std::filesystem::path
     return v ? concat(v->x, ",", v->y, ",", v->z) : std::string{};
   };
   const preprocess::PackOptions defaults;
-  std::string fields;
-  for (const std::string& field : pack.fields) fields += (fields.empty() ? "" : ",") + field;
   add(!pack.raw.empty(), "--raw", pack.raw);
-  add(!fields.empty(), "--field", fields);
+  add(!pack.fields.empty(), "--field", joined(pack.fields, ","));
   add(!command.structure.empty(), "--structure", command.structure);
   add(pack.cells.has_value(), "--cells", command.cells);
   add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));

@@ -35,8 +35,8 @@ std::filesystem::path output_of(const RenderCommand& command, const render::Scen
 
 /// Refuses options that conflict with choosing a method or with --verify.
 void check(RenderCommand& command, const render::SceneSpec& scene_spec) {
-  require_valid(command.goal);
-  require_valid(command.self_check);
+  if (command.goal.is_given()) require_valid(command.goal);
+  if (command.self_check.limit) require_valid(command.self_check);
   if (!command.self_check.limit) command.self_check.limit = command.goal.max_error;
   const bool names_method =
       !command.picture.scene_spec.accuracy.empty() || !command.picture.scene_spec.layers[0].method.empty();

@@ -4,11 +4,12 @@
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
+#include "formats/base/word_list.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/resample.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/cli/common_options.h"
 #include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
@@ -80,8 +81,7 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
 /// The command line stored in the file.
 std::string command_line(const ResampleCommand& command, const std::filesystem::path& output) {
   std::vector<std::string> words{"rhoray", "resample", command.input.string(), "-o", output.string()};
-  std::string fields;
-  for (const std::string& field : command.resample.fields) fields += (fields.empty() ? "" : ",") + field;
+  const std::string fields = joined(command.resample.fields, ",");
   const std::pair<const char*, const std::string&> values[] = {{"--size", command.size},
                                                                {"--spacing", command.spacing},
                                                                {"--max-error", command.max_error},

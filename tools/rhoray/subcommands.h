@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "tools/rhoray/cli/subcommand.h"
@@ -22,5 +23,8 @@ Subcommand accuracy_subcommand();
 
 /// Those of `rhoray`, in the order of its help.
 std::vector<Subcommand> all_subcommands();
+
+/// The one that this word names; all for other words. Others need not be made to run it.
+std::vector<Subcommand> subcommands_for(std::string_view word);
 
 }  // namespace rhoray::tools

@@ -3,20 +3,23 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/base/pending_file.h"
+#include "formats/base/word_list.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/repair_surface.h"
 #include "tools/analysis/measure.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/fault_file.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -39,16 +42,6 @@ struct TetrahedralizeCommand {
   bool mend = false;
   bool no_regions = false;
 };
-
-std::vector<std::string> split(const std::string& text, char mark) {
-  std::vector<std::string> pieces;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(mark, begin), text.size());
-    pieces.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return pieces;
-}
 
 /// A number of an option whose text has several.
 double number_in(const std::string& option, const std::string& text) {
@@ -111,19 +104,15 @@ void check(const TetrahedralizeCommand& command, const std::filesystem::path& ou
                 concat("--max-move: needs --repair; found ", command.repair.wrap > 0 ? "--wrap" : "no --repair"));
 }
 
-std::string names_of(const std::vector<std::filesystem::path>& inputs) {
-  std::string names;
-  for (const auto& input : inputs) names += concat(names.empty() ? "" : " + ", input.string());
-  return names;
-}
-
 /// Adds the file names to errors of the library functions, which do not know them.
 template <class Act>
 auto with_names(const TetrahedralizeCommand& command, Act act) {
   try {
     return act();
   } catch (const Error& error) {
-    throw Error(error.code(), concat(names_of(command.inputs), ": ", error.what()), error.hint());
+    std::vector<std::string> names;
+    for (const auto& input : command.inputs) names.push_back(input.string());
+    throw Error(error.code(), concat(joined(names, " + "), ": ", error.what()), error.hint());
   }
 }
 
@@ -213,6 +202,39 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
                   concat("--size-field: ", file.string(),
                          " is neither a volume nor a mesh; expected one, or distance:SURFACE:NEAR:FAR:GROWTH"));
   }
+}
+
+/// Writes the faulty facets as PLY (text): every facet once for each fault, its number in the
+/// surface as property `facet`, the kind of fault as property `fault`; comments name the kinds.
+void write_fault_file(const std::filesystem::path& path, const preprocess::NeutralSurface& surface,
+                      std::span<const preprocess::FaultyFacet> faults, bool replace_existing) {
+  std::map<std::uint64_t, std::size_t> position;  // of the points that are used
+  std::string points, facets;
+  std::set<preprocess::FacetFault> kinds;
+  std::size_t facet_count = 0;
+  for (const auto& [facet, fault] : faults) {
+    const std::uint64_t first = surface.facet_offsets[facet], last = surface.facet_offsets[facet + 1];
+    kinds.insert(fault);
+    ++facet_count;
+    facets += concat(last - first);
+    for (std::uint64_t i = first; i < last; ++i) {
+      const std::uint64_t corner = surface.facet_corners[i];
+      const auto [place, is_new] = position.try_emplace(corner, position.size());
+      if (is_new) {
+        const auto& p = surface.points[corner];
+        points += concat(p[0], " ", p[1], " ", p[2], "\n");
+      }
+      facets += concat(" ", place->second);
+    }
+    facets += concat(" ", facet, " ", static_cast<unsigned>(fault), "\n");
+  }
+  std::string header = "ply\nformat ascii 1.0\ncomment facets for which a surface was refused\n";
+  for (const preprocess::FacetFault kind : kinds)
+    header += concat("comment fault ", static_cast<unsigned>(kind), ": ", preprocess::name_of(kind), "\n");
+  header += concat("element vertex ", position.size(),
+                   "\nproperty double x\nproperty double y\nproperty double z\nelement face ", facet_count,
+                   "\nproperty list int int vertex_indices\nproperty uint facet\nproperty uchar fault\nend_header\n");
+  write_whole_file(path, header + points + facets, replace_existing);
 }
 
 /// Writes the faulty facets to a file beside the output, and names it in the refusal.

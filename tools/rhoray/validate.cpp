@@ -7,7 +7,7 @@
 #include "render/scene_spec.h"
 #include "tools/analysis/measure.h"
 #include "tools/analysis/validation_report.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"

@@ -10,7 +10,7 @@
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "tools/rhoray/cli/command_line.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/report.h"

@@ -6,7 +6,7 @@
 #include "render/method_words.h"
 #include "render/ray_caster.h"
 #include "render/render.h"
-#include "tools/rhoray/bench/picture_hash.h"
+#include "tools/rhoray/bench/parts.h"
 
 namespace rhoray::study {
 

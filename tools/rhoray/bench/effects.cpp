@@ -1,13 +1,13 @@
-#include "tools/rhoray/bench/effects.h"
+#include "tools/rhoray/bench/tables.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "formats/base/read_value.h"
 #include "render/document.h"
 #include "tools/rhoray/bench/parts.h"
-#include "tools/rhoray/bench/picture_hash.h"
 #include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tools {

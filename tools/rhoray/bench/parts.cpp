@@ -1,5 +1,9 @@
 #include "tools/rhoray/bench/parts.h"
 
+#include <xxhash.h>
+
+#include <cstdio>
+
 #include "preprocess/input_file.h"
 #include "tools/rhoray/cli/version.h"
 
@@ -35,6 +39,13 @@ void add_spread(Json& row, const std::string& name, const Spread& spread) {
   row[name] = spread.median;
   row[name + "_min"] = spread.smallest;
   row[name + "_max"] = spread.largest;
+}
+
+std::string picture_hash(const render::Framebuffer& picture) {
+  const XXH64_hash_t hash = XXH3_64bits(picture.color.data(), picture.color.size() * sizeof(float));
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
 }
 
 }  // namespace rhoray::tools

@@ -11,7 +11,6 @@
 #include "tools/analysis/cpu_meter.h"
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/bench/parts.h"
-#include "tools/rhoray/bench/picture_hash.h"
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/version.h"

@@ -1,15 +1,11 @@
 #pragma once
 
-#include <functional>
-#include <string_view>
+#include <vector>
 
 #include "tools/analysis/table.h"
-#include "tools/rhoray/bench/options.h"
+#include "tools/rhoray/bench/parts.h"
 
 namespace rhoray::tools {
-
-/// Called with a progress message before each measurement.
-using Step = std::function<void(std::string_view what)>;
 
 // One table each. Repetitions are interleaved over the rows; every row is run once before it is
 // timed. Times are medians, with smallest and largest beside them; rows with pictures carry the
@@ -30,5 +26,12 @@ Table memory_table(const BenchOptions& options, const Step& step);
 Table open_table(const BenchOptions& options, const Step& step);
 /// Packing a volume or a mesh, compared with reading and writing the bytes once.
 Table pack_table(const BenchOptions& options, const Step& step);
+
+/// The cost of every effect, for a file or a scene document. Each effect that applies is switched
+/// on alone over the plain picture of the same layers and camera, and timed just after it, round
+/// after round. Then the paper's Tables 4 and 1, with its numbers beside ours. For a file, the
+/// options about layers are those of the other tables. A document's layers define what is shown, so
+/// these options are refused (ErrorCode::usage).
+std::vector<Table> effects_tables(const BenchOptions& options, const Step& step);
 
 }  // namespace rhoray::tools

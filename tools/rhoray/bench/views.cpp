@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
+#include "formats/base/word_list.h"
 #include "render/ray_caster.h"
 
 namespace rhoray::tools {
@@ -44,13 +45,10 @@ const char* name_of(StudyView view) {
 }
 
 StudyView study_view_named(const std::string& name) {
-  std::vector<std::string> names;
-  for (const StudyView view : study_views) {
+  for (const StudyView view : study_views)
     if (name == name_of(view)) return view;
-    names.emplace_back(name_of(view));
-  }
   throw Error(ErrorCode::usage, concat("view '", name, "'; expected front, from-feet, close-up or inside"),
-              did_you_mean(name, names));
+              did_you_mean(name, names_in(study_views, name_of)));
 }
 
 render::Camera study_camera(StudyView view, const render::Dataset& dataset, std::optional<double> isovalue,

@@ -152,7 +152,7 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
   try {
     const std::string word = argc > 1 ? argv[1] : "";
     if (word.empty()) return fail(ErrorCode::usage, "no subcommand given", "`rhoray --help` lists them");
-    // That standard output takes them is seen at its end (standard_streams.h).
+    // That standard output takes them is seen at its end (interrupt.h).
     if (word == "--help" || word == "-h" || word == "--help-all")
       return std::fputs(overview(subcommands, help_width()).c_str(), stdout), 0;
     if (word == "--version") return std::puts(version_line().c_str()), 0;

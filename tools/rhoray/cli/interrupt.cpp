@@ -208,6 +208,16 @@ bool is_ignored(int signal) {
 
 }  // namespace
 
+void keep_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    // The lowest number that is free is this one. Opened the wrong way round, so that using it
+    // fails as before.
+    if (::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY) != descriptor)
+      ::_exit(static_cast<int>(ErrorCode::resource));
+  }
+}
+
 void end_cleanly_on_interrupt() {
   RHORAY_CHECK(::sem_init(&something_came, 0, 0) == 0);
   std::thread(wait_and_end).detach();
@@ -234,8 +244,18 @@ int interrupted_exit_code() {
   return signal == 0 ? static_cast<int>(ErrorCode::interrupted) : signal_base + signal;
 }
 
-bool has_lost_its_reader() {
-  return lost_reader.load();
+int finish_standard_output(int exit_code) {
+  const bool failed_before = std::ferror(stdout) != 0;
+  errno = 0;
+  const bool fails_now = std::fflush(stdout) != 0;
+  const int reason = errno;
+  if (!failed_before && !fails_now) return exit_code;
+  if (lost_reader.load() || reason == EPIPE) return 128 + SIGPIPE;
+  std::fputs(concat("rhoray: standard output: could not be written completely",
+                    fails_now ? concat(": ", std::strerror(reason)) : std::string(), "\n")
+                 .c_str(),
+             stderr);
+  return exit_code == 0 ? static_cast<int>(ErrorCode::resource) : exit_code;
 }
 
 InterruptRequest::InterruptRequest() {

@@ -5,6 +5,13 @@
 
 namespace rhoray::tools {
 
+// How a program begins and ends: standard streams, signals, inputs that become shorter.
+
+/// Gives the descriptors 0 to 2 to nobody else: where one of them is closed, the next file that is
+/// opened would get it, and messages would go into that file. Writing to an output that was closed
+/// still fails. To be called first in main.
+void keep_standard_descriptors();
+
 /// From now on SIGINT, SIGTERM and SIGHUP end the program with exit codes 130, 143 and 129, as a
 /// shell reports for programs killed by these signals. A closed pipe (SIGPIPE) ends it with 141 and
 /// no message. Files being written have no name yet and vanish; scratch folders are removed first.
@@ -23,8 +30,11 @@ void survive_lost_bytes();
 /// end_cleanly_on_interrupt; 130 if there was none.
 int interrupted_exit_code();
 
-/// True when a write to a pipe failed because nobody reads it any more.
-bool has_lost_its_reader();
+/// Writes what is left for standard output. Where not all of it could be written, says so on stderr
+/// and returns ErrorCode::resource in the place of success; where its reader has gone, returns 141
+/// and says nothing.
+/// @param exit_code  what the program would end with
+int finish_standard_output(int exit_code);
 
 /// While this object exists, an interrupt requests a stop instead of ending the program, so that
 /// partial results can be written; a second interrupt ends the program. At most one object at a

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "preprocess/progress.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 

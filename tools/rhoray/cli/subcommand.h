@@ -21,7 +21,7 @@ struct Option {
   std::string names;  ///< "-o,--output", or "FILE" for a positional argument
   std::string value;  ///< what stands for the value in the help: "WxH"
   std::string help;   ///< at most two sentences, without the last full stop; the default comes last: "default 30"
-  std::function<void(const std::string&)> take;  ///< refuses with an Error (ErrorCode::usage); see option_values.h
+  std::function<void(const std::string&)> take;  ///< refuses with an Error (ErrorCode::usage); see options.h
   std::vector<std::string> choices{};            ///< the words that are accepted; empty: also other values
   std::string details{};                         ///< more sentences, which --help-all adds
   std::string group = "Options";                 ///< heading in the help

@@ -8,7 +8,6 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "preprocess/open_vdb.h"
-#include "tools/rhoray/info/vdb.h"
 
 namespace rhoray::tools {
 
@@ -110,6 +109,39 @@ Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_byt
                                            sizeof(mesh.cells[0]) * mesh.cells.size() + sizeof(double) * value_count}};
   json["notes"] = mesh.notes;
   if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(mesh));
+  return json;
+}
+
+Json json_of_grid(const preprocess::VdbGridFacts& grid) {
+  Json json{{"name", grid.name},
+            {"value_type", grid.value_type},
+            {"class", grid.grid_class},
+            {"active_voxels", grid.active_voxel_count}};
+  if (grid.active_voxel_count != 0) {
+    json["first_active"] = json_of(grid.first_active);
+    json["last_active"] = json_of(grid.last_active);
+  }
+  if (grid.background) json["background"] = *grid.background;
+  json["map_type"] = grid.map_type;
+  if (grid.world_from_index) json["geometry"] = json_of(*grid.world_from_index);
+  json["metadata"] = Json::object();
+  for (const auto& [key, value] : grid.metadata) json["metadata"][key] = value;
+  return json;
+}
+
+/// What an OpenVDB file holds, grid by grid, of whatever kind; read in a process of its own.
+Json vdb_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+  const std::vector<preprocess::VdbGridFacts> grids = preprocess::inspect_vdb(path, memory_limit_bytes);
+  Json json{{"file", path.string()},  {"kind", "vdb"},
+            {"packed", false},        {"file_bytes", std::filesystem::file_size(path)},
+            {"length_unit", ""},      {"grids", Json::array()},
+            {"fields", Json::array()}};
+  for (const preprocess::VdbGridFacts& grid : grids) {
+    json["grids"].push_back(json_of_grid(grid));
+    if (grid.field) json["fields"].push_back(json_of(*grid.field));
+    if (grid.field && grid.world_from_index && !json.contains("geometry"))
+      json["geometry"] = json_of(*grid.world_from_index);
+  }
   return json;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/accuracy.h"
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
 

@@ -9,6 +9,35 @@ namespace rhoray::tools {
 
 namespace {
 
+struct Counter {
+  const char *key, *name;  ///< in JSON, and in the table
+  std::uint64_t render::FrameStatistics::*count;
+};
+using Counts = render::FrameStatistics;
+constexpr Counter counters[] = {{"rays", "rays", &Counts::rays},
+                                {"rays_ruled_out", "culled rays", &Counts::rays_ruled_out},
+                                {"rays_clipped", "clipped", &Counts::rays_clipped},
+                                {"rays_clipped_away", "clipped-away rays", &Counts::rays_clipped_away},
+                                {"clear_crossings", "transparent hits", &Counts::clear_crossings},
+                                {"rays_through", "continued rays", &Counts::rays_through},
+                                {"shadow_rays", "shadow rays", &Counts::shadow_rays},
+                                {"occlusion_rays", "occlusion rays", &Counts::occlusion_rays},
+                                {"slice_lookups", "slice lookups", &Counts::slice_lookups},
+                                {"edge_pixels", "edge pixels", &Counts::edge_pixels},
+                                {"edge_samples", "edge samples", &Counts::edge_samples},
+                                {"hits", "hits", &Counts::hits},
+                                {"macrocells_visited", "macrocells visited", &Counts::macrocells_visited},
+                                {"cells_visited", "cells visited", &Counts::cells_visited},
+                                {"cells_solved", "cells solved", &Counts::cells_solved},
+                                {"samples_taken", "samples taken", &Counts::samples_taken},
+                                {"rays_redone_in_double", "re-traced in double", &Counts::rays_redone},
+                                {"rays_judged_exactly", "decided exactly", &Counts::rays_exact},
+                                {"touches", "tangent hits", &Counts::touches},
+                                {"highlights_shaded", "highlights shaded", &Counts::highlights_shaded},
+                                {"normals_smoothed", "normals smoothed", &Counts::normals_smoothed},
+                                {"colors_looked_up", "colours looked up", &Counts::colors_looked_up},
+                                {"texture_lookups", "texture lookups", &Counts::texture_lookups}};
+
 double seconds_per_gib(const render::RangeProof& proof) {
   return proof.wall_s * 0x1p30 / static_cast<double>(proof.bytes);
 }
@@ -28,70 +57,35 @@ std::string proof_text(const render::RangeProof& proof) {
 }
 
 Json statistics_json(const render::FrameStatistics& statistics) {
+  Json json;
+  for (const Counter& counter : counters) json[counter.key] = statistics.*counter.count;
   const render::FrameStatistics::Phases& phases = statistics.phases;
-  return {{"rays", statistics.rays},
-          {"rays_ruled_out", statistics.rays_ruled_out},
-          {"rays_clipped", statistics.rays_clipped},
-          {"rays_clipped_away", statistics.rays_clipped_away},
-          {"clear_crossings", statistics.clear_crossings},
-          {"rays_through", statistics.rays_through},
-          {"shadow_rays", statistics.shadow_rays},
-          {"occlusion_rays", statistics.occlusion_rays},
-          {"slice_lookups", statistics.slice_lookups},
-          {"edge_pixels", statistics.edge_pixels},
-          {"edge_samples", statistics.edge_samples},
-          {"hits", statistics.hits},
-          {"macrocells_visited", statistics.macrocells_visited},
-          {"cells_visited", statistics.cells_visited},
-          {"cells_solved", statistics.cells_solved},
-          {"samples_taken", statistics.samples_taken},
-          {"rays_redone_in_double", statistics.rays_redone},
-          {"rays_judged_exactly", statistics.rays_exact},
-          {"touches", statistics.touches},
-          {"largest_error", statistics.largest_error},
-          {"highlights_shaded", statistics.highlights_shaded},
-          {"normals_smoothed", statistics.normals_smoothed},
-          {"colors_looked_up", statistics.colors_looked_up},
-          {"texture_lookups", statistics.texture_lookups},
-          {"machine", statistics.machine},
-          {"preparation_s", statistics.preparation_s},
-          {"wall_s", statistics.wall_s},
-          {"range_proof", proof_json(statistics.range_proof)},
-          {"phases_cpu_s",
-           {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}};
+  json.update(
+      Json{{"largest_error", statistics.largest_error},
+           {"machine", statistics.machine},
+           {"preparation_s", statistics.preparation_s},
+           {"wall_s", statistics.wall_s},
+           {"range_proof", proof_json(statistics.range_proof)},
+           {"phases_cpu_s",
+            {{"traversal", phases.traversal}, {"intersection", phases.intersection}, {"shading", phases.shading}}}});
+  return json;
 }
 
 std::string statistics_text(const render::FrameStatistics& statistics) {
-  const auto count = [](const char* name, std::uint64_t number) {
-    return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), grouped(number), "\n");
+  const auto row = [](std::string_view name, const std::string& text) {
+    return concat("  ", name, std::string(22 - name.size(), ' '), text, "\n");
   };
-  const render::FrameStatistics::Phases& phases = statistics.phases;
-  const double all = phases.traversal + phases.intersection + phases.shading;
-  const auto phase = [&](const char* name, double seconds) {
-    return concat("  ", name, std::string(22 - std::string_view(name).size(), ' '), rounded(seconds, 3), " s of CPU, ",
-                  rounded(all > 0 ? 100 * seconds / all : 0, 3), " %\n");
-  };
-  return count("rays", statistics.rays) + count("culled rays", statistics.rays_ruled_out) +
-         count("clipped", statistics.rays_clipped) + count("clipped-away rays", statistics.rays_clipped_away) +
-         count("transparent hits", statistics.clear_crossings) + count("continued rays", statistics.rays_through) +
-         count("shadow rays", statistics.shadow_rays) + count("occlusion rays", statistics.occlusion_rays) +
-         count("slice lookups", statistics.slice_lookups) + count("edge pixels", statistics.edge_pixels) +
-         count("edge samples", statistics.edge_samples) + count("hits", statistics.hits) +
-         count("macrocells visited", statistics.macrocells_visited) + count("cells visited", statistics.cells_visited) +
-         count("cells solved", statistics.cells_solved) + count("samples taken", statistics.samples_taken) +
-         count("re-traced in double", statistics.rays_redone) + count("decided exactly", statistics.rays_exact) +
-         count("tangent hits", statistics.touches) +
-         (std::isnan(statistics.largest_error)
-              ? std::string()
-              : concat("  largest error         ", rounded(statistics.largest_error), "\n")) +
-         count("highlights shaded", statistics.highlights_shaded) +
-         count("normals smoothed", statistics.normals_smoothed) +
-         count("colours looked up", statistics.colors_looked_up) +
-         count("texture lookups", statistics.texture_lookups) + phase("traversal", phases.traversal) +
-         phase("intersection", phases.intersection) + phase("shading", phases.shading) +
-         concat("  preparation          ", rounded(statistics.preparation_s, 3), " s\n") +
-         concat("  tracing              ", rounded(statistics.wall_s, 3), " s\n") +
-         concat("  ranges checked       ", proof_text(statistics.range_proof), "\n");
+  std::string text;
+  for (const Counter& counter : counters) text += row(counter.name, grouped(statistics.*counter.count));
+  if (!std::isnan(statistics.largest_error)) text += row("largest error", rounded(statistics.largest_error));
+  const auto& [traversal, intersection, shading] = statistics.phases;
+  const double all = traversal + intersection + shading;
+  for (const auto& [name, seconds] :
+       {std::pair{"traversal", traversal}, {"intersection", intersection}, {"shading", shading}})
+    text += row(name, concat(rounded(seconds, 3), " s of CPU, ", rounded(all > 0 ? 100 * seconds / all : 0, 3), " %"));
+  return text + row("preparation", concat(rounded(statistics.preparation_s, 3), " s")) +
+         row("tracing", concat(rounded(statistics.wall_s, 3), " s")) +
+         row("ranges checked", proof_text(statistics.range_proof));
 }
 
 }  // namespace rhoray::tools

@@ -149,7 +149,7 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const re
   checks.wait();
   const render::SceneSpec spelled = to_spec(shown, scene_spec, sweep);
   drawn.reproduce = shell_line(
-      {"rhoray", "render", dump(scene_json(spelled)), "--sheet", concat(columns), "-o", drawn.output.string()});
+      {"rhoray", "render", render::scene_text(spelled), "--sheet", concat(columns), "-o", drawn.output.string()});
   write(command, sheet, spelled, drawn);
   display.clear();
   report_frames(command, shown, frames);

@@ -1,5 +1,7 @@
 #include "tools/rhoray/render/picture.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -15,7 +17,7 @@
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/render/pick.h"
-#include "tools/rhoray/render/reproducing_command.h"
+#include "tools/rhoray/render/picture_options.h"
 
 namespace rhoray::tools {
 
@@ -32,11 +34,16 @@ std::uint64_t framebuffer_bytes(const render::PictureSize& size, render::Channel
   return pixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
 }
 
+std::uint64_t memory_of_machine() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page_bytes = ::sysconf(_SC_PAGESIZE);
+  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+}
+
 void require_memory(const RenderCommand& command, const render::ResolvedScene& plan) {
   const std::uint64_t needed =
       framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
-  const std::uint64_t machine = this_machine().memory_bytes, asked = command.common.memory.bytes;
-  const std::uint64_t limit = asked != 0 ? asked : machine;
+  const std::uint64_t asked = command.common.memory.bytes;
+  const std::uint64_t limit = asked != 0 ? asked : memory_of_machine();
   if (needed > limit)
     throw Error(ErrorCode::resource, concat("--size: the picture needs ", bytes_text(needed), " of memory; ",
                                             asked != 0 ? "--memory allows " : "this machine has ", bytes_text(limit)));
@@ -148,7 +155,7 @@ void write(const RenderCommand& command, const render::Framebuffer& picture, con
   write_picture(picture,
                 {{"Software", concat("rhoray ", version())},
                  {"rhoray:command", drawn.reproduce},
-                 {"rhoray:scene", dump(scene_json(scene, folder))},
+                 {"rhoray:scene", render::scene_text(scene, folder)},
                  {"rhoray:machine", std::string(drawn.statistics.machine)}},
                 drawn.output, command.common.force);
   drawn.stations.write_s = writing.seconds();

@@ -6,11 +6,12 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/read_value.h"
+#include "formats/base/word_list.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
 #include "render/scene_words.h"
-#include "tools/rhoray/cli/common_options.h"
-#include "tools/rhoray/render/plane_options.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 
@@ -25,70 +26,108 @@ Option of_the_layer(PictureOptions& options, Option row) {
   return row;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
-  return text;
-}
-
-Option word_option(std::string names, const std::vector<std::string>& words, std::string help,
-                   std::optional<std::string>& out) {
-  const auto word = std::make_shared<std::string>();
-  Option row = choice_option(std::move(names), words, std::move(help), *word);
-  row.take = [take = row.take, word, &out](const std::string& text) {
-    take(text);
-    out = *word;
-  };
-  return row;
-}
-
-Option switch_option(std::string names, std::string help, bool answer, std::optional<bool>& out) {
-  return {Option::Kind::flag, std::move(names), "", std::move(help),
-          [answer, &out](const std::string&) { out = answer; }};
-}
-
-Option above_zero_option(std::string names, std::string value, std::string help, std::optional<double>& out) {
-  return {Option::Kind::value, std::move(names), std::move(value), std::move(help), [&out](const std::string& text) {
-            double number = 0;
-            read_value(text, number);
-            if (!(number > 0)) throw Error(ErrorCode::usage, concat("found '", text, "'; expected a number above 0"));
-            out = number;
-          }};
-}
-
-Option whole_number_option(std::string names, std::string value, std::string help, const Interval<int>& limits,
-                           std::optional<int>& out) {
-  return {Option::Kind::value, std::move(names), std::move(value), std::move(help),
-          [limits, &out](const std::string& text) {
-            int number = 0;
-            read_value(text, number);
-            if (!limits.contains(number))
-              throw Error(ErrorCode::usage,
-                          concat("found '", text, "'; expected a whole number from ", limits.lo, " to ", limits.hi));
-            out = number;
-          }};
-}
-
 Option angles_option(std::string names, std::string help, std::optional<Angles>& out) {
   return {Option::Kind::value, std::move(names), "AZ,EL", std::move(help), [&out](const std::string& text) {
             const std::string expected =
                 concat("two angles azimuth,elevation in degrees, elevation from ", render::limits::elevation_deg.lo,
                        " to ", render::limits::elevation_deg.hi);
             const std::size_t comma = text.find(',');
-            if (comma == std::string::npos)
-              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
+            if (comma == std::string::npos) refuse_value(text, expected);
             Angles angles;
             read_value(text.substr(0, comma), angles.azimuth_deg);
             read_value(text.substr(comma + 1), angles.elevation_deg);
-            if (!render::limits::elevation_deg.contains(angles.elevation_deg))
-              throw Error(ErrorCode::usage, concat("found '", text, "'; expected ", expected));
+            if (!render::limits::elevation_deg.contains(angles.elevation_deg)) refuse_value(text, expected);
             out = angles;
           }};
 }
 
-template <class T>
-void replace(std::optional<T>& old, const std::optional<T>& said) {
-  if (said) old = said;
+/// Six numbers as two vectors, which must go together as `are_taken` says.
+std::pair<Vec3, Vec3> two_vectors(const std::string& text, const std::string& expected,
+                                  bool (*are_taken)(const Vec3&, const Vec3&)) {
+  std::array<double, 6> numbers{};
+  const std::vector<std::string> parts = split(text, ',');
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::optional<double> number = parts.size() == numbers.size() ? finite_number(parts[i]) : std::nullopt;
+    if (!number) refuse_value(text, expected);
+    numbers[i] = *number;
+  }
+  const Vec3 first(numbers[0], numbers[1], numbers[2]), second(numbers[3], numbers[4], numbers[5]);
+  if (!are_taken(first, second)) refuse_value(text, expected);
+  return {first, second};
+}
+
+Box3 read_box(const std::string& text) {
+  const auto [low, high] =
+      two_vectors(text, "six finite numbers x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1",
+                  [](const Vec3& a, const Vec3& b) { return a.x < b.x && a.y < b.y && a.z < b.z; });
+  return {low, high};
+}
+
+render::HalfSpace read_half_space(const std::string& text) {
+  const auto [point, normal] =
+      two_vectors(text, "six finite numbers px,py,pz,nx,ny,nz: a point, and a normal that is not 0",
+                  [](const Vec3&, const Vec3& n) { return n != Vec3(0, 0, 0); });
+  return {.point = point, .normal = normal};
+}
+
+/// z, z=40, or px,py,pz,nx,ny,nz.
+render::LayerSpec read_slice(const std::string& text) {
+  render::LayerSpec spec{.type = render::LayerType::slice};
+  const std::size_t equals = text.find('=');
+  try {
+    if (const std::string axis = text.substr(0, equals); axis == "x" || axis == "y" || axis == "z") {
+      spec.axis = axis;
+      if (equals != std::string::npos) read_value(text.substr(equals + 1), spec.position);
+      return spec;
+    }
+    const render::HalfSpace plane = read_half_space(text);
+    spec.point = plane.point, spec.normal = plane.normal;
+    return spec;
+  } catch (const Error&) {
+    refuse_value(
+        text,
+        "an axis and a position such as z=40, an axis alone for the middle of the data, or a point and a normal "
+        "px,py,pz,nx,ny,nz");
+  }
+}
+
+/// The rows of the options that set the clip region.
+std::vector<Option> clip_options(std::optional<render::ClipSpec>& spec) {
+  const auto said = [&spec]() -> render::ClipSpec& { return spec ? *spec : spec.emplace(); };
+  return {with_details({Option::Kind::value, "--clip-box", "X0,Y0,Z0,X1,Y1,Z1",
+                        "Show only the inside of this box, in world units",
+                        [said](const std::string& text) { said().box = read_box(text); }},
+                       "Surfaces are cut open, not capped"),
+          with_details({Option::Kind::value, "--clip-plane", "PX,PY,PZ,NX,NY,NZ...",
+                        "Show only the normal's side of a plane. 0,0,40,0,0,1 shows what lies above z = 40",
+                        [said](const std::string& text) {
+                          if (said().planes.size() == render::Clip::most_planes)
+                            throw Error(ErrorCode::usage,
+                                        concat("too many planes; expected at most ", render::Clip::most_planes));
+                          said().planes.push_back(read_half_space(text));
+                        }},
+                       concat("May be given up to ", render::Clip::most_planes, " times")),
+          {Option::Kind::flag, "--cut-away", "", "Hide the inside of the clip region, and show the rest",
+           [said](const std::string&) { said().keep = render::keep_outside; }}};
+}
+
+/// The row of the option that adds slices.
+Option slice_option(std::vector<render::LayerSpec>& slices) {
+  return with_details(
+      {Option::Kind::value, "--slice", "AXIS[=POSITION]...",
+       "Show the field on a plane, such as z=40. Without --mode and --iso, only slices are shown",
+       [&slices](const std::string& text) { slices.push_back(read_slice(text)); }},
+      "z=40 is perpendicular to z at 40 world units, z lies in the middle of the data, px,py,pz,nx,ny,nz is a point "
+      "and a normal. May be given several times. --colormap and --range set the colours");
+}
+
+/// Replaces what is given anew.
+template <class Spec, class... Members>
+void replace(Spec& old, const Spec& said, Members Spec::*... members) {
+  const auto replace_one = [&](auto member) {
+    if (said.*member) old.*member = said.*member;
+  };
+  (replace_one(members), ...);
 }
 
 /// Beside the file that is shown; both have names then, by which the layer asks for them.
@@ -122,14 +161,9 @@ render::CameraSpec camera_under(render::CameraSpec camera, const render::CameraS
   if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
   if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
   if (said.fov_deg) camera.orthographic = std::nullopt, camera.orthographic_height = std::nullopt;
-  replace(camera.view, said.view);
-  for (const auto member :
-       {&render::CameraSpec::azimuth_deg, &render::CameraSpec::elevation_deg, &render::CameraSpec::zoom,
-        &render::CameraSpec::fov_deg, &render::CameraSpec::orthographic_height})
-    replace(camera.*member, said.*member);
-  for (const auto member : {&render::CameraSpec::position, &render::CameraSpec::target, &render::CameraSpec::up})
-    replace(camera.*member, said.*member);
-  replace(camera.orthographic, said.orthographic);
+  using Camera = render::CameraSpec;
+  replace(camera, said, &Camera::view, &Camera::azimuth_deg, &Camera::elevation_deg, &Camera::zoom, &Camera::fov_deg,
+          &Camera::orthographic, &Camera::orthographic_height, &Camera::position, &Camera::target, &Camera::up);
   return camera;
 }
 
@@ -200,10 +234,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                 number_option("--light-size", "DEG", "Angular diameter of the key light, for soft shadows; default 0",
                               render::limits::angular_diameter_deg, options.key_light_size),
                 "The key light then casts shadows, with 16 rays per hit"),
-            with_details(
-                {Option::Kind::flag, "--ao", "", "Ambient occlusion: less ambient light near opaque surfaces",
-                 [&effects = scene.effects](const std::string&) { effects.occlusion = render::OcclusionSpec{}; }},
-                "Surfaces occlude up to a tenth of the diagonal of the shown data, with 16 rays per hit"),
+            with_details(constant_option("--ao", "Ambient occlusion: less ambient light near opaque surfaces",
+                                         render::OcclusionSpec{}, scene.effects.occlusion),
+                         "Surfaces occlude up to a tenth of the diagonal of the shown data, with 16 rays per hit"),
             {Option::Kind::value, "--fog", "A,B",
              "Fade surfaces into the background between the distances A and B from the camera",
              [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
@@ -215,8 +248,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                  layer.shininess))}),
        in_group(
            "Camera",
-           {word_option("--view", render::view_words(),
-                        "Side from which the camera looks; iso: three-quarter view; default iso", camera.view),
+           {choice_option("--view", render::view_words(),
+                          "Side from which the camera looks; iso: three-quarter view; default iso", camera.view),
             value_option("--azimuth", "DEG", "Camera azimuth around the z axis; 0 looks along +y", camera.azimuth_deg),
             number_option("--elevation", "DEG", "Camera elevation; 90 looks straight down",
                           render::limits::elevation_deg, camera.elevation_deg),
@@ -224,26 +257,25 @@ std::vector<Option> picture_options(PictureOptions& options) {
                           camera.zoom),
             number_option("--fov", "DEG", "Vertical field of view in degrees; default 30", render::limits::fov_deg,
                           camera.fov_deg),
-            switch_option("--ortho", "Use an orthographic projection", true, camera.orthographic),
-            for_experts(above_zero_option("--ortho-height", "H", "Height of the image in world units; implies --ortho",
-                                          camera.orthographic_height)),
+            constant_option("--ortho", "Use an orthographic projection", true, camera.orthographic),
+            for_experts(value_option_if<double>(
+                "--ortho-height", "H", "Height of the image in world units; implies --ortho", "a number above 0",
+                [](double height) { return height > 0; }, camera.orthographic_height)),
             for_experts(value_option("--camera-position", "X,Y,Z",
                                      "Camera position in world units; default fitted to the data", camera.position)),
             for_experts(value_option("--camera-target", "X,Y,Z", "Point at which the camera looks, in world units",
                                      camera.target)),
             for_experts(value_option("--camera-up", "X,Y,Z", "Up direction of the image", camera.up))}),
        in_group("Clipping", clip_options(scene.clip)),
-       in_group("Annotation",
-                {{Option::Kind::flag, "--axes", "", "Draw arrows along the world axes",
-                  [&annotations = scene.annotations](const std::string&) { annotations.axes = render::AxesSpec{}; }},
-                 switch_option("--box", "Draw a box around the data, with ticks in world units", true,
-                               scene.annotations.box),
-                 with_details({Option::Kind::flag, "--colorbar", "", "Draw a colour bar",
-                               [&annotations = scene.annotations](const std::string&) {
-                                 annotations.color_bar = render::ColorBarSpec{};
-                               }},
-                              "For --color-by, a slice, a MIP or a heat map"),
-                 value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
+       in_group(
+           "Annotation",
+           {constant_option("--axes", "Draw arrows along the world axes", render::AxesSpec{}, scene.annotations.axes),
+            constant_option("--box", "Draw a box around the data, with ticks in world units", true,
+                            scene.annotations.box),
+            with_details(
+                constant_option("--colorbar", "Draw a colour bar", render::ColorBarSpec{}, scene.annotations.color_bar),
+                "For --color-by, a slice, a MIP or a heat map"),
+            value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
        in_group(
            "Accuracy",
            {with_details(
@@ -259,29 +291,29 @@ std::vector<Option> picture_options(PictureOptions& options) {
                 with_details(layers(value_option("--method", "NAME", "Use one method, for comparison", layer.method)),
                              render::method_forms())),
             for_experts(with_details(
-                word_option("--show", render::show_words(),
-                            "Draw a heat map: error, roots in the hit cell, iterations of the root search, or cost "
-                            "(cells visited); default color",
-                            image.show),
+                choice_option("--show", render::show_words(),
+                              "Draw a heat map: error, roots in the hit cell, iterations of the root search, or cost "
+                              "(cells visited); default color",
+                              image.show),
                 "error needs --accuracy certified or exact")),
             for_experts(with_details(
-                switch_option("--no-hierarchy", "Visit every leaf cell, for comparison", false, image.hierarchy),
+                constant_option("--no-hierarchy", "Visit every leaf cell, for comparison", false, image.hierarchy),
                 "At --accuracy double the picture is the same"))})});
 }
 
 std::vector<Option> image_options(PictureOptions& options) {
   render::PictureSpec& image = options.scene_spec.image;
-  return {value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
-          with_details(whole_number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 1",
-                                           render::limits::pixel_samples, image.antialias),
-                       "Pixels at edges get more samples than others"),
-          with_details(
-              value_option("--channels", "A,B", "Extra EXR channels, such as depth, normal, value", image.channels),
-              concat("All: ", joined(render::channel_words()), ". error needs --accuracy certified or exact")),
-          with_details(
-              whole_number_option("--frames", "N", "Number of pictures of a scene's camera path; needs -o out_%04d.png",
-                                  render::limits::frames, image.frames),
-              "They go from the first key frame to the last")};
+  return {
+      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+      with_details(number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 1",
+                                 render::limits::pixel_samples, image.antialias),
+                   "Pixels at edges get more samples than others"),
+      with_details(
+          value_option("--channels", "A,B", "Extra EXR channels, such as depth, normal, value", image.channels),
+          concat("All: ", joined(render::channel_words()), ". error needs --accuracy certified or exact")),
+      with_details(number_option("--frames", "N", "Number of pictures of a scene's camera path; needs -o out_%04d.png",
+                                 render::limits::frames, image.frames),
+                   "They go from the first key frame to the last")};
 }
 
 namespace {
@@ -357,26 +389,114 @@ render::SceneSpec with_options(render::SceneSpec document, const PictureOptions&
                 "set it in a layer of the document");
   const render::SceneSpec& said = options.scene_spec;
   document.camera = camera_under(document.camera, said.camera);
-  replace(document.lights, lights_of(options));
-  replace(document.effects.occlusion, said.effects.occlusion);
-  replace(document.effects.fog, said.effects.fog);
-  replace(document.clip, said.clip);
-  replace(document.image.size, said.image.size);
-  replace(document.image.background, said.image.background);
-  replace(document.image.channels, said.image.channels);
-  replace(document.image.show, said.image.show);
-  replace(document.image.hierarchy, said.image.hierarchy);
-  replace(document.image.antialias, said.image.antialias);
-  replace(document.image.frames, said.image.frames);
-  replace(document.annotations.axes, said.annotations.axes);
-  replace(document.annotations.box, said.annotations.box);
-  replace(document.annotations.color_bar, said.annotations.color_bar);
+  if (const auto lights = lights_of(options)) document.lights = lights;
+  using Image = render::PictureSpec;
+  using Annotations = render::AnnotationsSpec;
+  replace(document.effects, said.effects, &render::EffectsSpec::occlusion, &render::EffectsSpec::fog);
+  replace(document, said, &render::SceneSpec::clip);
+  replace(document.image, said.image, &Image::size, &Image::background, &Image::channels, &Image::show,
+          &Image::hierarchy, &Image::antialias, &Image::frames);
+  replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar);
   if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {
     document.accuracy = said.accuracy;
     for (render::LayerSpec& layer : document.layers) layer.accuracy.clear(), layer.method.clear();
   }
   return document;
+}
+
+namespace {
+
+std::string text_of_vector(const Vec3& v) {
+  return concat(v.x, ",", v.y, ",", v.z);
+}
+
+std::string words_of(const Vec3& a, const Vec3& b) {
+  return concat(a.x, ",", a.y, ",", a.z, ",", b.x, ",", b.y, ",", b.z);
+}
+
+/// The options of a clip region.
+std::vector<std::string> clip_words(const render::ClipSpec& spec) {
+  std::vector<std::string> words;
+  if (spec.box) words.insert(words.end(), {"--clip-box", words_of(spec.box->min, spec.box->max)});
+  for (const render::HalfSpace& plane : spec.planes)
+    words.insert(words.end(), {"--clip-plane", words_of(plane.point, plane.normal)});
+  if (spec.keep == render::keep_outside) words.emplace_back("--cut-away");
+  return words;
+}
+
+/// Whether annotations say what no option says.
+bool needs_words(const render::AnnotationsSpec& annotations) {
+  const auto& [axes, box, bar, caption] = annotations;
+  return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
+}
+
+}  // namespace
+
+std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output) {
+  const render::SceneSpec scene_spec = to_spec(plan);
+  std::vector<std::string> words{"rhoray", "render"};
+  const render::AnnotationsSpec& annotations = scene_spec.annotations;
+  const bool needs_document = needs_words(annotations) || plan.scene.layers.size() > 1 || scene_spec.lights ||
+                              scene_spec.effects.occlusion || scene_spec.effects.fog ||
+                              (plan.scene.clip && !plan.scene.layers[0].clipped) ||
+                              plan.scene.layers[0].mode == render::Mode::slice;
+  if (needs_document) {
+    words.insert(words.end(), {render::scene_text(scene_spec), "-o", output.string()});
+    return words;
+  }
+  const render::LayerSpec& layer = scene_spec.layers[0];
+  const render::CameraSpec& camera = scene_spec.camera;
+  const render::PictureSpec& image = scene_spec.image;
+  words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
+  const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
+  const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
+  if (is_field) add("--field", scene_spec.data[0].field);
+  if (layer.type == render::LayerType::mip) {
+    add("--mode", "mip");
+    add("--range", concat(layer.range->lo, ",", layer.range->hi));
+  } else {
+    if (is_field) {
+      add("--mode", "iso");
+      add("--iso", layer.isovalues[0]);
+    }
+    add("--surface-color", text_of_vector(layer.color->linear));
+    add("--normals", layer.normals);
+    if (!layer.color_by.empty()) {
+      add("--color-by", layer.color_by);
+      add("--colormap", layer.colormap);
+      if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
+    }
+    if (!layer.texture.empty()) add("--texture", plan.texture_data[0].file.string());
+    add("--ambient", concat(*layer.ambient));
+    add("--specular", concat(*layer.specular));
+    add("--shininess", concat(*layer.shininess));
+    add("--opacity", concat(*layer.opacity));
+  }
+  if (layer.method.empty())
+    add("--accuracy", layer.accuracy);
+  else
+    add("--method", layer.method);
+  if (scene_spec.clip)
+    for (const std::string& word : clip_words(*scene_spec.clip)) words.push_back(word);
+  add("--size", concat(image.size->width, "x", image.size->height));
+  add("--camera-position", text_of_vector(*camera.position));
+  add("--camera-target", text_of_vector(*camera.target));
+  add("--camera-up", text_of_vector(*camera.up));
+  if (camera.orthographic_height)
+    add("--ortho-height", concat(*camera.orthographic_height));
+  else
+    add("--fov", concat(*camera.fov_deg));
+  add("--background", text_of_vector(image.background->linear));
+  if (image.channels) add("--channels", joined(*image.channels, ","));
+  if (image.show) add("--show", *image.show);
+  if (image.hierarchy) words.push_back("--no-hierarchy");
+  if (image.antialias) add("--antialias", concat(*image.antialias));
+  if (annotations.axes) words.push_back("--axes");
+  if (annotations.box.value_or(false)) words.push_back("--box");
+  if (annotations.color_bar) words.push_back("--colorbar");
+  if (!annotations.caption.empty()) add("--caption", annotations.caption);
+  return words;
 }
 
 }  // namespace rhoray::tools

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "render/scene_spec.h"
-#include "tools/rhoray/cli/option_values.h"
+#include "render/document.h"
+#include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
 
@@ -41,5 +41,9 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::filesystem::
 /// effects and annotations are replaced. Refuses options about a layer, which do not name the layer
 /// (ErrorCode::usage).
 render::SceneSpec with_options(render::SceneSpec document, const PictureOptions& options);
+
+/// The command that makes this picture again, every choice spelled out: in options for a scene of
+/// one layer under one white light at the eye, else in a document on the command line.
+std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output);
 
 }  // namespace rhoray::tools

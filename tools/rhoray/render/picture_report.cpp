@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "formats/base/number_text.h"
+#include "formats/base/word_list.h"
 #include "render/document.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
@@ -71,7 +72,7 @@ Json json_of(const render::Explanation& explanation) {
   for (std::size_t i = 0; i < explanation.layers.size(); ++i) {
     const render::Explanation::Layer& layer = explanation.layers[i];
     json["layers"].push_back({{"layer", i},
-                              {"wish", layer.spec},
+                              {"spec", layer.spec},
                               {"shows", layer.shows},
                               {"isovalue_from", layer.isovalue_from},
                               {"method", layer.method},
@@ -111,9 +112,7 @@ std::string method_text(const render::ResolvedScene& plan) {
     const std::string word = option_of(layer.method, layer.mode, plan.datasets[layer.dataset].is_mesh()).word;
     if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
   }
-  std::string text;
-  for (const std::string& word : words) text += concat(text.empty() ? "" : ", ", word);
-  return text;
+  return joined(words);
 }
 
 void say_choices(const CommonOptions& common, const render::ResolvedScene& plan) {
@@ -153,7 +152,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                     : concat(shown, ": ", rounded(drawn.heat.lo), " (dark) to ", rounded(drawn.heat.hi), " (bright)"));
   }
   if (drawn.statistics.hits == 0) say(common, "note: the picture is empty; no ray hit anything");
-  tell(common, concat("stored value ranges checked: ", proof_text(drawn.statistics.range_proof)));
+  if (common.verbose) say(common, concat("stored value ranges checked: ", proof_text(drawn.statistics.range_proof)));
   say(common,
       concat(drawn.output.string(), ": ", method_text(plan), " by ", drawn.statistics.machine, " kernels, traced in ",
              rounded(drawn.statistics.wall_s, 3), " s, ", rounded(total, 3), " s in total"));

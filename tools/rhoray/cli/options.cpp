@@ -1,11 +1,95 @@
-#include "tools/rhoray/cli/common_options.h"
+#include "tools/rhoray/cli/options.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
+#include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/nearest_name.h"
+#include "formats/base/word_list.h"
 
 namespace rhoray::tools {
+
+namespace {
+
+constexpr const char* positional_group = "Input";
+
+}  // namespace
+
+void read_value(const std::string& text, ByteCount& out) {
+  static constexpr std::string_view suffixes = "KMGT";
+  std::string_view digits(text);
+  double unit = 1;
+  if (!digits.empty())
+    if (const std::size_t at = suffixes.find(digits.back()); at != std::string_view::npos) {
+      unit = std::ldexp(1.0, 10 * (static_cast<int>(at) + 1));
+      digits.remove_suffix(1);
+    }
+  const std::optional<double> value = finite_number(digits);
+  constexpr double largest = 9.2e18;  // keeps the conversion below within 64 bits
+  if (!value || !(*value * unit >= 1) || !(*value * unit <= largest))
+    refuse_value(text, "a number of bytes, such as 2G or 512M");
+  out.bytes = static_cast<std::uint64_t>(*value * unit);
+}
+
+Option choice_option(std::string names, std::vector<std::string> words, std::string help,
+                     std::function<void(const std::string&)> take) {
+  const std::string list = joined(words, "|");
+  Option row{Option::Kind::value, std::move(names), list, std::move(help),
+             [words, list, take = std::move(take)](const std::string& text) {
+               if (std::find(words.begin(), words.end(), text) == words.end())
+                 refuse_value(text, list, did_you_mean(text, words));
+               take(text);
+             }};
+  row.choices = std::move(words);
+  return row;
+}
+
+Option flag_option(std::string names, std::string help, bool& out) {
+  return {Option::Kind::flag, std::move(names), "", std::move(help), [&out](const std::string&) { out = true; }};
+}
+
+Option answer_option(std::string names, std::string help, std::string (*text)()) {
+  return {Option::Kind::answer, std::move(names), "", std::move(help), [text](const std::string&) {
+            std::fputs(text().c_str(), stdout);  // interrupt.h tells when it was not taken
+          }};
+}
+
+Option file_option(std::string name, std::string help, std::filesystem::path& out) {
+  Option row{Option::Kind::file, std::move(name), "", std::move(help),
+             [&out](const std::string& text) { read_value(text, out); }};
+  row.group = positional_group;
+  return row;
+}
+
+Option files_option(std::string name, std::string help, std::vector<std::filesystem::path>& out) {
+  Option row{Option::Kind::files, std::move(name), "", std::move(help),
+             [&out](const std::string& text) { read_value(text, out.emplace_back()); }};
+  row.group = positional_group;
+  return row;
+}
+
+std::vector<Option> in_group(const std::string& group, std::vector<Option> rows) {
+  for (Option& row : rows) row.group = group;
+  return rows;
+}
+
+Option with_details(Option row, std::string details) {
+  row.details = std::move(details);
+  return row;
+}
+
+Option for_experts(Option row) {
+  row.is_expert = true;
+  return row;
+}
+
+std::vector<Option> for_experts(std::vector<Option> rows) {
+  for (Option& row : rows) row.is_expert = true;
+  return rows;
+}
 
 std::vector<Option> output_options(CommonOptions& common, const std::string& help, const std::string& value) {
   return {value_option("-o,--output", value, help, common.output),
@@ -25,9 +109,10 @@ Option worker_memory_option(CommonOptions& common, const std::string& worker) {
       memory_option(common, concat("Memory limit of ", worker, "; default: see Limits in `rhoray --help`")));
 }
 
-std::vector<Option> message_options(CommonOptions& common, const std::string& json_help) {
+std::vector<Option> message_options(CommonOptions& common, const std::string& json_help,
+                                    const std::string& verbose_help) {
   return {flag_option("-q,--quiet", "Print errors only", common.quiet),
-          flag_option("-v,--verbose", "Print more messages", common.verbose),
+          flag_option("-v,--verbose", verbose_help, common.verbose),
           for_experts(choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
                                     "Progress on stderr; auto: a bar on a terminal, else none; default auto",
                                     common.progress)),
