@@ -99,13 +99,13 @@ const Layer layers[] = {
     {"preprocess/workers/vdb",
      {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/reading/numbers.h"}}};
 
-/// The programs of tools and the libraries that they share, with their subfolders. Libraries include
-/// no program, so that other programs can link them.
+/// The programs of tools and the libraries that they share, with their subfolders. Libraries
+/// include no program, so that other programs can link them.
 const Layer tool_layers[] = {
     {"tools/pictures", {}},
     {"tools/validate", {}},
     {"tools/analysis",
-     {"tools/pictures", "tools/validate/grid_field.h", "tools/validate/report.h", "tools/validate/request.h"}},
+     {"tools/pictures", "tools/validate/grid_field.h", "tools/validate/request.h", "tools/validate/shots.h"}},
     {"tools/rhoray", {"tools/pictures", "tools/analysis", "tools/validate/request.h"}},
     {"tools/lab", {"tools"}}};
 
@@ -147,7 +147,7 @@ const std::regex system_header(
     "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
 /// Headers that the build generates; they are in no room.
-const std::string_view generated_headers[] = {"rhoray_commit.h"};
+const std::string_view generated_headers[] = {"rhoray_commit.h", "rhoray_report_template.h"};
 
 /// True when `path` is `place` or lies inside it.
 bool is_in(std::string_view path, std::string_view place) {

@@ -3,6 +3,7 @@
 
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
+#include "tools/analysis/page_template.h"
 #include "tools/analysis/results.h"
 
 namespace rhoray::tools {
@@ -46,8 +47,7 @@ std::string wrong_text(const ResultRow& row) {
   const render::ErrorCounts& errors = *row.measured->errors;
   if (row.measured->judges_all) {
     if (errors.missed == 0 && errors.false_hits == 0)
-      return concat("no false negatives and no false positives in ", grouped(errors.rays),
-                    " pixels it misses none and invents none");
+      return concat("no false negatives and no false positives in ", grouped(errors.rays), " pixels");
     return concat("in ", grouped(errors.rays), " pixels: false negatives ", grouped(errors.missed),
                   ", false positives ", grouped(errors.false_hits));
   }
@@ -62,7 +62,7 @@ std::string wrong_text(const ResultRow& row) {
 
 /// Says which method is sufficient for which error.
 void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
-  const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
+  const bool is_projection = layer.is_projection();
   const Interval<double> range = layer.dataset().field().range;
   const double unit = is_projection ? range.hi - range.lo : 1;
   const auto say = [&](double limit, const ResultRow& best) {
@@ -91,7 +91,7 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
   if (exact != nullptr)
     sentence += concat(", exact arithmetic for every ray (`exact`) ", times_text(exact->cpu_ms / quick->cpu_ms));
   out.push_back(sentence + ".");
-  if (layer.scene().layers[0].mode != render::Mode::mip)
+  if (!layer.is_projection())
     out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depth errors are within ",
                          short_number(quick->measured->errors->error.value_or(render::Quantiles{}).p99, 2),
                          " cells in 99 % of the pixels that both hit."));

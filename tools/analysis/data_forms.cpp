@@ -41,20 +41,8 @@ void for_each_row(const formats::BrickGrid& grid, std::size_t field, const FormO
 
 /// Number of bits of a field's integers; 64 for other numbers.
 int whole_bits(formats::ElementType type) {
-  using formats::ElementType;
-  switch (type) {
-    case ElementType::U8:
-    case ElementType::I8:
-      return 8;
-    case ElementType::U16:
-    case ElementType::I16:
-      return 16;
-    case ElementType::U32:
-    case ElementType::I32:
-      return 32;
-    default:
-      return 64;
-  }
+  const bool is_whole = type != formats::ElementType::F32 && type != formats::ElementType::F64;
+  return is_whole ? 8 * static_cast<int>(formats::element_bytes(type)) : 64;
 }
 
 template <class T>

@@ -7,6 +7,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/vector.h"
+#include "render/png.h"
 
 namespace rhoray::tools {
 
@@ -19,12 +20,6 @@ std::vector<float> rgb_of(const render::Framebuffer& picture) {
     rgb.insert(rgb.end(), picture.color.begin() + static_cast<std::ptrdiff_t>(4 * pixel),
                picture.color.begin() + static_cast<std::ptrdiff_t>(4 * pixel + 3));
   return rgb;
-}
-
-/// 0 to 255, as stored in a picture file (IEC 61966-2-1).
-double srgb_level(float linear) {
-  const double value = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  return std::round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055));
 }
 
 Vec3 normal_at(const render::Framebuffer& picture, std::size_t pixel) {
@@ -53,7 +48,7 @@ PictureErrors TruePicture::against(const render::Framebuffer& picture) const {
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     for (std::size_t c = 0; c < 3; ++c) {
       const float is = picture_.color[4 * pixel + c], said = picture.color[4 * pixel + c];
-      if (is != said) squares += std::pow(srgb_level(is) - srgb_level(said), 2);
+      if (is != said) squares += std::pow(render::srgb_byte(is) - render::srgb_byte(said), 2);
     }
   std::vector<float> flip_map = flip_.against(rgb_of(picture));
   const double flip = mean_of(flip_map);

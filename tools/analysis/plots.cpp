@@ -69,8 +69,7 @@ struct ErrorAxis {
 };
 
 ErrorAxis error_axis(const LayerStudy& layer) {
-  if (layer.scene().layers[0].mode != render::Mode::mip)
-    return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
+  if (!layer.is_projection()) return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
   const Interval<double> range = layer.dataset().field().range;
   const double width = range.hi > range.lo ? range.hi - range.lo : 1;
   return {1e-16 * width, width, concat("error of the value, 99 % of the pixels within, ", error_unit(layer))};
@@ -236,8 +235,7 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
       "distribution", "Distribution of errors",
       "Share of the pixels within an error, among those that show or should show something. A line that ends below 100 "
       "% has false negatives or false positives. Every other line is dashed, so that a covered line stays visible.",
-      preamble(concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
-                      error_unit(layer)),
+      preamble(concat(layer.is_projection() ? "error of the value, " : "error of depth, ", error_unit(layer)),
                "pixels within it, %") +
           blocks(lines) +
           concat("set logscale x\nset format x '10^{%L}'\nset xrange [", axis.least, ":", axis.most,

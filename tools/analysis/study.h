@@ -72,6 +72,7 @@ class LayerStudy {
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
   const render::Dataset& dataset() const { return dataset_; }
+  bool is_projection() const { return scene_.layers[0].mode == render::Mode::mip; }
   const std::vector<Variant>& variants() const { return variants_; }
   /// Of the last pass; null before.
   const PassResult* result() const { return result_ ? &*result_ : nullptr; }
