@@ -9,7 +9,7 @@
 namespace rhoray::formats::details {
 namespace {
 
-constexpr std::uint64_t scan_piece = 1 << 12;  // clusters
+constexpr std::uint64_t cluster_piece = 1 << 12;  // clusters
 
 void check_table(const CellClustersView& clusters, std::uint64_t cluster, Findings& findings) {
   const std::span<const std::uint32_t> table = clusters.table(cluster);
@@ -26,7 +26,7 @@ void check_table(const CellClustersView& clusters, std::uint64_t cluster, Findin
 
 void check_clusters(const TetMesh& mesh, Findings& findings) {
   const CellClustersView& clusters = mesh.clusters();
-  for_each_range(clusters.cluster_count(), scan_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
+  for_each_range(clusters.cluster_count(), cluster_piece, 0, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t cluster = first; cluster < last; ++cluster) check_table(clusters, cluster, findings);
   });
 }

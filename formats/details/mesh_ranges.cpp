@@ -11,7 +11,7 @@ namespace rhoray::formats::details {
 namespace {
 
 constexpr std::uint64_t width = ClusterShape::width;
-constexpr std::uint64_t scan_piece = 1 << 12;  // cells, leaf cells or clusters
+constexpr std::uint64_t range_piece = 1 << 12;  // cells, leaf cells or clusters
 
 Vec3 to_vec(const std::array<double, 3>& p) {
   return {p[0], p[1], p[2]};
@@ -121,7 +121,7 @@ class LeafLists {
 
   void check() {
     if (!check_points()) return;  // otherwise cells may lie outside the lattice
-    for_each_range(mesh_.description().cell_count, scan_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_range(mesh_.description().cell_count, range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t cell = first; cell < last; ++cell) check_cell(cell);
     });
   }
@@ -131,7 +131,7 @@ class LeafLists {
     const std::span<const T> values = mesh_.values<T>(field);
     const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
     const std::string what = concat("macro levels of field '", mesh_.description().fields[field].name, "'");
-    for_each_range(leaf_count_, scan_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_range(leaf_count_, range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t leaf = first; leaf < last; ++leaf) check_range<T>(leaf, values, levels.ranges[0], what);
     });
     check_levels_upward(levels, what, threads_, findings_);
@@ -140,7 +140,7 @@ class LeafLists {
  private:
   bool check_points() {
     std::atomic<bool> all_inside = true;
-    for_each_range(mesh_.points().size(), scan_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_range(mesh_.points().size(), range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t point = first; point < last; ++point) {
         const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
         bool is_inside = true;
@@ -270,7 +270,7 @@ void check_box(const TetMesh& mesh, std::uint64_t cluster, Findings& findings) {
 
 void check_boxes(const TetMesh& mesh, unsigned threads, Findings& findings) {
   const CellClustersView& clusters = mesh.clusters();
-  for_each_range(clusters.cluster_count(), scan_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
+  for_each_range(clusters.cluster_count(), range_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t cluster = first; cluster < last; ++cluster) check_box(mesh, cluster, findings);
   });
   check_upward(clusters.shape, clusters.boxes, "a box that does not hold those below it", findings, holds_boxes,
@@ -322,7 +322,7 @@ void check_cluster_ranges(const TetMesh& mesh, std::size_t field, unsigned threa
   const ClusterRangesView<T> levels = mesh.cluster_ranges<T>(field);
   const std::span<const T> values = mesh.values<T>(field);
   const std::string what = concat("ranges of field '", mesh.description().fields[field].name, "'");
-  for_each_range(clusters.cluster_count(), scan_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
+  for_each_range(clusters.cluster_count(), range_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t cluster = first; cluster < last; ++cluster) {
       const RangeBlock<T>& block = levels[0][cluster / width];
       const Interval<T> stored{block.lo[cluster % width], block.hi[cluster % width]};

@@ -285,7 +285,7 @@ void take_samples(const PackedFile& file, const MessageReader& parcel, NeutralVo
 namespace {
 
 /// @param source  the file that may hold samples, or name one that does; null: any may
-NeutralVolume receive_volume(const PackedFile& file, const std::filesystem::path* source) {
+NeutralVolume volume_of(const PackedFile& file, const std::filesystem::path* source) {
   MessageReader parcel(file, "neutral-volume");
   NeutralVolume volume;
   const Array<std::uint64_t> facts = parcel.values<std::uint64_t>("facts");
@@ -328,11 +328,11 @@ NeutralVolume receive_volume(const PackedFile& file, const std::filesystem::path
 }  // namespace
 
 NeutralVolume receive_volume(const PackedFile& file) {
-  return receive_volume(file, nullptr);
+  return volume_of(file, nullptr);
 }
 
 NeutralVolume receive_volume(const PackedFile& file, const std::filesystem::path& source) {
-  return receive_volume(file, &source);
+  return volume_of(file, &source);
 }
 
 void send(const CellMesh& mesh, int descriptor) {

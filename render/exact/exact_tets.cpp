@@ -51,9 +51,9 @@ struct Met {
 };
 
 /// Tests tetrahedra along the ray, in a picture plane in which the ray is at (0, 0).
-class View {
+class PicturePlane {
  public:
-  View(const Ray& ray, double isovalue) : ray_(ray), isovalue_(isovalue) {
+  PicturePlane(const Ray& ray, double isovalue) : ray_(ray), isovalue_(isovalue) {
     const Vec3& d = ray.direction;
     for (int axis = 1; axis < 3; ++axis)
       if (std::abs(d[axis]) > std::abs(d[z_])) z_ = axis;
@@ -368,7 +368,7 @@ std::optional<TetRayVerdict> certain_first_crossing(std::span<const Met> met, co
 
 TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width) {
   if (!is_ray(ray) || !std::isfinite(isovalue)) return {};
-  const View view(ray, isovalue);
+  const PicturePlane view(ray, isovalue);
   std::vector<Met> met;
   for (const ExactTet& tet : tets)
     if (has_data(tet))
@@ -396,7 +396,7 @@ TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ra
 TetMaximumVerdict exact_largest_value(std::span<const ExactTet> tets, const Ray& ray) {
   TetMaximumVerdict verdict;
   if (!is_ray(ray)) return verdict;
-  const View view(ray, 0);
+  const PicturePlane view(ray, 0);
   struct Best {
     Rational value, t, in;
     std::uint64_t id;

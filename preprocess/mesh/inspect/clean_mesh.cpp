@@ -20,7 +20,7 @@ constexpr double largest_coordinate = 1e100, smallest_extent = 1e-100;
 constexpr std::uint64_t largest_count = std::numeric_limits<std::uint32_t>::max();
 
 /// The count of one kind of problem, and its first positions.
-class Finding {
+class NotedProblem {
  public:
   void add(std::uint64_t id) {
     if (++count_ <= 3) places_ += concat(count_ > 1 ? ", " : "", id);
@@ -83,7 +83,7 @@ bool is_finite(const std::array<double, 3>& p) {
 }
 
 void choose_cells(const NeutralMesh& mesh, CleanMesh& clean) {
-  Finding repeating, not_finite;
+  NotedProblem repeating, not_finite;
   clean.source_cells.reserve(mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const auto& cell = mesh.cells[c];
@@ -106,7 +106,7 @@ void choose_points(const NeutralMesh& mesh, const std::string& source_name, Clea
   for (const std::uint64_t c : clean.source_cells)
     for (const std::uint64_t vertex : mesh.cells[c]) number[vertex] = 0;
 
-  Finding without_cell;
+  NotedProblem without_cell;
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {
     if (number[p] == unused) {
       without_cell.add(p);
@@ -176,7 +176,7 @@ void orient_cells(const NeutralMesh& mesh, CleanMesh& clean) {
       signs[c] = static_cast<std::int8_t>(sign);
     }
   });
-  Finding flipped, flat;
+  NotedProblem flipped, flat;
   for (std::size_t c = 0; c < signs.size(); ++c) {
     if (signs[c] < 0) flipped.add(id_of_cell(mesh, clean.source_cells[c]));
     if (signs[c] == 0) flat.add(id_of_cell(mesh, clean.source_cells[c]));

@@ -31,7 +31,7 @@ double cube_edge(const Vec3& extent, double wanted) {
 
 }  // namespace
 
-formats::LeafLattice choose_lattice(const Box3& box, const LatticeRequest& request) {
+formats::LeafLattice choose_lattice(const Box3& box, const LeafLatticeRequest& request) {
   // NaN is refused too
   if (!(request.leaf_cell_count >= 1 && request.leaf_cell_count <= largest_leaf_count))
     throw Error(ErrorCode::usage, concat("leaf cells: found ", request.leaf_cell_count, "; expected 1 to ",

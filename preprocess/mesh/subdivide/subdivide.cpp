@@ -42,7 +42,7 @@ std::span<const std::uint64_t> nodes_of(const CellMesh& mesh, std::uint64_t cell
 }
 
 /// Count and ids of the source cells with one kind of problem.
-struct Finding {
+struct CellTally {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> first_ids;
 
@@ -50,7 +50,7 @@ struct Finding {
     ++count;
     if (first_ids.size() < 3) first_ids.push_back(id);
   }
-  void add(const Finding& other) {
+  void add(const CellTally& other) {
     count += other.count;
     for (const std::uint64_t id : other.first_ids)
       if (first_ids.size() < 3) first_ids.push_back(id);
@@ -75,7 +75,7 @@ struct Part {
   std::vector<std::uint64_t> cells;  ///< of each tetrahedron
   std::vector<Center> centers;
   std::vector<CornerTetrahedronOfCell> curved;  ///< still to be refined
-  Finding vanished, overlapping;
+  CellTally vanished, overlapping;
   std::uint64_t inverted_count = 0;
   std::optional<Error> refusal;
 };
@@ -358,7 +358,7 @@ void note_counts(const CellMesh& mesh, const Array<std::uint64_t>& cells, std::v
 }
 
 void note_findings(const std::vector<Part>& parts, std::vector<std::string>& notes) {
-  Finding vanished, overlapping;
+  CellTally vanished, overlapping;
   std::uint64_t center_count = 0, inverted_count = 0;
   for (const Part& part : parts) {
     vanished.add(part.vanished);
