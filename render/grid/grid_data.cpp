@@ -76,7 +76,7 @@ GridData::Parts parts_of(const formats::BrickGrid& grid, std::size_t field) {
 GridData::GridData(const formats::BrickGrid& grid, std::size_t field)
     : GridData(formats::with_element_type(grid.description().fields[field].type, [&]<class T>(T) -> Parts {
         const formats::FieldSummary& summary = grid.description().fields[field];
-        if constexpr (is_rendered<T>)
+        if constexpr (formats::is_exact_as_double<T>)
           if (std::is_floating_point_v<T> || !grid.description().layout.is_sparse) return parts_of<T>(grid, field);
         formats::refuse(
             grid.file().name(), concat("field '", summary.name, "'"), formats::element_name(summary.type),

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "formats/brick_grid.h"
+#include "formats/macro_ranges.h"
 #include "render/cell/trilinear.h"
 #include "render/grid/sample_source.h"
 #include "render/traverse/lattice_walk.h"
-#include "render/traverse/macro_ranges.h"
 
 namespace rhoray::render {
 
@@ -71,7 +71,7 @@ class GridData {
 
   /// What a grid of any format consists of.
   struct Parts {
-    MacroRanges ranges;
+    formats::MacroRanges ranges;
     FetchCell fetch_cell;
     std::optional<SampleSource> source;        ///< nothing where samples cannot be addressed directly
     Interval<double> values;                   ///< of all samples that have data
@@ -89,7 +89,7 @@ class GridData {
 
   WalkLattice lattice() const { return {parts_.ranges.shape().leaf_count, parts_.ranges.shape().factor}; }
   int level_count() const { return parts_.ranges.shape().level_count; }
-  const MacroRanges& ranges() const { return parts_.ranges; }
+  const formats::MacroRanges& ranges() const { return parts_.ranges; }
   const std::optional<SampleSource>& source() const { return parts_.source; }
   const std::optional<formats::BrickGrid>& packed() const { return parts_.packed; }
   const Interval<double>& values() const { return parts_.values; }

@@ -101,7 +101,7 @@ struct BoxList {
 
 }  // namespace
 
-Occupancy::Occupancy(const MacroRanges& ranges, double isovalue) {
+Occupancy::Occupancy(const formats::MacroRanges& ranges, double isovalue) {
   const Index3& blocks = ranges.level(1).count;
   std::array<int, 3> super_node_count;
   for (int a = 0; a < 3; ++a) {
@@ -113,11 +113,11 @@ Occupancy::Occupancy(const MacroRanges& ranges, double isovalue) {
   };
   nodes_.assign(volume(node_count_), 0);
   super_nodes_.assign(volume(super_node_count), 0);
-  with_value_type(ranges.type(), [&]<class T>(T) { find_nodes<T>(ranges, isovalue); });
+  formats::with_exact_type(ranges.type(), [&]<class T>(T) { find_nodes<T>(ranges, isovalue); });
 }
 
 template <class T>
-void Occupancy::find_nodes(const MacroRanges& ranges, double isovalue) {
+void Occupancy::find_nodes(const formats::MacroRanges& ranges, double isovalue) {
   const std::optional<T> threshold = threshold_in<T>(isovalue);
   if (!threshold) return;
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "formats/macro_ranges.h"
 #include "render/query/last_isovalues.h"
-#include "render/traverse/macro_ranges.h"
 #include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
@@ -22,7 +22,7 @@ namespace rhoray::render {
 class Occupancy {
  public:
   /// Children of macrocells whose values lie on one side are not read.
-  Occupancy(const MacroRanges& ranges, double isovalue);
+  Occupancy(const formats::MacroRanges& ranges, double isovalue);
 
   /// Nodes per axis, a multiple of 4.
   const std::array<int, 3>& node_count() const { return node_count_; }
@@ -39,7 +39,7 @@ class Occupancy {
 
  private:
   template <class T>
-  void find_nodes(const MacroRanges& ranges, double isovalue);
+  void find_nodes(const formats::MacroRanges& ranges, double isovalue);
   void find_boxes(const Index3& leaf_count);
 
   std::array<int, 3> node_count_;
@@ -50,7 +50,7 @@ class Occupancy {
 /// Keeps the occupancies of one volume for the isovalues used last. Thread-safe.
 class OccupancyCache {
  public:
-  std::shared_ptr<const Occupancy> of(const MacroRanges& ranges, double isovalue) {
+  std::shared_ptr<const Occupancy> of(const formats::MacroRanges& ranges, double isovalue) {
     return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(ranges, isovalue); });
   }
 

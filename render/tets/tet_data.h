@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "formats/base/rising.h"
+#include "formats/macro_ranges.h"
 #include "formats/tet_mesh.h"
 #include "render/cell/tet_crossing.h"
 #include "render/traverse/lattice_walk.h"
-#include "render/traverse/macro_ranges.h"
 
 namespace rhoray::render {
 
@@ -110,7 +110,7 @@ class TetData {
   formats::TetMesh mesh_;
   bool is_float_;
   const void* values_;
-  MacroRanges levels_;
+  formats::MacroRanges levels_;
   std::vector<const void*> cluster_ranges_;  ///< [level]: an array of RangeBlock
 };
 

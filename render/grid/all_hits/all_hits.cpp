@@ -45,7 +45,7 @@ class AllHitsWalk {
         ways_(scratch.ways),
         group_(scratch.ways.group),
         counters_(counters),
-        reading_(reading_of(any_.type)),
+        reading_(reading_of(any_.source.type)),
         has_values_(reading_.fetch_values != nullptr),
         corners_(lattice),
         hits_{{shells, 0, lattice, has_values_, lists, first_ray, scratch},

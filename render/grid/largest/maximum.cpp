@@ -57,7 +57,7 @@ void look_closely(const void* context, const RayArrays& rays, std::size_t r, dou
   });
 }
 
-StoredRanges ranges_of(const MacroRanges& ranges, int level) {
+StoredRanges ranges_of(const formats::MacroRanges& ranges, int level) {
   if (level > ranges.shape().level_count) return {nullptr, {0, 0, 0}};
   const auto& [first, count] = ranges.level(level);
   return {first, {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
@@ -69,7 +69,7 @@ MaximumField field_of(const UniformGrid& view, bool time_phases) {
   const SampleSource& source = *view.source();
   MaximumField field{.source = source,
                      .type = source.type,
-                     .sample_bytes = with_value_type(source.type, []<class T>(T) { return sizeof(T); }),
+                     .sample_bytes = formats::with_exact_type(source.type, []<class T>(T) { return sizeof(T); }),
                      .leaf_count = {},
                      .node_count = {},
                      .blocks = ranges_of(view.ranges(), 1),

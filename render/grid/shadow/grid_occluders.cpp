@@ -104,7 +104,7 @@ void read_block(const SampleSource& source, const Index3& block, BlockOfSamples&
     first[a] = static_cast<int>(4 * block[a]);
     out.cells[static_cast<std::size_t>(a)] = static_cast<std::size_t>(std::min(4, source.count[a] - 1 - first[a]));
   }
-  with_value_type(source.type, [&]<class T>(T) { read_samples<T>(source, first, out.value); });
+  formats::with_exact_type(source.type, [&]<class T>(T) { read_samples<T>(source, first, out.value); });
   std::fill(out.value + sample_count, out.value + room, 0.0);
 }
 

@@ -113,7 +113,7 @@ void search_clusters(const View& view, const RayQuery& query, const Ray& ray, Ke
       const MaximumQueue::Entry region{.bound = ranges.hi[visit.entry % BoxRay::width],
                                        .t_in = visit.part.t_in,
                                        .t_out = visit.part.t_out,
-                                       .cell = {},
+                                       .cell = {0, 0, 0},
                                        .level = level,
                                        .id = visit.entry};
       if (!beats(largest, region)) scratch.queue.push(region);
