@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "formats/base/vector.h"
 #include "render/color_map.h"
+#include "render/paint.h"
 
 namespace rhoray::render {
 
@@ -41,14 +41,12 @@ Interval<double> draw_heat_map(DebugChannel page, Framebuffer& picture) {
   Interval<double> range;
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     if (const double number = number_at(page, picture, pixel); std::isfinite(number)) range.include(number);
-  for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
+  const double width = range.hi - range.lo;
+  paint(picture, [&](std::size_t pixel) {
     const double number = number_at(page, picture, pixel);
-    const double width = range.hi - range.lo;
-    const Vec3 color =
-        std::isfinite(number) ? color_of(ColorMap::viridis, width > 0 ? (number - range.lo) / width : 0) : no_number;
-    for (std::size_t c = 0; c < 3; ++c) picture.color[4 * pixel + c] = static_cast<float>(color[static_cast<int>(c)]);
-    picture.color[4 * pixel + 3] = 1;
-  }
+    if (!std::isfinite(number)) return no_number;
+    return color_of(ColorMap::viridis, width > 0 ? (number - range.lo) / width : 0);
+  });
   if (page == DebugChannel::error && !range.is_empty()) range = {std::pow(10, range.lo), std::pow(10, range.hi)};
   return range;
 }

@@ -27,12 +27,12 @@ Box3 box_world(const Box3& box, const Affine& world_from_data) {
 }
 
 /// Returns a box around the lowest-level macrocells whose values are on both sides of the isovalue.
-/// @param position  of a plane between cells, on an axis of the data's frame
-template <class View, class Position>
-Box3 crossed_macrocells(const View& view, double isovalue, const Position& position) {
+template <class Geometry>
+Box3 crossed_box(const PlacedGrid<Geometry>& view, double isovalue) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t edge = lattice.cell_edge(1);
   const Index3 count = whole_level(lattice, edge).end;
+  const auto planes = view.geometry().planes();
   Box3 box;
   Index3 c;
   for (c.z = 0; c.z < count.z; ++c.z)
@@ -42,27 +42,16 @@ Box3 crossed_macrocells(const View& view, double isovalue, const Position& posit
         if (!(range.lo < isovalue && isovalue <= range.hi)) continue;
         for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
           Vec3 p;
-          for (int a = 0; a < 3; ++a) p[a] = position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
+          for (int a = 0; a < 3; ++a) p[a] = planes.position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
           box.extendBy(p);
         }
       }
   return box;
 }
 
-template <class... Kind>
-Box3 crossed_box(const GridData<Kind...>& view, double isovalue) {
-  return crossed_macrocells(view, isovalue,
-                            [&](int axis, std::int64_t plane) { return view.description().position(axis, plane); });
-}
-
-Box3 crossed_box(const NanoVdbData& view, double isovalue) {
-  return crossed_macrocells(view, isovalue, [](int, std::int64_t plane) { return static_cast<double>(plane); });
-}
-
 /// Returns a box around the crossings of all edges: a tetrahedron's part of the isosurface is the
 /// polygon between them.
-template <class T>
-Box3 crossed_box(const TetData<T>& view, double isovalue) {
+Box3 crossed_box(const TetData& view, double isovalue) {
   Box3 box;
   for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
@@ -85,20 +74,15 @@ Box3 crossed_box(const TriangleData&, double) {
   return {};
 }
 
-template <class... Kind>
-std::uint64_t proven_bytes(const GridData<Kind...>& view, const std::string& field, unsigned threads) {
-  return formats::prove_ranges(view.grid(), *view.grid().find_field(field), threads);
+/// A NanoVDB grid stores no ranges: they were computed from the voxels in this process.
+std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsigned threads) {
+  return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads) : 0;
 }
 
-template <class T>
-std::uint64_t proven_bytes(const TetData<T>& view, const std::string& field, unsigned threads) {
+std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads) {
   return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads);
 }
 
-/// The ranges were computed from the voxels in this process; none are stored.
-std::uint64_t proven_bytes(const NanoVdbData&, const std::string&, unsigned) {
-  return 0;
-}
 std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned) {
   return 0;
 }
@@ -147,14 +131,9 @@ std::vector<std::string> Dataset::field_names() const {
 }
 std::optional<formats::FieldSummary> Dataset::field(const std::string& name) const {
   if (name == field().name) return field();
-  return std::visit(
-      [&]<class View>(const View& view) -> std::optional<formats::FieldSummary> {
-        if constexpr (!std::is_same_v<View, NanoVdbData> && !std::is_same_v<View, TriangleData>)
-          for (const formats::FieldSummary& summary : view.description().fields)
-            if (summary.name == name) return summary;
-        return std::nullopt;
-      },
-      implementation_->view);
+  for (const formats::FieldSummary& summary : implementation_->fields)
+    if (summary.name == name) return summary;
+  return std::nullopt;
 }
 const std::string& Dataset::length_unit() const {
   return implementation_->length_unit;

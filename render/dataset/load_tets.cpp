@@ -16,20 +16,17 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
   const formats::FieldSummary& summary = description.fields[chosen];
   Box3 bounds;
   for (const auto& p : mesh.points()) bounds.extendBy(Vec3(p[0], p[1], p[2]));
-  const auto make = [&](auto view) {
-    return std::make_shared<LoadedDataset>(
-        LoadedDataset{.file = file,
-                      .field = summary,
-                      .field_names = names,
-                      .length_unit = description.length_unit,
-                      .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
-                      .bounds_data = bounds,
-                      .view = std::move(view),
-                      .facets = std::make_shared<FacetsCache>(),
-                      .point_gradients = std::make_shared<PointGradientsCache>()});
-  };
-  if (summary.type == formats::ElementType::F32) return make(TetData<float>(mesh, chosen));
-  return make(TetData<double>(mesh, chosen));
+  return std::make_shared<LoadedDataset>(
+      LoadedDataset{.file = file,
+                    .field = summary,
+                    .fields = description.fields,
+                    .field_names = names,
+                    .length_unit = description.length_unit,
+                    .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
+                    .bounds_data = bounds,
+                    .view = TetData(mesh, chosen),
+                    .facets = std::make_shared<FacetsCache>(),
+                    .point_gradients = std::make_shared<PointGradientsCache>()});
 }
 
 }  // namespace rhoray::render

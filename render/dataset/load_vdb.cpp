@@ -1,5 +1,6 @@
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
+#include "render/grid/nanovdb_data.h"
 
 namespace rhoray::render {
 
@@ -21,7 +22,7 @@ std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, c
       .world_from_data = world_from_data,
       .bounds_data = Box3(
           {0, 0, 0}, Vec3(static_cast<double>(cells.x), static_cast<double>(cells.y), static_cast<double>(cells.z))),
-      .view = NanoVdbData(grid)});
+      .view = nanovdb_data(grid)});
 }
 
 }  // namespace rhoray::render

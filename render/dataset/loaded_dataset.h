@@ -7,7 +7,6 @@
 
 #include "formats/base/affine.h"
 #include "render/grid/grid_data.h"
-#include "render/grid/nanovdb_data.h"
 #include "render/grid/occupancy.h"
 #include "render/tets/tet_data.h"
 #include "render/triangles/triangle_data.h"
@@ -17,10 +16,14 @@ namespace rhoray::render {
 class FacetsCache;
 class PointGradientsCache;
 
+/// A dataset as kernels read it.
+using DataView = std::variant<UniformGrid, RectilinearGrid, TetData, TriangleData>;
+
 /// One loaded dataset: what every kind has in common, and the view that kernels read.
 struct LoadedDataset {
   formats::PackedFile file;
-  formats::FieldSummary field;  ///< for a surface: no field, without a name
+  formats::FieldSummary field;                  ///< for a surface: no field, without a name
+  std::vector<formats::FieldSummary> fields{};  ///< all whose summary the file holds
   std::vector<std::string> field_names;
   std::string length_unit;
   /// The values are distances to a surface, which lies where they are 0.
@@ -29,14 +32,7 @@ struct LoadedDataset {
   /// Data frame: grid steps or positions of axis tables; for points, relative to the origin.
   Affine world_from_data;
   Box3 bounds_data;  ///< of all cells, data frame
-  std::variant<GridData<std::uint8_t>, GridData<std::int8_t>, GridData<std::uint16_t>, GridData<std::int16_t>,
-               GridData<std::uint32_t>, GridData<std::int32_t>, GridData<float>, GridData<double>,
-               RectilinearGridData<std::uint8_t>, RectilinearGridData<std::int8_t>, RectilinearGridData<std::uint16_t>,
-               RectilinearGridData<std::int16_t>, RectilinearGridData<std::uint32_t>, RectilinearGridData<std::int32_t>,
-               RectilinearGridData<float>, RectilinearGridData<double>, SparseGridData<float>, SparseGridData<double>,
-               SparseRectilinearGridData<float>, SparseRectilinearGridData<double>, TetData<float>, TetData<double>,
-               NanoVdbData, TriangleData>
-      view;
+  DataView view;
   /// Of the field of a grid.
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();
   /// Of the field of a mesh, or of a surface; null for grids.

@@ -8,37 +8,6 @@
 /// Reading samples of a source that has bricks.
 namespace rhoray::render::wide {
 
-/// The samples of one brick, by their address in the grid.
-template <class T>
-class OneBrick {
- public:
-  OneBrick() = default;
-  RHORAY_INLINE OneBrick(const SampleSource& source, std::uint64_t number) {
-    const SampleSource::Bricks& bricks = source.bricks;
-    const std::uint32_t slot = bricks.slots[number];
-    if (slot < bricks.stored_count) {
-      samples_ = static_cast<const T*>(source.samples) + slot * bricks.stride;
-      kept_ = (std::uint64_t{1} << bricks.shift) - 1;
-    } else {
-      const std::uint32_t value = slot - bricks.stored_count;
-      samples_ = static_cast<const T*>(bricks.values) + (value < bricks.last_value ? value : bricks.last_value);
-      kept_ = 0;
-    }
-  }
-
-  RHORAY_INLINE T at_address(std::uint64_t address) const { return samples_[address & kept_]; }
-
- private:
-  const T* samples_ = nullptr;
-  /// Address bits that select a sample; 0 where all samples have one value.
-  std::uint64_t kept_ = 0;
-};
-
-template <class T>
-RHORAY_INLINE T sample_in_brick(const SampleSource& source, std::uint64_t address) {
-  return OneBrick<T>(source, address >> source.bricks.shift).at_address(address);
-}
-
 /// Reads the 5 x 5 x 5 samples of a block, x + 5 y + 25 z; beyond the grid's ends the last samples
 /// are repeated. They lie in at most two bricks on each axis, because a brick has at least as many
 /// samples as a block has cells.

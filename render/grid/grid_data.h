@@ -1,83 +1,19 @@
 #pragma once
 
-#include <bit>
-#include <cmath>
+#include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
-#include <type_traits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "formats/brick_grid.h"
 #include "render/cell/trilinear.h"
-#include "render/grid/stored_bricks.h"
+#include "render/grid/sample_source.h"
 #include "render/traverse/lattice_walk.h"
+#include "render/traverse/macro_ranges.h"
 
 namespace rhoray::render {
-
-/// The samples of a grid that stores all of them.
-template <class T>
-class DenseSamples {
- public:
-  DenseSamples(const formats::BrickGrid& grid, std::size_t field)
-      : tables_(&grid.tables()), samples_(grid.samples<T>(field)) {}
-
-  RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
-    TrilinearCell out;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const std::int64_t i = c.x + static_cast<std::int64_t>(corner & 1),
-                         j = c.y + static_cast<std::int64_t>(corner >> 1 & 1),
-                         k = c.z + static_cast<std::int64_t>(corner >> 2);
-      out.corner[corner] = static_cast<double>(samples_[tables_->address(i, j, k)]);
-    }
-    return out;
-  }
-
-  const formats::AxisTables& tables() const { return *tables_; }
-  std::span<const T> samples() const { return samples_; }
-
- private:
-  const formats::AxisTables* tables_;
-  std::span<const T> samples_;
-};
-
-/// The samples of a grid that stores only some bricks; NaN in the others.
-template <class T>
-class SparseSamples {
- public:
-  SparseSamples(const formats::BrickGrid& grid, std::size_t field)
-      : address_(grid.description().layout, grid.tables(), grid.brick_slots()), samples_(grid.samples<T>(field)) {}
-
-  /// The stored bricks of `grid`, which must be the grid of these samples.
-  StoredBricks<T> bricks(const formats::BrickGrid& grid) const {
-    static constexpr T no_data[] = {std::numeric_limits<T>::quiet_NaN()};
-    const formats::BrickLayout& layout = grid.description().layout;
-    const formats::AxisTables& tables = grid.tables();
-    const auto size = static_cast<std::uint64_t>(layout.brick_edge * layout.brick_edge * layout.brick_edge);
-    return {.address = {tables.x.data(), tables.y.data(), tables.z.data()},
-            .slots = grid.brick_slots(),
-            .shift = std::countr_zero(size),
-            .samples = samples_.data(),
-            .stride = size,
-            .stored_count = static_cast<std::uint32_t>(layout.stored_brick_count),
-            .values = no_data};
-  }
-
-  RHORAY_INLINE TrilinearCell cell(const Index3& c) const {
-    TrilinearCell out;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const std::uint64_t at =
-          address_(c.x + static_cast<std::int64_t>(corner & 1), c.y + static_cast<std::int64_t>(corner >> 1 & 1),
-                   c.z + static_cast<std::int64_t>(corner >> 2));
-      out.corner[corner] = at == formats::SparseAddress::no_sample ? std::numeric_limits<double>::quiet_NaN()
-                                                                   : static_cast<double>(samples_[at]);
-    }
-    return out;
-  }
-
- private:
-  formats::SparseAddress address_;
-  std::span<const T> samples_;
-};
 
 /// A grid whose sample (i, j, k) lies at position (i, j, k) of its frame.
 class UniformGeometry {
@@ -126,69 +62,79 @@ class RectilinearGeometry {
   std::shared_ptr<const std::array<std::vector<double>, 3>> tables_;  ///< one table per axis
 };
 
-/// One field of a packed grid as the kernels read it, in the grid's frame. `Samples` determines
-/// where samples are stored in the file, `Geometry` where they lie in space. A dense, uniform grid
-/// has no overhead from either.
-template <class T, class Samples = DenseSamples<T>, class Geometry = UniformGeometry>
+/// One field of a grid as the kernels read it. Where its samples are stored, and in which type, is
+/// not seen here: values are handed over as doubles, which hold all of them exactly.
 class GridData {
  public:
-  using Sample = T;
+  /// Reads the values at the corners of a cell.
+  using FetchCell = TrilinearCell (*)(const GridData& grid, const Index3& cell);
 
-  GridData(const formats::BrickGrid& grid, std::size_t field)
-      : grid_(grid), samples_(grid_, field), geometry_(grid.description()), levels_(grid.macro_levels<T>(field)) {}
+  /// What a grid of any format consists of.
+  struct Parts {
+    MacroRanges ranges;
+    FetchCell fetch_cell;
+    std::optional<SampleSource> source;        ///< nothing where samples cannot be addressed directly
+    Interval<double> values;                   ///< of all samples that have data
+    bool has_gaps;                             ///< some samples have no data
+    std::shared_ptr<const void> memory;        ///< that the others point to
+    std::optional<formats::BrickGrid> packed;  ///< the file; nothing for a NanoVDB grid
+  };
 
-  WalkLattice lattice() const { return {levels_.shape.leaf_count, levels_.shape.factor}; }
-  int level_count() const { return levels_.shape.level_count; }
-  const formats::GridDescription& description() const { return grid_.description(); }
-  const formats::BrickGrid& grid() const { return grid_; }
+  explicit GridData(Parts parts)
+      : parts_(std::move(parts)),
+        may_have_gaps_(parts_.ranges.type() == formats::ElementType::F32 ||
+                       parts_.ranges.type() == formats::ElementType::F64) {}
+  /// Refuses (ErrorCode::invalid) a field whose type cannot be rendered.
+  GridData(const formats::BrickGrid& grid, std::size_t field);
+
+  WalkLattice lattice() const { return {parts_.ranges.shape().leaf_count, parts_.ranges.shape().factor}; }
+  int level_count() const { return parts_.ranges.shape().level_count; }
+  const MacroRanges& ranges() const { return parts_.ranges; }
+  const std::optional<SampleSource>& source() const { return parts_.source; }
+  const std::optional<formats::BrickGrid>& packed() const { return parts_.packed; }
+  const Interval<double>& values() const { return parts_.values; }
+  bool has_gaps() const { return parts_.has_gaps; }
+  const void* memory() const { return parts_.memory.get(); }
+
+  /// The range of values that can occur in a macrocell; level must be at least 1.
+  Interval<double> range(int level, const Index3& cell) const { return parts_.ranges.range(level, cell); }
+
+  RHORAY_INLINE TrilinearCell cell(const Index3& c) const { return parts_.fetch_cell(*this, c); }
+
+  /// False for a cell with a corner that is NaN or infinite.
+  RHORAY_INLINE bool has_data(const TrilinearCell& cell) const { return !may_have_gaps_ || cell.has_data(); }
+
+  RHORAY_INLINE std::uint64_t cell_id(const Index3& c) const {
+    const Index3& count = parts_.ranges.shape().leaf_count;
+    return static_cast<std::uint64_t>((c.z * count.y + c.y) * count.x + c.x);
+  }
+
+ private:
+  Parts parts_;
+  bool may_have_gaps_;  ///< false for integers
+};
+
+/// A grid whose samples lie where `Geometry` says, in its own frame. A uniform grid has no overhead
+/// from it.
+template <class Geometry>
+class PlacedGrid : public GridData {
+ public:
+  explicit PlacedGrid(Parts parts) : GridData(std::move(parts)) {}
+  PlacedGrid(const formats::BrickGrid& grid, std::size_t field)
+      : GridData(grid, field), geometry_(grid.description()) {}
+
   RHORAY_INLINE const Geometry& geometry() const { return geometry_; }
-
-  // The stored data, for kernels that read it directly. The first two only for a dense grid.
-  const formats::AxisTables& tables() const { return samples_.tables(); }
-  std::span<const T> samples() const { return samples_.samples(); }
-  const formats::MacroLevelsView<T>& levels() const { return levels_; }
-  /// Only for a sparse grid.
-  StoredBricks<T> bricks() const { return samples_.bricks(grid_); }
 
   /// The t at which a ray passes the planes between cells.
   RHORAY_INLINE auto plane_times(const Ray& ray) const {
     return PlaneTimesOf<decltype(geometry_.planes())>(ray, geometry_.planes());
   }
 
-  /// The range of values that can occur in a macrocell; level must be at least 1.
-  RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
-    const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
-    if (stored.is_empty()) return {};
-    return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
-  }
-
-  RHORAY_INLINE TrilinearCell cell(const Index3& c) const { return samples_.cell(c); }
-
-  /// False for a cell with a corner that is NaN or infinite; integers always have data.
-  RHORAY_INLINE static bool has_data(const TrilinearCell& cell) {
-    if constexpr (std::is_floating_point_v<T>)
-      return cell.has_data();
-    else
-      return true;
-  }
-
-  RHORAY_INLINE std::uint64_t cell_id(const Index3& c) const {
-    const Index3& count = levels_.shape.leaf_count;
-    return static_cast<std::uint64_t>((c.z * count.y + c.y) * count.x + c.x);
-  }
-
  private:
-  formats::BrickGrid grid_;
-  Samples samples_;
   [[no_unique_address]] Geometry geometry_;
-  formats::MacroLevelsView<T> levels_;
 };
 
-template <class T>
-using RectilinearGridData = GridData<T, DenseSamples<T>, RectilinearGeometry>;
-template <class T>
-using SparseGridData = GridData<T, SparseSamples<T>, UniformGeometry>;
-template <class T>
-using SparseRectilinearGridData = GridData<T, SparseSamples<T>, RectilinearGeometry>;
+using UniformGrid = PlacedGrid<UniformGeometry>;
+using RectilinearGrid = PlacedGrid<RectilinearGeometry>;
 
 }  // namespace rhoray::render

@@ -1,6 +1,5 @@
 #include "render/grid/intersectors.h"
 
-#include "render/dataset/grid_source.h"
 #include "render/grid/all_hits/all_hits.h"
 #include "render/grid/isosurface/isosurface.h"
 #include "render/grid/largest/maximum.h"
@@ -11,14 +10,9 @@ namespace rhoray::render::grid {
 namespace {
 
 ReferenceKernels reference_of(const LoadedDataset& dataset, const Method& method) {
-  return std::visit(
-      [&]<class View>(const View& view) -> ReferenceKernels {
-        if constexpr (wide::is_grid<View>)
-          return reference_kernels(view, method.algorithm);
-        else
-          return {};
-      },
-      dataset.view);
+  if (const auto* uniform = std::get_if<UniformGrid>(&dataset.view))
+    return reference_kernels(*uniform, method.algorithm);
+  return reference_kernels(std::get<RectilinearGrid>(dataset.view), method.algorithm);
 }
 
 }  // namespace

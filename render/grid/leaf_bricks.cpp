@@ -79,15 +79,19 @@ void LeafBricks::find_slots(const nanovdb::NanoTree<float>& tree) {
   if (values_.empty()) values_.push_back(0);
 }
 
-StoredBricks<float> LeafBricks::view() const {
+std::optional<SampleSource> LeafBricks::source() const {
   static_assert(sizeof(Leaf) % sizeof(float) == 0);
-  return {.address = {address_[0].data(), address_[1].data(), address_[2].data()},
-          .slots = slots_,
-          .shift = shift,
-          .samples = first_leaf_ == nullptr ? nullptr : first_leaf_->data()->mValues,
-          .stride = sizeof(Leaf) / sizeof(float),
-          .stored_count = leaf_count_,
-          .values = values_};
+  if (slots_.empty()) return std::nullopt;
+  const auto count = [&](std::size_t axis) { return static_cast<std::int64_t>(address_[axis].size()); };
+  return SampleSource(formats::ElementType::F32, first_leaf_ == nullptr ? nullptr : first_leaf_->data()->mValues,
+                      {address_[0].data(), address_[1].data(), address_[2].data()},
+                      {.slots = slots_.data(),
+                       .shift = shift,
+                       .stride = sizeof(Leaf) / sizeof(float),
+                       .stored_count = leaf_count_,
+                       .last_value = static_cast<std::uint32_t>(values_.size() - 1),
+                       .values = values_.data()},
+                      {count(0), count(1), count(2)});
 }
 
 }  // namespace rhoray::render

@@ -4,10 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "formats/base/vector.h"
-#include "render/grid/stored_bricks.h"
+#include "render/grid/sample_source.h"
 
 namespace rhoray::render {
 
@@ -19,9 +20,9 @@ class LeafBricks {
 
   LeafBricks(const nanovdb::NanoTree<float>& tree, const Index3& first_voxel, const Index3& voxel_count);
 
-  /// Voxel (i, j, k) of the box is sample (i, j, k). There are no slots if the leaf nodes are not
-  /// contiguous in memory, as OpenVDB's own converter places them.
-  StoredBricks<float> view() const;
+  /// Voxel (i, j, k) of the box is sample (i, j, k). Nothing if the leaf nodes are not contiguous in
+  /// memory, as OpenVDB's own converter places them.
+  std::optional<SampleSource> source() const;
 
  private:
   using Leaf = nanovdb::NanoLeaf<float>;

@@ -1,12 +1,15 @@
 #include "render/grid/nanovdb_data.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <memory>
+#include <vector>
 
 #include "formats/base/parallel.h"
 #include "formats/format_error.h"
+#include "render/grid/leaf_bricks.h"
 
 namespace rhoray::render {
 
@@ -106,55 +109,104 @@ Index3 smaller(const Index3& a, const Index3& b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
-}  // namespace
+/// The tree, the ranges of its macrocells, and its leaf nodes as bricks.
+class NanoVdb {
+ public:
+  explicit NanoVdb(const formats::VdbGrid& grid);
 
-NanoVdbData::NanoVdbData(const formats::VdbGrid& grid)
-    : grid_(grid),
-      tree_(&NodeCheck(grid).checked_tree()),
-      first_sample_(grid.description().first_sample),
-      levels_(std::make_shared<Levels>()) {
-  Levels& levels = *levels_;
-  const formats::MacroShape shape = levels.shape = choose_shape(grid.description().sample_count, grid.file());
+  TrilinearCell cell(const Index3& c) const {
+    constexpr std::int32_t last = Leaf::DIM - 1;
+    const nanovdb::Coord low = voxel(c);
+    TrilinearCell out;
+    // For seven eighths of the cells on each axis, all corners lie in one leaf node, found once.
+    if ((low[0] & last) != last && (low[1] & last) != last && (low[2] & last) != last)
+      if (const Leaf* leaf = tree_->root().probeLeaf(low)) {
+        const float* values = leaf->data()->mValues + Leaf::CoordToOffset(low);
+        for (std::size_t corner = 0; corner < 8; ++corner)
+          out.corner[corner] =
+              static_cast<double>(values[(corner & 1) * x_stride + (corner >> 1 & 1) * y_stride + (corner >> 2)]);
+        return out;
+      }
+    const nanovdb::DefaultReadAccessor<float> accessor(tree_->root());
+    for (std::size_t corner = 0; corner < 8; ++corner)
+      out.corner[corner] = static_cast<double>(accessor.getValue(
+          low.offsetBy(static_cast<std::int32_t>(corner & 1), static_cast<std::int32_t>(corner >> 1 & 1),
+                       static_cast<std::int32_t>(corner >> 2))));
+    return out;
+  }
+
+  const formats::MacroLevelsView<float>& levels() const { return levels_; }
+  const Interval<float>& values() const { return values_; }
+  bool has_gaps() const { return has_gaps_; }
+  std::optional<SampleSource> source() const { return bricks_ ? bricks_->source() : std::nullopt; }
+
+ private:
+  using Leaf = nanovdb::NanoLeaf<float>;
+  // z varies fastest in a leaf.
+  static constexpr std::size_t x_stride = Leaf::DIM * Leaf::DIM, y_stride = Leaf::DIM;
+
+  nanovdb::Coord voxel(const Index3& sample) const {
+    return {static_cast<std::int32_t>(first_sample_.x + sample.x),
+            static_cast<std::int32_t>(first_sample_.y + sample.y),
+            static_cast<std::int32_t>(first_sample_.z + sample.z)};
+  }
+  Interval<float> sample_range(const Index3& first, const Index3& last, std::atomic<bool>& has_gaps) const;
+  Interval<float> cell_range(const Index3& first, const Index3& last) const;
+  void build_lowest_level();
+
+  formats::VdbGrid grid_;  ///< keeps the buffer alive
+  const nanovdb::NanoTree<float>* tree_;
+  Index3 first_sample_;
+  std::vector<std::vector<float>> ranges_;  ///< [level - 1]: in the layout of MacroLevelsView
+  formats::MacroLevelsView<float> levels_;
+  Interval<float> values_;
+  bool has_gaps_ = false;
+  std::optional<LeafBricks> bricks_;  ///< nothing where macrocells of the lowest level are larger
+};
+
+NanoVdb::NanoVdb(const formats::VdbGrid& grid)
+    : grid_(grid), tree_(&NodeCheck(grid_).checked_tree()), first_sample_(grid.description().first_sample) {
+  const formats::MacroShape shape = choose_shape(grid.description().sample_count, grid.file());
   const Index3& cells = shape.leaf_count;
   // Limit for tables with an entry for each sample on an axis.
   constexpr std::int64_t longest = 1 << 16;
   if (shape.factor < leaf_edge && std::max({cells.x, cells.y, cells.z}) < longest)
-    bricks_ = std::make_shared<const LeafBricks>(*tree_, first_sample_, grid.description().sample_count);
+    bricks_.emplace(*tree_, first_sample_, grid.description().sample_count);
   for (int level = 1; level <= shape.level_count; ++level)
-    levels.ranges.emplace_back(static_cast<std::size_t>(2 * volume(shape.count(level))));
-  build_lowest_level(levels);
-  levels.view = {.shape = shape, .first_level = 1, .ranges = {levels.ranges.begin(), levels.ranges.end()}};
+    ranges_.emplace_back(static_cast<std::size_t>(2 * volume(shape.count(level))));
+  levels_ = {.shape = shape, .first_level = 1, .ranges = {ranges_.begin(), ranges_.end()}};
+  build_lowest_level();
   for (int level = 2; level <= shape.level_count; ++level)
     for_each_index({0, 0, 0}, shape.count(level), [&](const Index3& c) {
       Interval<float> range;
       const Index3 end = smaller((c + Index3(1, 1, 1)) * shape.factor, shape.count(level - 1));
-      for_each_index(c * shape.factor, end, [&](const Index3& child) {
-        range.include(levels.view.range(level - 1, child.x, child.y, child.z));
-      });
-      put(levels.ranges[static_cast<std::size_t>(level - 1)], shape.count(level), c, range);
+      for_each_index(c * shape.factor, end,
+                     [&](const Index3& child) { range.include(levels_.range(level - 1, child.x, child.y, child.z)); });
+      put(ranges_[static_cast<std::size_t>(level - 1)], shape.count(level), c, range);
     });
   for_each_index({0, 0, 0}, shape.count(shape.level_count),
-                 [&](const Index3& c) { levels.values.include(levels.view.range(shape.level_count, c.x, c.y, c.z)); });
+                 [&](const Index3& c) { values_.include(levels_.range(shape.level_count, c.x, c.y, c.z)); });
 }
 
-void NanoVdbData::build_lowest_level(Levels& levels) const {
-  const Index3 count = levels.shape.count(1);
+void NanoVdb::build_lowest_level() {
+  const formats::MacroShape& shape = levels_.shape;
+  const Index3 count = shape.count(1);
   std::atomic<bool> has_gaps = false;
   for_each_range(static_cast<std::uint64_t>(count.z), 1, 0, [&](std::uint64_t first, std::uint64_t last) {
     const Index3 low(0, 0, static_cast<std::int64_t>(first)), high(count.x, count.y, static_cast<std::int64_t>(last));
     for_each_index(low, high, [&](const Index3& c) {
-      const Index3 from = c * levels.shape.factor;
-      const Index3 to = smaller(from + Index3(1, 1, 1) * levels.shape.factor, levels.shape.leaf_count);
-      put(levels.ranges.front(), count, c, sample_range(from, to, has_gaps));
+      const Index3 from = c * shape.factor;
+      const Index3 to = smaller(from + Index3(1, 1, 1) * shape.factor, shape.leaf_count);
+      put(ranges_.front(), count, c, sample_range(from, to, has_gaps));
     });
   });
-  levels.has_gaps = has_gaps;
+  has_gaps_ = has_gaps;
 }
 
 /// The range of the samples from first to last. A leaf-sized block of voxels without a leaf node
 /// has one value.
-Interval<float> NanoVdbData::sample_range(const Index3& first, const Index3& last,
-                                          std::atomic<bool>& has_gaps_anywhere) const {
+Interval<float> NanoVdb::sample_range(const Index3& first, const Index3& last,
+                                      std::atomic<bool>& has_gaps_anywhere) const {
   Interval<float> range;
   bool has_gaps = false;
   const auto include = [&](float value) {
@@ -187,7 +239,7 @@ Interval<float> NanoVdbData::sample_range(const Index3& first, const Index3& las
 }
 
 /// The range of those cells between the samples from first to last that have data.
-Interval<float> NanoVdbData::cell_range(const Index3& first, const Index3& last) const {
+Interval<float> NanoVdb::cell_range(const Index3& first, const Index3& last) const {
   Interval<float> range;
   for_each_index(first, last, [&](const Index3& c) {
     const TrilinearCell corners = cell(c);
@@ -196,6 +248,24 @@ Interval<float> NanoVdbData::cell_range(const Index3& first, const Index3& last)
     range.include(static_cast<float>(corners.largest()));
   });
   return range;
+}
+
+}  // namespace
+
+UniformGrid nanovdb_data(const formats::VdbGrid& grid) {
+  const auto memory = std::make_shared<const NanoVdb>(grid);
+  const Interval<float>& values = memory->values();
+  GridData::Parts parts{
+      .ranges = memory->levels(),
+      .fetch_cell = [](const GridData& data,
+                       const Index3& cell) { return static_cast<const NanoVdb*>(data.memory())->cell(cell); },
+      .source = memory->source(),
+      .values = {static_cast<double>(values.lo), static_cast<double>(values.hi)},
+      .has_gaps = memory->has_gaps(),
+      .memory = memory,
+      .packed = std::nullopt};
+  if (parts.source) parts.source->has_gaps = parts.has_gaps;
+  return UniformGrid(std::move(parts));
 }
 
 }  // namespace rhoray::render

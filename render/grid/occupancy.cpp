@@ -101,9 +101,8 @@ struct BoxList {
 
 }  // namespace
 
-template <class T>
-Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue) {
-  const Index3 blocks = levels.shape.count(1);
+Occupancy::Occupancy(const MacroRanges& ranges, double isovalue) {
+  const Index3& blocks = ranges.level(1).count;
   std::array<int, 3> super_node_count;
   for (int a = 0; a < 3; ++a) {
     super_node_count[static_cast<std::size_t>(a)] = static_cast<int>((blocks[a] + 15) / 16);
@@ -114,21 +113,26 @@ Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue)
   };
   nodes_.assign(volume(node_count_), 0);
   super_nodes_.assign(volume(super_node_count), 0);
+  with_value_type(ranges.type(), [&]<class T>(T) { find_nodes<T>(ranges, isovalue); });
+}
+
+template <class T>
+void Occupancy::find_nodes(const MacroRanges& ranges, double isovalue) {
   const std::optional<T> threshold = threshold_in<T>(isovalue);
   if (!threshold) return;
 
   const auto level = [&](int l) {
-    return Straddling<T>{levels.ranges[static_cast<std::size_t>(l - levels.first_level)].data(), levels.shape.count(l),
-                         *threshold};
+    return Straddling<T>{static_cast<const T*>(ranges.level(l).ranges), ranges.level(l).count, *threshold};
   };
+  const int level_count = ranges.shape().level_count;
   const Straddling<T> of_blocks = level(1);
   std::size_t at = 0;
-  for (int k = 0; k < super_node_count[2]; ++k)
-    for (int j = 0; j < super_node_count[1]; ++j)
-      for (int i = 0; i < super_node_count[0]; ++i, ++at) {
-        if (levels.shape.level_count >= 3 && !level(3)(i, j, k)) continue;
+  for (int k = 0; k < node_count_[2] / 4; ++k)
+    for (int j = 0; j < node_count_[1] / 4; ++j)
+      for (int i = 0; i < node_count_[0] / 4; ++i, ++at) {
+        if (level_count >= 3 && !level(3)(i, j, k)) continue;
         std::uint64_t candidates = ~std::uint64_t{0};
-        if (levels.shape.level_count >= 2) candidates = level(2).children(i, j, k);
+        if (level_count >= 2) candidates = level(2).children(i, j, k);
         std::uint64_t super_node = 0;
         for (; candidates != 0; candidates &= candidates - 1) {
           const int bit = std::countr_zero(candidates);
@@ -140,7 +144,7 @@ Occupancy::Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue)
         }
         super_nodes_[at] = super_node;
       }
-  find_boxes(levels.shape.leaf_count);
+  find_boxes(ranges.shape().leaf_count);
 }
 
 void Occupancy::find_boxes(const Index3& leaf_count) {
@@ -181,16 +185,5 @@ std::size_t Occupancy::size_bytes() const {
   for (const auto& level : boxes_) bytes += level.size() * sizeof(BoxNode);
   return bytes;
 }
-
-#define RHORAY_OCCUPANCY(T) template Occupancy::Occupancy(const formats::MacroLevelsView<T>&, double);
-RHORAY_OCCUPANCY(std::uint8_t)
-RHORAY_OCCUPANCY(std::int8_t)
-RHORAY_OCCUPANCY(std::uint16_t)
-RHORAY_OCCUPANCY(std::int16_t)
-RHORAY_OCCUPANCY(std::uint32_t)
-RHORAY_OCCUPANCY(std::int32_t)
-RHORAY_OCCUPANCY(float)
-RHORAY_OCCUPANCY(double)
-#undef RHORAY_OCCUPANCY
 
 }  // namespace rhoray::render

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "formats/macro_levels.h"
 #include "render/query/last_isovalues.h"
+#include "render/traverse/macro_ranges.h"
 #include "render/traverse/surface_boxes.h"
 
 namespace rhoray::render {
@@ -22,8 +22,7 @@ namespace rhoray::render {
 class Occupancy {
  public:
   /// Children of macrocells whose values lie on one side are not read.
-  template <class T>
-  Occupancy(const formats::MacroLevelsView<T>& levels, double isovalue);
+  Occupancy(const MacroRanges& ranges, double isovalue);
 
   /// Nodes per axis, a multiple of 4.
   const std::array<int, 3>& node_count() const { return node_count_; }
@@ -39,6 +38,8 @@ class Occupancy {
   std::size_t size_bytes() const;
 
  private:
+  template <class T>
+  void find_nodes(const MacroRanges& ranges, double isovalue);
   void find_boxes(const Index3& leaf_count);
 
   std::array<int, 3> node_count_;
@@ -49,9 +50,8 @@ class Occupancy {
 /// Keeps the occupancies of one volume for the isovalues used last. Thread-safe.
 class OccupancyCache {
  public:
-  template <class T>
-  std::shared_ptr<const Occupancy> of(const formats::MacroLevelsView<T>& levels, double isovalue) {
-    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(levels, isovalue); });
+  std::shared_ptr<const Occupancy> of(const MacroRanges& ranges, double isovalue) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(ranges, isovalue); });
   }
 
  private:

@@ -8,17 +8,23 @@ namespace rhoray::render {
 template <class View>
 using Answer = Hit (*)(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch);
 
-/// The kernel that answers one ray after the other.
+/// Answers one ray after the other.
+/// @param answer  (ray, its number): the hit, without its cost
+template <class AnswerOne>
+void answer_each(const RayBatch& rays, HitBatch& hits, const KernelScratch& scratch, AnswerOne&& answer) {
+  for (std::size_t r = 0; r < rays.count; ++r) {
+    const std::uint64_t before = scratch.counters.visits();
+    Hit hit = answer(rays[r], r);
+    hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
+    hits.set(r, hit);
+  }
+}
+
 template <class View, Answer<View> answer>
 void kernel_of(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                KernelScratch& scratch) {
   const View& view = std::get<View>(dataset.view);
-  for (std::size_t r = 0; r < rays.count; ++r) {
-    const std::uint64_t before = scratch.counters.visits();
-    Hit hit = answer(view, query, rays[r], scratch);
-    hit.cost = static_cast<std::uint32_t>(scratch.counters.visits() - before);
-    hits.set(r, hit);
-  }
+  answer_each(rays, hits, scratch, [&](const Ray& ray, std::size_t) { return answer(view, query, ray, scratch); });
 }
 
 /// The kernel of one query for an algorithm.

@@ -151,6 +151,18 @@ Hit sampled_maximum(Sampler& sampler, const RayQuery& query, KernelCounters& cou
   return hit;
 }
 
+template <class Sampler, class View>
+Hit sampled_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  Sampler sampler(view, ray);
+  return sampled_crossing(sampler, query, scratch.counters);
+}
+
+template <class Sampler, class View>
+Hit sampled_maximum_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
+  Sampler sampler(view, ray);
+  return sampled_maximum(sampler, query, scratch.counters);
+}
+
 }  // namespace
 
 }  // namespace rhoray::render

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <type_traits>
+#include <optional>
 #include <utility>
 #include <variant>
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
-#include "formats/format_error.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/dataset/load_view.h"
 #include "render/query/compiled_for.h"
@@ -43,11 +42,10 @@ RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::
 // Meshes.
 
 /// Data looked up in a mesh besides its own field.
-template <class T>
 struct MeshLookup {
-  const TetData<T>* view;
+  const TetData* view;
   std::shared_ptr<const PointGradients> gradients{};  ///< null: not needed
-  std::variant<std::monostate, std::span<const float>, std::span<const double>> field{};
+  std::optional<TetData> field{};
 };
 
 /// The cells of a group's hits: their points and weights.
@@ -106,8 +104,7 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
 }
 
 /// Misses get an arbitrary cell.
-template <class T>
-RHORAY_INLINE void find_cells(const TetData<T>& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+RHORAY_INLINE void find_cells(const TetData& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
   Numbers place[3], away[4][3], field[4];
   find_places(rays, hits, first, place);
@@ -151,18 +148,14 @@ RHORAY_INLINE void replace_gradients(const HitCells& cells, std::span<const std:
   }
 }
 
-template <class T>
-RHORAY_INLINE void look_up_in_mesh(const MeshLookup<T>& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
+RHORAY_INLINE void look_up_in_mesh(const MeshLookup& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
                                    double* values) {
   HitCells cells;
   find_cells(*lookup.view, rays, hits, first, cells);
   if (lookup.gradients) replace_gradients(cells, lookup.gradients->of_points(), hits, first);
-  const auto look_up = [&](const auto& field) {
+  if (lookup.field)
     interpolate(
-        cells, [&](std::uint32_t point) { return static_cast<double>(field[point]); }, values);
-  };
-  if (const auto* floats = std::get_if<1>(&lookup.field)) look_up(*floats);
-  if (const auto* doubles = std::get_if<2>(&lookup.field)) look_up(*doubles);
+        cells, [&](std::uint32_t point) { return lookup.field->value_at(point); }, values);
 }
 
 // Surfaces.
@@ -237,38 +230,28 @@ LookUp in_grid(Grid grid, Machine machine) {
   };
 }
 
-template <class T>
-LookUp look_up_for(const TetData<T>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned threads, Machine machine) {
-  MeshLookup<T> lookup{.view = &view};
+LookUp look_up_for(const TetData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
+                   Machine machine) {
+  MeshLookup lookup{.view = &view};
   if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads);
-  if (attributes.field) {
-    const std::size_t field = *view.mesh().find_field(*attributes.field);
-    if (view.description().fields[field].type == formats::ElementType::F32)
-      lookup.field = view.mesh().template values<float>(field);
-    else
-      lookup.field = view.mesh().template values<double>(field);
-  }
-  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh<T>>(machine)](
+  if (attributes.field) lookup.field.emplace(view.mesh(), *view.mesh().find_field(*attributes.field));
+  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh>(machine)](
              const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
     look_up(lookup, rays, hits, first, values);
   };
 }
 
-template <class T, template <class> class Samples, class Geometry>
-LookUp look_up_for(const GridData<T, Samples<T>, Geometry>& view, const LoadedDataset& dataset,
-                   const HitAttributes& attributes, unsigned, Machine machine) {
-  const std::size_t field = *view.grid().find_field(*attributes.field);
-  return formats::with_element_type(view.description().fields[field].type, [&](auto sample) -> LookUp {
-    using Other = decltype(sample);
-    constexpr bool is_sparse = std::is_same_v<Samples<Other>, SparseSamples<Other>>;
-    if constexpr (std::is_floating_point_v<Other> || (sizeof(Other) < 8 && !is_sparse))
-      return in_grid(GridData<Other, Samples<Other>, Geometry>(view.grid(), field), machine);
-    else
-      formats::refuse(dataset.file.name(), concat("field '", *attributes.field, "'"),
-                      formats::element_name(view.description().fields[field].type),
-                      is_sparse ? "F32 or F64 in a sparse grid" : "a type of at most 32 bits, or F64");
-  });
+template <class Geometry>
+LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
+                   unsigned, Machine machine) {
+  if (view.packed())
+    return in_grid(PlacedGrid<Geometry>(*view.packed(), *view.packed()->find_field(*attributes.field)), machine);
+  if (*attributes.field != dataset.field.name)
+    throw Error(ErrorCode::unsupported,
+                concat(dataset.file.name(), ": field '", *attributes.field,
+                       "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
+                       dataset.field.name, "'"));
+  return in_grid(view, machine);
 }
 
 LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
@@ -279,16 +262,6 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
   };
-}
-
-LookUp look_up_for(const NanoVdbData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned,
-                   Machine machine) {
-  if (*attributes.field != dataset.field.name)
-    throw Error(ErrorCode::unsupported,
-                concat(dataset.file.name(), ": field '", *attributes.field,
-                       "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
-                       dataset.field.name, "'"));
-  return in_grid(view, machine);
 }
 
 }  // namespace

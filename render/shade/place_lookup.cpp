@@ -150,8 +150,7 @@ struct Holders {
 };
 
 /// Updates the positions that a cell contains better than all cells before it.
-template <class View>
-RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, const Around& box, std::uint32_t tet,
+RHORAY_INLINE void hold_against(const TetData& view, const PlacesInPlane& places, const Around& box, std::uint32_t tet,
                                 Holders& holders, PlaceAnswers& answers) {
   const auto vertices = view.sorted_vertices(tet);
   const auto points = view.points_at(vertices);
@@ -184,8 +183,8 @@ RHORAY_INLINE void hold_against(const View& view, const PlacesInPlane& places, c
 }
 
 /// Calls visit(cell) for the cells of clusters that may contain positions of the group.
-template <class View, class Visit>
-RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& places, const Around& box,
+template <class Visit>
+RHORAY_INLINE void for_each_in_clusters(const TetData& view, const PlacesInPlane& places, const Around& box,
                                         const Visit& visit) {
   constexpr std::size_t width = formats::ClusterShape::width, most_levels = 11;
   struct Entry {
@@ -216,8 +215,8 @@ RHORAY_INLINE void for_each_in_clusters(const View& view, const PlacesInPlane& p
 }
 
 /// The same for the cells that leaves list. A cell comes up once for every leaf that lists it.
-template <class View, class Visit>
-RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& places, const Around& box,
+template <class Visit>
+RHORAY_INLINE void for_each_in_leaves(const TetData& view, const PlacesInPlane& places, const Around& box,
                                       const Visit& visit) {
   const formats::LeafLattice& lattice = view.description().lattice;
   const Index3 count = view.lattice().leaf_count;
@@ -248,8 +247,7 @@ RHORAY_INLINE void for_each_in_leaves(const View& view, const PlacesInPlane& pla
 }
 
 /// The linear field at a position of a cell, moved into the cell where rounding has put it outside.
-template <class View>
-RHORAY_INLINE double value_in(const View& view, std::uint32_t tet, const Vec3& place) {
+RHORAY_INLINE double value_in(const TetData& view, std::uint32_t tet, const Vec3& place) {
   const auto vertices = view.sorted_vertices(tet);
   TetPlanes planes{};
   find_planes(view.points_at(vertices), planes);
@@ -266,8 +264,7 @@ RHORAY_INLINE double value_in(const View& view, std::uint32_t tet, const Vec3& p
   return values[0] + sum / weights;
 }
 
-template <class View>
-RHORAY_INLINE void look_up_in_mesh(const View& view, const PlacesInPlane& places, PlaceAnswers& answers) {
+RHORAY_INLINE void look_up_in_mesh(const TetData& view, const PlacesInPlane& places, PlaceAnswers& answers) {
   const Around box = around(places);
   Holders holders;
   std::fill_n(holders.outside, group_size, 2 * box.slack);
@@ -307,9 +304,8 @@ template <class Grid>
 LookUp look_up_for(const Grid& grid, const LoadedDataset&, Machine) {
   return answered_by(grid, look_up_in_grid<Grid>);
 }
-template <class T>
-LookUp look_up_for(const TetData<T>& mesh, const LoadedDataset&, Machine machine) {
-  return answered_by(mesh, compiled_for<look_up_in_mesh<TetData<T>>>(machine));
+LookUp look_up_for(const TetData& mesh, const LoadedDataset&, Machine machine) {
+  return answered_by(mesh, compiled_for<look_up_in_mesh>(machine));
 }
 LookUp look_up_for(const TriangleData&, const LoadedDataset& dataset, Machine) {
   throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no field to be sliced"));

@@ -12,8 +12,8 @@ namespace active_cells {
 
 /// Visits the leaf cells of a mesh's lattice that have values on both sides of the isovalue, from
 /// the top of the hierarchy down.
-template <class T, class Act>
-void for_each_leaf(const TetData<T>& view, double isovalue, int level, const Index3& cell, Act&& act) {
+template <class Act>
+void for_each_leaf(const TetData& view, double isovalue, int level, const Index3& cell, Act&& act) {
   const Interval<double> range = view.range(level, cell);
   if (!(range.lo < isovalue && isovalue <= range.hi)) return;
   if (level == 0) {
@@ -32,11 +32,11 @@ void for_each_leaf(const TetData<T>& view, double isovalue, int level, const Ind
 
 /// Visits the clusters below an entry of the tree that have values on both sides of the isovalue,
 /// in increasing order.
-template <class T, class Act>
-void for_each_cluster(const TetData<T>& view, double isovalue, int level, std::uint64_t block, Act&& act) {
-  const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
+template <class Act>
+void for_each_cluster(const TetData& view, double isovalue, int level, std::uint64_t block, Act&& act) {
+  const auto ranges = view.cluster_ranges(level, block);
   for (std::size_t e = 0; e < formats::ClusterShape::width; ++e) {
-    if (!(static_cast<double>(ranges.lo[e]) < isovalue && isovalue <= static_cast<double>(ranges.hi[e]))) continue;
+    if (!(ranges.lo[e] < isovalue && isovalue <= ranges.hi[e])) continue;
     const std::uint64_t entry = block * formats::ClusterShape::width + e;
     if (level == 0)
       act(entry);
@@ -46,8 +46,8 @@ void for_each_cluster(const TetData<T>& view, double isovalue, int level, std::u
 }
 
 /// Candidates of a mesh with clusters; a word of bits holds one cluster or several.
-template <class T, class Act>
-void for_each_word_of_clusters(const TetData<T>& view, double isovalue, Act&& act) {
+template <class Act>
+void for_each_word_of_clusters(const TetData& view, double isovalue, Act&& act) {
   const formats::CellClustersView& clusters = view.clusters();
   std::uint64_t word = 0, bits = 0;
   const auto flush = [&] {
@@ -65,8 +65,8 @@ void for_each_word_of_clusters(const TetData<T>& view, double isovalue, Act&& ac
 }
 
 /// Candidates of a mesh with leaf lists, each once although several leaf cells list it.
-template <class T, class Act>
-void for_each_word_of_lists(const TetData<T>& view, double isovalue, Act&& act) {
+template <class Act>
+void for_each_word_of_lists(const TetData& view, double isovalue, Act&& act) {
   std::vector<std::uint64_t> listed((view.description().cell_count + 63) / 64);
   const formats::MacroShape& shape = view.description().lattice.macro;
   const Index3 count = shape.count(shape.level_count);
@@ -86,8 +86,8 @@ void for_each_word_of_lists(const TetData<T>& view, double isovalue, Act&& act) 
 /// Calls act(first, bits) with increasing multiples of 64 as `first`: bit i stands for the cell at
 /// index first + i. Cells whose bit is clear, or for which there is no call, have all their values
 /// on one side of the isovalue. The others may or may not. Each cell comes up once.
-template <class T, class Act>
-void for_each_candidate(const TetData<T>& view, double isovalue, Act&& act) {
+template <class Act>
+void for_each_candidate(const TetData& view, double isovalue, Act&& act) {
   if (view.has_clusters())
     active_cells::for_each_word_of_clusters(view, isovalue, act);
   else

@@ -1,23 +1,11 @@
 #include "render/tets/intersectors.h"
 
-#include "render/tets/is_mesh.h"
 #include "render/tets/largest/maximum.h"
 #include "render/triangles/kernels/facet_kernels.h"
 
 namespace rhoray::render::tets {
 
 namespace {
-
-ReferenceKernels reference_of(const LoadedDataset& dataset, const Method& method) {
-  return std::visit(
-      [&]<class View>(const View& view) -> ReferenceKernels {
-        if constexpr (wide::is_mesh<View>)
-          return reference_kernels(view, method.algorithm);
-        else
-          return {};
-      },
-      dataset.view);
-}
 
 /// Methods that find a tetrahedron by its barycentric coordinates promise nothing for flat ones.
 bool keeps_to_bounds(Method::Algorithm algorithm) {
@@ -38,7 +26,7 @@ bool keeps_to_bounds(Method::Algorithm algorithm) {
 }  // namespace
 
 Intersectors intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
-  const ReferenceKernels reference = reference_of(dataset, query.method);
+  const ReferenceKernels reference = reference_kernels(std::get<TetData>(dataset.view), query.method.algorithm);
   Intersectors found{.first_hit = reference.first_hit,
                      .largest = reference.largest,
                      .queue_entries = reference.queue_entries,

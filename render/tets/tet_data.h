@@ -4,26 +4,29 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "formats/base/rising.h"
 #include "formats/tet_mesh.h"
 #include "render/cell/tet_crossing.h"
 #include "render/traverse/lattice_walk.h"
+#include "render/traverse/macro_ranges.h"
 
 namespace rhoray::render {
 
 /// A packed mesh with one of its fields as a volume for rays, in its own frame: points relative to
 /// the mesh's origin.
 ///
-/// Leaf lists or clusters (formats/cell_clusters.h) tell which cells a ray may hit.
-template <class T>
+/// Leaf lists or clusters (formats/cell_clusters.h) tell which cells a ray may hit. Whether values
+/// are stored as floats or doubles is seen by none but kernels that read them directly.
 class TetData {
  public:
-  TetData(const formats::TetMesh& mesh, std::size_t field) : mesh_(mesh), values_(mesh.values<T>(field)) {
-    if (mesh.has_clusters())
-      cluster_ranges_ = mesh.cluster_ranges<T>(field);
+  TetData(const formats::TetMesh& mesh, std::size_t field)
+      : mesh_(mesh), is_float_(mesh.description().fields[field].type == formats::ElementType::F32) {
+    if (is_float_)
+      read<float>(field);
     else
-      levels_ = mesh.macro_levels<T>(field);
+      read<double>(field);
   }
 
   const formats::TetMeshDescription& description() const { return mesh_.description(); }
@@ -42,23 +45,32 @@ class TetData {
   }
 
   std::span<const std::array<double, 3>> points() const { return mesh_.points(); }
-  std::span<const T> values() const { return values_; }
 
   bool has_clusters() const { return mesh_.has_clusters(); }
 
+  // The stored values, and the ranges of a level of clusters, as floats or doubles.
+  bool is_float() const { return is_float_; }
+  const void* stored_values() const { return values_; }
+  const void* stored_cluster_ranges(int level) const { return cluster_ranges_[static_cast<std::size_t>(level)]; }
+
   // Only with clusters.
   const formats::CellClustersView& clusters() const { return mesh_.clusters(); }
-  const formats::ClusterRangesView<T>& cluster_ranges() const { return cluster_ranges_; }
+  RHORAY_INLINE formats::RangeBlock<double> cluster_ranges(int level, std::uint64_t block) const {
+    const void* ranges = stored_cluster_ranges(level);
+    if (!is_float_) return static_cast<const formats::RangeBlock<double>*>(ranges)[block];
+    const auto& floats = static_cast<const formats::RangeBlock<float>*>(ranges)[block];
+    formats::RangeBlock<double> doubles;
+    for (std::size_t e = 0; e < formats::ClusterShape::width; ++e)
+      doubles.lo[e] = static_cast<double>(floats.lo[e]), doubles.hi[e] = static_cast<double>(floats.hi[e]);
+    return doubles;
+  }
 
   // Only with leaf lists.
-  int level_count() const { return levels_.shape.level_count; }
+  int level_count() const { return levels_.shape().level_count; }
   /// Returns the range of the values in the tetrahedra of a leaf cell (level 0) or macrocell.
-  RHORAY_INLINE Interval<double> range(int level, const Index3& cell) const {
-    const Interval<T> stored = levels_.range(level, cell.x, cell.y, cell.z);
-    return {static_cast<double>(stored.lo), static_cast<double>(stored.hi)};
-  }
+  Interval<double> range(int level, const Index3& cell) const { return levels_.range(level, cell); }
   RHORAY_INLINE std::span<const std::uint32_t> tetrahedra_at(const Index3& leaf) const {
-    const Index3& count = levels_.shape.leaf_count;
+    const Index3& count = levels_.shape().leaf_count;
     return mesh_.leaf_lists().list(static_cast<std::uint64_t>((leaf.z * count.y + leaf.y) * count.x + leaf.x));
   }
 
@@ -70,10 +82,12 @@ class TetData {
     return rising(vertices(cell));
   }
 
-  RHORAY_INLINE double value_at(std::uint32_t point) const { return static_cast<double>(values_[point]); }
+  RHORAY_INLINE double value_at(std::uint32_t point) const {
+    return is_float_ ? static_cast<double>(static_cast<const float*>(values_)[point])
+                     : static_cast<const double*>(values_)[point];
+  }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
-    return {static_cast<double>(values_[v[0]]), static_cast<double>(values_[v[1]]), static_cast<double>(values_[v[2]]),
-            static_cast<double>(values_[v[3]])};
+    return {value_at(v[0]), value_at(v[1]), value_at(v[2]), value_at(v[3])};
   }
 
   RHORAY_INLINE std::array<std::array<double, 3>, 4> points_at(const std::array<std::uint32_t, 4>& v) const {
@@ -84,10 +98,20 @@ class TetData {
   RHORAY_INLINE std::uint64_t cell_id(std::uint32_t cell) const { return mesh_.cell_id(cell); }
 
  private:
+  template <class T>
+  void read(std::size_t field) {
+    values_ = mesh_.values<T>(field).data();
+    if (mesh_.has_clusters())
+      for (const auto& level : mesh_.cluster_ranges<T>(field)) cluster_ranges_.push_back(level.data());
+    else
+      levels_ = mesh_.macro_levels<T>(field);
+  }
+
   formats::TetMesh mesh_;
-  std::span<const T> values_;
-  formats::MacroLevelsView<T> levels_;
-  formats::ClusterRangesView<T> cluster_ranges_;
+  bool is_float_;
+  const void* values_;
+  MacroRanges levels_;
+  std::vector<const void*> cluster_ranges_;  ///< [level]: an array of RangeBlock
 };
 
 /// False when a value is NaN or infinite: the tetrahedron then counts as absent.

@@ -25,8 +25,7 @@ struct Candidates {
   std::uint64_t bits;
 };
 
-template <class T>
-std::vector<Candidates> candidates_of(const TetData<T>& view, double isovalue) {
+std::vector<Candidates> candidates_of(const TetData& view, double isovalue) {
   std::vector<Candidates> all;
   for_each_candidate(view, isovalue, [&](std::uint32_t first, std::uint64_t bits) { all.push_back({first, bits}); });
   return all;
@@ -51,9 +50,7 @@ struct ActiveList {
 
 /// Finds the active ones of 64 cells that are in clusters: each vertex of a cluster is evaluated
 /// once.
-template <class T>
-void find_active_in_clusters(const TetData<T>& view, const Candidates& candidates, double isovalue,
-                             ActiveList& active) {
+void find_active_in_clusters(const TetData& view, const Candidates& candidates, double isovalue, ActiveList& active) {
   const formats::CellClustersView& clusters = view.clusters();
   for (std::uint64_t bits = candidates.bits; bits != 0;) {
     const std::uint64_t cluster =
@@ -71,8 +68,7 @@ void find_active_in_clusters(const TetData<T>& view, const Candidates& candidate
   }
 }
 
-template <class T>
-void find_active(const TetData<T>& view, const Candidates& candidates, double isovalue, ActiveList& active) {
+void find_active(const TetData& view, const Candidates& candidates, double isovalue, ActiveList& active) {
   if (view.has_clusters()) return find_active_in_clusters(view, candidates, isovalue, active);
   for (std::uint64_t bits = candidates.bits; bits != 0; bits &= bits - 1) {
     const std::uint32_t cell = candidates.first + static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -83,8 +79,7 @@ void find_active(const TetData<T>& view, const Candidates& candidates, double is
 }
 
 /// Returns the cells with data that have values on both sides, in order.
-template <class T>
-std::vector<std::uint32_t> active_cells_of(const TetData<T>& view, double isovalue, unsigned threads) {
+std::vector<std::uint32_t> active_cells_of(const TetData& view, double isovalue, unsigned threads) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
   std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
   for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
@@ -180,8 +175,7 @@ struct BlockCells {
 };
 
 /// Gathers the cells; unused lanes repeat the last one.
-template <class T>
-void gather(const TetData<T>& view, std::span<const PlacedCell> placed, BlockCells& cells) {
+void gather(const TetData& view, std::span<const PlacedCell> placed, BlockCells& cells) {
   for (std::size_t f = 0; f < BlockCells::size; ++f) {
     const auto vertices = view.sorted_vertices(placed[std::min(f, placed.size() - 1)].cell);
     const auto points = view.points_at(vertices);
@@ -373,8 +367,7 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads) {
   build_levels();
 }
 
-template <class T>
-Facets::Facets(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads) {
   set_frame(bounds);
   const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
   std::vector<PlacedCell> placed(active.size());
@@ -454,8 +447,5 @@ std::size_t Facets::size_bytes() const {
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
   return bytes;
 }
-
-template Facets::Facets(const TetData<float>&, const Box3&, double, unsigned);
-template Facets::Facets(const TetData<double>&, const Box3&, double, unsigned);
 
 }  // namespace rhoray::render

@@ -36,8 +36,7 @@ class Facets {
  public:
   /// @param bounds   of all points of the mesh, in its frame
   /// @param threads  0 = all cores; the result is the same for any number
-  template <class T>
-  Facets(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads);
+  Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads);
 
   /// Prepares the triangles of a surface. A point has the same bits in all triangles that share it.
   Facets(const TriangleData& view, const Box3& bounds, unsigned threads);
@@ -80,8 +79,7 @@ class Facets {
 /// thread may call.
 class FacetsCache {
  public:
-  template <class T>
-  std::shared_ptr<const Facets> of(const TetData<T>& view, const Box3& bounds, double isovalue, unsigned threads) {
+  std::shared_ptr<const Facets> of(const TetData& view, const Box3& bounds, double isovalue, unsigned threads) {
     return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
   }
   /// Ignores the isovalue: a surface has none.

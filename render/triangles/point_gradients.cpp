@@ -42,8 +42,7 @@ double angle_at(const TrianglePoints& points, std::size_t corner) {
 
 // Every thread goes through all cells in order and adds up those of its own points. Sums are
 // therefore the same for any number of threads, and no list of the cells around a point is needed.
-template <class T>
-PointGradients::PointGradients(const TetData<T>& view, unsigned threads)
+PointGradients::PointGradients(const TetData& view, unsigned threads)
     : gradients_(view.description().point_count, std::array<double, 3>{}) {
   constexpr std::uint64_t fewest_points = 1 << 14;
   const std::uint64_t cell_count = view.description().cell_count;
@@ -87,8 +86,5 @@ PointGradients::PointGradients(const TriangleData& view, unsigned threads)
     }
   });
 }
-
-template PointGradients::PointGradients(const TetData<float>&, unsigned);
-template PointGradients::PointGradients(const TetData<double>&, unsigned);
 
 }  // namespace rhoray::render

@@ -25,8 +25,7 @@ namespace rhoray::render {
 class PointGradients {
  public:
   /// @param threads  0 = all cores; the result is the same for any number
-  template <class T>
-  PointGradients(const TetData<T>& view, unsigned threads);
+  PointGradients(const TetData& view, unsigned threads);
   PointGradients(const TriangleData& view, unsigned threads);
 
   /// Gradients in the mesh's frame.

@@ -24,7 +24,7 @@ using render::Ray;
 /// The first change inside any one cell of a mesh. Exact arithmetic decides each cell as if it were
 /// alone.
 Hit judged_cell_by_cell(TracedDataset& traced, const Ray& ray_world, double isovalue) {
-  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+  const auto& view = std::get<render::TetData>(traced.dataset().implementation().view);
   const Ray ray = traced.ray_data(ray_world);
   Hit first;
   for (std::uint32_t cell = 0; cell < view.description().cell_count; ++cell) {

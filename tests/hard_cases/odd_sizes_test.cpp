@@ -21,7 +21,7 @@ TEST(OddSizes, show_the_volume_and_nothing_of_its_padding) {
     const Vec3 slope(1, 1.5, -0.5);
     TracedDataset traced(sampled_volume<double>(count, {}, linear_field(slope)));
     const auto& layout =
-        std::get<render::GridData<double>>(traced.dataset().implementation().view).description().layout;
+        std::get<render::UniformGrid>(traced.dataset().implementation().view).packed()->description().layout;
     padded += volume(layout.padded_count()) > volume(count);
     Dice dice(1);
     for (int trial = 0; trial < 1000; ++trial) {

@@ -17,7 +17,7 @@ namespace {
 
 /// The nearest crossing among the tetrahedra of the first leaf cell that has any. This is wrong: it
 /// may lie beyond that leaf.
-double from_the_first_leaf(const render::TetData<double>& view, const render::Ray& ray, double iso) {
+double from_the_first_leaf(const render::TetData& view, const render::Ray& ray, double iso) {
   const render::Ray on_lattice = view.on_lattice(ray);
   const render::PlaneTimes planes(on_lattice);
   const render::WalkLattice lattice = view.lattice();
@@ -53,7 +53,7 @@ TEST(TetsOverManyLeaves, do_not_hide_a_nearer_crossing) {
        {std::pair(&graded, 0.01), {&graded, 1.0}, {&graded, 50.0}, {&strewn, 1.0}, {&strewn, 50.0}}) {
     TracedDataset traced(
         *mesh, {.structure = preprocess::MeshStructure::leaves, .leaf_cells_per_tetrahedron = leaves_per_cell});
-    const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+    const auto& view = std::get<render::TetData>(traced.dataset().implementation().view);
     Dice dice(1);
     for (int trial = 0; trial < 400; ++trial) {
       const Vec3 direction = dice.direction();

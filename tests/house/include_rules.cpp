@@ -70,6 +70,7 @@ const Layer layers[] = {
     {"render/frame",
      {"formats", "render", "render/traverse", "render/dataset", "render/query", "render/shadow", "render/shade"}},
     {"render/document", {"formats", "render"}},
+    {"render/check", {"formats", "render"}},
 
     {"preprocess/process", {"formats", "preprocess"}},
     {"preprocess/values", {"formats", "preprocess"}},
@@ -97,6 +98,16 @@ const Layer layers[] = {
     {"preprocess/workers/tetgen", {"formats", "preprocess", "preprocess/process"}},
     {"preprocess/workers/vdb",
      {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/reading/numbers.h"}}};
+
+/// The programs of tools and the libraries that they share, with their subfolders. Libraries
+/// include no program, so that other programs can link them.
+const Layer tool_layers[] = {
+    {"tools/pictures", {}},
+    {"tools/validate", {}},
+    {"tools/analysis",
+     {"tools/pictures", "tools/validate/grid_field.h", "tools/validate/request.h", "tools/validate/shots.h"}},
+    {"tools/rhoray", {"tools/pictures", "tools/analysis", "tools/validate/request.h"}},
+    {"tools/lab", {"tools"}}};
 
 /// The folders that include a third-party library. `header` is a pattern for the text between the
 /// brackets.
@@ -136,7 +147,7 @@ const std::regex system_header(
     "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
 /// Headers that the build generates; they are in no room.
-const std::string_view generated_headers[] = {"rhoray_commit.h"};
+const std::string_view generated_headers[] = {"rhoray_commit.h", "rhoray_report_template.h"};
 
 /// True when `path` is `place` or lies inside it.
 bool is_in(std::string_view path, std::string_view place) {
@@ -194,6 +205,12 @@ std::optional<std::string> rule_against_own(const std::filesystem::path& root, s
   if ((room == "render" || room == "preprocess") && !stands_in_room(file)) {
     const Layer* layer = layer_of(file);
     if (layer == nullptr || !sees(*layer, header)) return "layers";
+  }
+  if (room == "tools" && target == room) {
+    const Layer* layer = std::find_if(std::begin(tool_layers), std::end(tool_layers),
+                                      [&](const Layer& each) { return is_in(file, each.place); });
+    if (layer == std::end(tool_layers) || !(is_in(header, layer->place) || is_in_any(header, layer->may_see)))
+      return "layers";
   }
   return std::nullopt;
 }

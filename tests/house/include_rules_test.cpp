@@ -37,6 +37,9 @@ class PlantedHouse {
     plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/shade/diffuse.h\"\n");
     plant("data/recipes/ball.cpp", "#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");
     plant("tools/rhoray/main.cpp", "#include <CLI/CLI.hpp>\n#include <unistd.h>\n#include \"render/scene.h\"\n");
+    plant("tools/pictures/canvas.h", "#include \"render/scene.h\"\n");
+    plant("tools/analysis/results.h", "#include \"tools/pictures/canvas.h\"\n");
+    plant("tools/rhoray/options.h", "#include \"tools/analysis/results.h\"\n");
     plant("tests/render/ray_test.cpp", "#include <gtest/gtest.h>\n#include \"render/traverse/ray.h\"\n");
   }
 
@@ -76,6 +79,9 @@ const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "rooms"},
                         {"render/attic/new.h", "\"render/scene.h\"", "layers"},
                         {"preprocess/values/up.h", "\"preprocess/import/volume/nrrd.cpp\"", "layers"},
                         {"preprocess/attic/new.h", "\"preprocess/pack.h\"", "layers"},
+                        {"tools/analysis/up.cpp", "\"tools/rhoray/options.h\"", "layers"},
+                        {"tools/pictures/up.h", "\"tools/analysis/results.h\"", "layers"},
+                        {"tools/attic/new.h", "\"tools/pictures/canvas.h\"", "layers"},
                         {"render/tetgen.cpp", "<tetgen.h>", "third-party"},
                         {"formats/cgal.h", "<CGAL/box.h>", "third-party"},
                         {"render/cgal.h", "<CGAL/box.h>", "third-party"},

@@ -9,12 +9,12 @@
 
 #include "formats/base/text.h"
 #include "preprocess/pack_volume.h"
+#include "render/accuracy.h"
 #include "render/document.h"
 #include "render/render.h"
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
-#include "tools/analysis/self_check.h"
 #include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
@@ -148,11 +148,11 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   scene_spec.image.size = render::PictureSize{80, 60};
   render::ResolvedScene plan = tools::resolve_layers(scene_spec);
   render::aim_camera(scene_spec, plan);
-  plan.frame.channels = tools::channels_to_check(plan);
+  plan.frame.channels = render::channels_to_check(plan);
   render::Framebuffer right;
   render::render(plan.datasets, plan.scene, plan.frame, right);
   const auto check = [&](const render::Framebuffer& picture, std::optional<double> limit = {}) {
-    return tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
+    return render::check_picture(plan, picture, {.pixels = 500, .seed = 1, .limit = limit}, 1);
   };
   EXPECT_EQ(check(right).broken, "");
   render::Framebuffer wrong = right;
@@ -190,10 +190,10 @@ TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
     scene_spec.image.size = render::PictureSize{60, 45};
     render::ResolvedScene plan = tools::resolve_layers(scene_spec);
     render::aim_camera(scene_spec, plan);
-    plan.frame.channels = tools::channels_to_check(plan);
+    plan.frame.channels = render::channels_to_check(plan);
     render::Framebuffer picture;
     render::render(plan.datasets, plan.scene, plan.frame, picture);
-    const tools::SelfCheck check = tools::checked(plan, picture, {.pixels = 500, .seed = 1, .limit = {}}, 2);
+    const render::SelfCheck check = render::check_picture(plan, picture, {.pixels = 500, .seed = 1, .limit = {}}, 2);
     return concat(check.broken, " ", check.random.shown, " ", check.random.missed, " ", check.random.false_hits, " ",
                   check.random.largest, " ", check.random.kept_by_99, " ", check.edges.shown, " ", check.edges.largest);
   };

@@ -7,15 +7,17 @@
 #include <numbers>
 #include <random>
 
-#include "tools/analysis/errors.h"
+#include "render/truth.h"
+#include "tests/support/expect_error.h"
 #include "tools/analysis/flip.h"
 #include "tools/analysis/heat_map.h"
-#include "tools/analysis/html.h"
+#include "tools/analysis/page_template.h"
 #include "tools/analysis/picture_errors.h"
 
 namespace rhoray::tests {
 namespace {
 
+using namespace render;
 using namespace tools;
 
 TEST(AccuracyMeasures, count_missed_and_false_rays_as_beyond_every_limit) {
@@ -286,8 +288,9 @@ TEST(HeatMap, grows_brighter_with_the_error_and_makes_single_wrong_pixels_seen) 
   EXPECT_EQ(at(4, 4), missed);
   EXPECT_EQ(at(9, 2), wrong);
   EXPECT_EQ(at(5, 3), Vec3(1, 1, 1));
-  const std::string legend = legend_html({.unit = "cells"});
-  EXPECT_NE(legend.find("10<sup>−8</sup>"), std::string::npos) << legend;
+  const Json legend = legend_json({.unit = "cells"});
+  EXPECT_EQ(legend["stops"].get<std::string>().substr(0, 12), "rgb(68,1,84)") << "viridis begins dark";
+  EXPECT_EQ(legend["marks"].size(), 3U);
 }
 
 TEST(Html, spells_text_and_bytes) {
@@ -298,6 +301,31 @@ TEST(Html, spells_text_and_bytes) {
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(PageTemplate, shows_values_in_their_formats) {
+  const Json values{{"text", "<a> `b` 2e-05"}, {"number", 1.25e-8}, {"count", 1234567}, {"none", nullptr}};
+  EXPECT_EQ(fill_template("{{text}}|{{text|html}}", values), "&lt;a&gt; <code>b</code> 2e-05|<a> `b` 2e-05");
+  EXPECT_EQ(fill_template("{{text|powers}}", values), "&lt;a&gt; <code>b</code> 2 × 10<sup>−5</sup>");
+  EXPECT_EQ(fill_template("{{number|2}} {{count|2}} {{count|grouped}} {{count|bytes}} {{none|2}}", values),
+            "1.2 × 10<sup>−8</sup> 1234567 1,234,567 1.2 MiB –");
+  expect_error(ErrorCode::internal, "no value 'nothing'", [&] { fill_template("{{nothing}}", values); });
+}
+
+TEST(PageTemplate, repeats_sections_and_leaves_empty_ones_out) {
+  const Json values{{"name", "outer"},
+                    {"list", {{{"x", 1}}, {{"x", 2}, {"name", "inner"}}}},
+                    {"words", {"a", nullptr}},
+                    {"yes", true},
+                    {"no", false},
+                    {"zero", 0},
+                    {"blank", ""}};
+  EXPECT_EQ(fill_template("{{#list}}{{x}} {{name}};{{/list}}", values), "1 outer;2 inner;");
+  EXPECT_EQ(fill_template("{{#words}}[{{.}}]{{/words}}", values), "[a][–]");
+  EXPECT_EQ(
+      fill_template("{{#yes}}y{{/yes}}{{#no}}n{{/no}}{{^no}}N{{/no}}{{#zero}}0{{/zero}}{{#blank}}b{{/blank}}", values),
+      "yN0");
+  EXPECT_EQ(fill_template("{{#gone}}{{#list}}{{missing}}{{/list}}{{/gone}}{{^gone}}-{{/gone}}", values), "-");
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include "formats/base/number_text.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
+#include "render/accuracy.h"
 #include "render/document.h"
+#include "render/truth.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/tools/workbench.h"
-#include "tools/analysis/choice.h"
-#include "tools/analysis/truth.h"
 #include "tools/rhoray/data_choice.h"
 
 // --max-error promises that 99 % of a picture's pixels keep the error, although the choice is based
@@ -63,25 +63,24 @@ render::ResolvedScene planned(const Workbench& bench, const Shown& shown) {
 void expect_kept(const Workbench& bench, const Shown& shown) {
   const render::ResolvedScene plan = planned(bench, shown);
   const render::Dataset& dataset = plan.datasets[0];
-  const FieldTruth field(dataset);
-  const Truth truth = find_truth({.dataset = dataset,
-                                  .scene = plan.scene,
-                                  .field = field,
-                                  .size = {plan.frame.width, plan.frame.height},
-                                  .seconds = std::numeric_limits<double>::infinity()});
+  const render::Truth truth = render::find_truth({.dataset = dataset,
+                                                  .scene = plan.scene,
+                                                  .size = {plan.frame.width, plan.frame.height},
+                                                  .seconds = std::numeric_limits<double>::infinity()});
   ASSERT_TRUE(truth.are_all());
   ASSERT_GT(truth.hit_count(), truth.pixel_count() / 20) << "too little is shown";
   const Interval<double> range = dataset.field().range;
   const double unit = shown.is_projection ? range.hi - range.lo : 1;
   for (const double error : {0.3, 0.01, 1e-6}) {
     render::ResolvedScene chosen = plan;
-    const std::vector<Choice> choices = choose_methods(chosen, {.max_error = error, .budget_ms = {}}, 0);
+    const std::vector<render::Choice> choices =
+        render::choose_methods(chosen, {.max_error = error, .budget_ms = {}}, 0);
     ASSERT_EQ(choices.size(), 1U);
     EXPECT_TRUE(choices[0].meets_goal) << "the exact level always does";
     const render::Layer& layer = chosen.scene.layers[0];
-    const std::vector<render::Hit> hits = answers(
+    const std::vector<render::Hit> hits = render::trace_rays(
         {.dataset = dataset, .mode = layer.mode, .isovalue = layer.isovalue, .method = layer.method}, truth.rays);
-    const double share = count_errors(errors_against(truth, field, layer, hits)).within(error * unit);
+    const double share = render::count_errors(render::errors_against(truth, layer.mode, hits)).within(error * unit);
     EXPECT_GE(share, 0.99) << shown.file << " " << error << " " << choices[0].sentence;
   }
 }
@@ -111,7 +110,7 @@ TEST(AccuracyPromise, of_a_billionth_of_a_cell_is_not_left_to_single_precision) 
   const Workbench bench;
   pack_grid(bench, "smooth.rho", distance_field({0.1, 0, -0.1}));
   render::ResolvedScene plan = planned(bench, {.file = "smooth.rho", .field = {}, .isovalue = "0.6"});
-  const std::vector<Choice> choices = choose_methods(plan, {.max_error = 1e-9, .budget_ms = {}}, 0);
+  const std::vector<render::Choice> choices = render::choose_methods(plan, {.max_error = 1e-9, .budget_ms = {}}, 0);
   ASSERT_EQ(choices.size(), 1U);
   EXPECT_TRUE(choices[0].meets_goal);
   EXPECT_NE(choices[0].chosen.word, "preview");
@@ -124,20 +123,20 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
                         bench / "mesh.rho");
   const render::ResolvedScene plan = planned(bench, {.file = "mesh.rho", .field = {}, .isovalue = "0.7"});
   const render::Dataset& dataset = plan.datasets[0];
-  const FieldTruth field(dataset);
-  const Truth truth =
-      find_truth({.dataset = dataset, .scene = plan.scene, .field = field, .size = {160, 120}, .seconds = 1000});
+  const render::Truth truth =
+      render::find_truth({.dataset = dataset, .scene = plan.scene, .size = {160, 120}, .seconds = 1000});
   const auto counted = [&](const render::Method& method) {
-    return count_errors(errors_against(
-        truth, field, plan.scene.layers[0],
-        answers({.dataset = dataset, .isovalue = plan.scene.layers[0].isovalue, .method = method}, truth.rays)));
+    return render::count_errors(render::errors_against(
+        truth, plan.scene.layers[0].mode,
+        render::trace_rays({.dataset = dataset, .isovalue = plan.scene.layers[0].isovalue, .method = method},
+                           truth.rays)));
   };
   // A tetrahedron that is treated as larger than it is hides what lies behind it, and shows a
   // surface where there is none.
   std::uint64_t false_hits = 0;
   double largest = 0;
   for (const double slack : {1e-3, 0.1, 0.4, 0.9}) {
-    const ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::slack, .slack = slack});
+    const render::ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::slack, .slack = slack});
     EXPECT_GE(errors.false_hits, false_hits) << slack;
     EXPECT_GE(errors.error->largest, largest) << slack;
     false_hits = errors.false_hits;
@@ -147,7 +146,7 @@ TEST(AccuracyErrors, grow_with_a_method_that_is_made_worse_step_by_step) {
   EXPECT_GT(largest, 0.1);
   std::uint64_t missed = 0;
   for (const double step : {0.05, 0.5, 5.0}) {
-    const ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::sampled, .step = step});
+    const render::ErrorCounts errors = counted({.algorithm = render::Method::Algorithm::sampled, .step = step});
     EXPECT_GE(errors.missed, missed) << step;
     missed = errors.missed;
   }

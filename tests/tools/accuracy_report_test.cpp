@@ -119,6 +119,8 @@ TEST(AccuracyReport, is_one_page_that_sends_for_nothing) {
   EXPECT_GE(pictures, 9U);
   EXPECT_THAT(page, HasSubstr("Content-Security-Policy\" content=\"default-src 'none'"));
   EXPECT_THAT(page, HasSubstr("The fastest method that is within"));
+  EXPECT_THAT(page, HasSubstr("≤ 10<sup>−8</sup> <span class=\"bar\"")) << "the legend of the errors";
+  EXPECT_EQ(page.find("{{"), std::string::npos) << "the template is filled";
   EXPECT_THAT(page, HasSubstr("rhoray accuracy ball.rho"));
   if (tools::has_gnuplot()) {
     EXPECT_THAT(page, HasSubstr("<svg"));

@@ -7,6 +7,7 @@
 
 #include "tests/support/expect_error.h"
 #include "tests/tools/workbench.h"
+#include "tools/analysis/heat_map.h"
 #include "tools/analysis/picture_difference.h"
 
 namespace rhoray::tests {

@@ -1,11 +1,11 @@
-#include "tools/rhoray/table.h"
+#include "tools/analysis/table.h"
 
 #include <gtest/gtest.h>
 
 #include <ctime>
 
 #include "formats/base/number_text.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
+#include "tools/analysis/page_template.h"
 #include "tools/analysis/results.h"
 
 namespace rhoray::tools {
@@ -43,16 +44,15 @@ const ResultRow* cheapest_within(const Rows& rows, double limit) {
 }
 
 std::string wrong_text(const ResultRow& row) {
-  const ErrorCounts& errors = *row.measured->errors;
+  const render::ErrorCounts& errors = *row.measured->errors;
   if (row.measured->judges_all) {
     if (errors.missed == 0 && errors.false_hits == 0)
-      return concat("no false negatives and no false positives in ", grouped(errors.rays),
-                    " pixels it misses none and invents none");
+      return concat("no false negatives and no false positives in ", grouped(errors.rays), " pixels");
     return concat("in ", grouped(errors.rays), " pixels: false negatives ", grouped(errors.missed),
                   ", false positives ", grouped(errors.false_hits));
   }
   const auto ppm = [&](std::uint64_t count) {
-    const Share share = share_of(count, errors.rays, false);
+    const render::Share share = render::share_of(count, errors.rays, false);
     return concat(short_number(1e6 * share.found, 3), " (95 %: ", short_number(1e6 * share.low, 2), " to ",
                   short_number(1e6 * share.high, 2), ")");
   };
@@ -62,7 +62,7 @@ std::string wrong_text(const ResultRow& row) {
 
 /// Says which method is sufficient for which error.
 void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
-  const bool is_projection = layer.scene().layers[0].mode == render::Mode::mip;
+  const bool is_projection = layer.is_projection();
   const Interval<double> range = layer.dataset().field().range;
   const double unit = is_projection ? range.hi - range.lo : 1;
   const auto say = [&](double limit, const ResultRow& best) {
@@ -91,9 +91,9 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
   if (exact != nullptr)
     sentence += concat(", exact arithmetic for every ray (`exact`) ", times_text(exact->cpu_ms / quick->cpu_ms));
   out.push_back(sentence + ".");
-  if (layer.scene().layers[0].mode != render::Mode::mip)
+  if (!layer.is_projection())
     out.push_back(concat("`", quick->measured->method, "`: ", wrong_text(*quick), "; depth errors are within ",
-                         short_number(quick->measured->errors->error.value_or(Quantiles{}).p99, 2),
+                         short_number(quick->measured->errors->error.value_or(render::Quantiles{}).p99, 2),
                          " cells in 99 % of the pixels that both hit."));
 }
 

@@ -9,12 +9,12 @@
 #include "formats/base/number_text.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export_grid.h"
+#include "preprocess/open_vdb.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
 #include "preprocess/unpack_mesh.h"
-#include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 
@@ -41,20 +41,8 @@ void for_each_row(const formats::BrickGrid& grid, std::size_t field, const FormO
 
 /// Number of bits of a field's integers; 64 for other numbers.
 int whole_bits(formats::ElementType type) {
-  using formats::ElementType;
-  switch (type) {
-    case ElementType::U8:
-    case ElementType::I8:
-      return 8;
-    case ElementType::U16:
-    case ElementType::I16:
-      return 16;
-    case ElementType::U32:
-    case ElementType::I32:
-      return 32;
-    default:
-      return 64;
-  }
+  const bool is_whole = type != formats::ElementType::F32 && type != formats::ElementType::F64;
+  return is_whole ? 8 * static_cast<int>(formats::element_bytes(type)) : 64;
 }
 
 template <class T>
@@ -208,7 +196,9 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   const Stopwatch watch;
   std::filesystem::path path = grid;
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
-  FormedData made{.dataset = load_dataset(path, {}), .file_bytes = std::filesystem::file_size(path)};
+  FormedData made{
+      .dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {})) : render::Dataset::load(path),
+      .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
   // An OpenVDB file contains the same samples as the grid.
   made.border = std::make_shared<const ResampledBorder>(dataset_, render::Dataset::load(grid));

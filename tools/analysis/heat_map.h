@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
+#include "formats/base/json.h"
 #include "render/framebuffer.h"
-#include "tools/analysis/errors.h"
 
 namespace rhoray::tools {
 
@@ -20,7 +20,7 @@ struct HeatScale {
 
 struct HeatMapInput {
   int width = 0, height = 0;
-  std::span<const float> errors;  ///< for every pixel, as in ErrorList
+  std::span<const float> errors;  ///< for every pixel, as in render::ErrorList
   double unit = 1;                ///< error that corresponds to 1 on the scale
 };
 
@@ -28,7 +28,13 @@ struct HeatMapInput {
 /// difference. Missed (red) and false (magenta) pixels are drawn 3 x 3.
 render::Framebuffer heat_map(const HeatMapInput& input, const HeatScale& scale);
 
-/// The scale as HTML: a bar with its ends, and the meaning of the other colours.
-std::string legend_html(const HeatScale& scale);
+/// The scale for the report's template: its unit and ends, `stops` of a CSS gradient, and `marks`,
+/// the meaning of the other colours.
+Json legend_json(const HeatScale& scale);
+
+/// Picture of differences: black where there is none, then from dark to bright up to the largest
+/// finite difference. Magenta where one picture has a number that is not finite.
+/// @param of_pixel  PictureDifference::of_pixel
+render::Framebuffer difference_map(std::span<const float> of_pixel, int width, int height);
 
 }  // namespace rhoray::tools

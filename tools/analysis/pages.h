@@ -33,23 +33,22 @@ class ResultsFolder {
   void write(const std::vector<const LayerStudy*>& layers, StudyContext& context);
 
  private:
-  struct Figure {
-    std::string title, caption, body;  ///< HTML
-  };
-  std::vector<Figure> plots(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
-  std::string pictures(const LayerStudy& layer, const std::string& prefix);
-  std::string picture(const render::Framebuffer& pixels, const std::string& name, const std::string& description);
-  std::string layer_section(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
+  // For the template of the page (report.html).
+  Json plots(const LayerStudy& layer, const std::string& prefix, StudyContext& context);
+  Json galleries(const LayerStudy& layer, const std::string& prefix);
+  Json picture(const render::Framebuffer& pixels, const std::string& name, const std::string& description);
+  void add_layer(const LayerStudy& layer, const std::string& prefix, StudyContext& context, Json& section);
 
   std::filesystem::path folder_;
+  std::string version_;  ///< of this program
   bool is_made_ = false;
   std::optional<PendingFiles> files_;  ///< of the current call of `write`
   bool has_gnuplot_ = true;            ///< false once it turns out to be missing
-  /// Pictures of a layer, as HTML.
+  /// Pictures of a layer.
   struct Pictures {
     /// Kept alive, so that no later pass has its address; null: belongs to no pass.
     std::shared_ptr<const TruePicture> of_pass{};
-    std::string shown{};
+    Json shown{};
   };
   std::map<std::string, Pictures> pictures_;  ///< by layer
 };

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "formats/base/error.h"
-#include "render/color_map.h"
 
 namespace rhoray::tools {
 
@@ -96,23 +95,6 @@ PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, 
   difference.mean = sum / count;
   difference.root_mean_square = std::sqrt(squares / count);
   return difference;
-}
-
-render::Framebuffer difference_map(std::span<const float> of_pixel, int width, int height) {
-  float scale = 0;
-  for (const float size : of_pixel)
-    if (std::isfinite(size)) scale = std::max(scale, size);
-  render::Framebuffer map(width, height, {});
-  for (std::size_t pixel = 0; pixel < of_pixel.size(); ++pixel) {
-    const float size = of_pixel[pixel];
-    const Vec3 color = !std::isfinite(size) ? Vec3(1, 0, 1)
-                       : size == 0          ? Vec3(0, 0, 0)
-                                   : render::color_of(render::ColorMap::viridis, static_cast<double>(size / scale));
-    for (int channel = 0; channel < 3; ++channel)
-      map.color[4 * pixel + static_cast<std::size_t>(channel)] = static_cast<float>(color[channel]);
-    map.color[4 * pixel + 3] = 1;
-  }
-  return map;
 }
 
 }  // namespace rhoray::tools

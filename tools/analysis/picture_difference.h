@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "render/framebuffer.h"
 #include "tools/pictures/pictures.h"
 
 namespace rhoray::tools {
@@ -42,10 +40,5 @@ struct PictureDifference {
 /// The names are those of the files.
 PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, const std::string& name_a,
                                 const std::string& name_b);
-
-/// Picture of the differences: black where there is none, then from dark to bright up to the
-/// largest finite difference. Magenta where one picture has a number that is not finite.
-/// @param of_pixel  PictureDifference::of_pixel
-render::Framebuffer difference_map(std::span<const float> of_pixel, int width, int height);
 
 }  // namespace rhoray::tools

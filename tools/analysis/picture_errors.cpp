@@ -7,6 +7,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/vector.h"
+#include "render/png.h"
 
 namespace rhoray::tools {
 
@@ -21,17 +22,11 @@ std::vector<float> rgb_of(const render::Framebuffer& picture) {
   return rgb;
 }
 
-/// 0 to 255, as stored in a picture file (IEC 61966-2-1).
-double srgb_level(float linear) {
-  const double value = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  return std::round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055));
-}
-
 Vec3 normal_at(const render::Framebuffer& picture, std::size_t pixel) {
   return {picture.normal[3 * pixel], picture.normal[3 * pixel + 1], picture.normal[3 * pixel + 2]};
 }
 
-std::optional<Quantiles> normal_angles(const render::Framebuffer& truth, const render::Framebuffer& picture) {
+std::optional<render::Quantiles> normal_angles(const render::Framebuffer& truth, const render::Framebuffer& picture) {
   if (truth.normal.empty() || picture.normal.empty()) return std::nullopt;
   std::vector<double> angles;
   for (std::size_t pixel = 0; pixel < truth.pixel_count(); ++pixel) {
@@ -39,7 +34,7 @@ std::optional<Quantiles> normal_angles(const render::Framebuffer& truth, const r
     if (p == Vec3(0, 0, 0) || q == Vec3(0, 0, 0)) continue;
     angles.push_back(std::atan2(p.cross(q).length(), p.dot(q)) * 180 / std::numbers::pi);
   }
-  return quantiles_of(std::move(angles));
+  return render::quantiles_of(std::move(angles));
 }
 
 }  // namespace
@@ -53,7 +48,7 @@ PictureErrors TruePicture::against(const render::Framebuffer& picture) const {
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     for (std::size_t c = 0; c < 3; ++c) {
       const float is = picture_.color[4 * pixel + c], said = picture.color[4 * pixel + c];
-      if (is != said) squares += std::pow(srgb_level(is) - srgb_level(said), 2);
+      if (is != said) squares += std::pow(render::srgb_byte(is) - render::srgb_byte(said), 2);
     }
   std::vector<float> flip_map = flip_.against(rgb_of(picture));
   const double flip = mean_of(flip_map);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/framebuffer.h"
-#include "tools/analysis/errors.h"
+#include "render/truth.h"
 #include "tools/analysis/flip.h"
 
 namespace rhoray::tools {
@@ -16,7 +16,7 @@ struct PictureErrors {
   double flip = 0;                ///< mean over pixels, 0 to 1 (flip.h)
   std::vector<float> flip_map{};  ///< for each pixel
   /// Angle between normals where both pictures show something.
-  std::optional<Quantiles> normal_deg;
+  std::optional<render::Quantiles> normal_deg;
 };
 
 /// The picture that others are compared with, and data derived from it.

@@ -69,8 +69,7 @@ struct ErrorAxis {
 };
 
 ErrorAxis error_axis(const LayerStudy& layer) {
-  if (layer.scene().layers[0].mode != render::Mode::mip)
-    return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
+  if (!layer.is_projection()) return {1e-16, 100, "error of depth, 99 % of the pixels within, cells"};
   const Interval<double> range = layer.dataset().field().range;
   const double width = range.hi > range.lo ? range.hi - range.lo : 1;
   return {1e-16 * width, width, concat("error of the value, 99 % of the pixels within, ", error_unit(layer))};
@@ -116,7 +115,7 @@ std::optional<Plot> wrong_against_time(const LayerStudy& layer, const std::vecto
   const double least = place_of_zero(1e6 / static_cast<double>(rays));
   const std::vector<Series> groups = by_group(rows, [&](const ResultRow& row) -> std::optional<double> {
     if (!row.kept) return std::nullopt;
-    const ErrorCounts& errors = *row.measured->errors;
+    const render::ErrorCounts& errors = *row.measured->errors;
     return std::max(least,
                     1e6 * static_cast<double>(errors.missed + errors.false_hits) / static_cast<double>(errors.rays));
   });
@@ -155,7 +154,7 @@ std::optional<Plot> error_against_memory(const LayerStudy& layer, const std::vec
   for (const ResultRow& row : rows) {
     const Variant& variant = row.measured->variant;
     const bool is_copy = variant.data.kind != DataForm::Kind::original;
-    const std::optional<ErrorCounts>& errors = row.measured->errors;
+    const std::optional<render::ErrorCounts>& errors = row.measured->errors;
     if (!errors || !errors->error || row.measured->memory_bytes == 0 || !(is_copy || variant.group == group_levels))
       continue;
     const Point point{static_cast<double>(row.measured->memory_bytes) / (1 << 20),
@@ -214,7 +213,7 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
     const Measured& measured = *row.measured;
     const bool is_shown = measured.variant.has_picture || measured.variant.group == group_levels;
     if (!measured.errors || !is_shown || measured.method == "exact") continue;
-    const ErrorCounts& errors = *measured.errors;
+    const render::ErrorCounts& errors = *measured.errors;
     const double seen = static_cast<double>(errors.true_hits + errors.false_hits);
     if (errors.sorted.empty()) continue;
     Series line{measured.variant.name, {}};
@@ -236,8 +235,7 @@ Plot distribution(const LayerStudy& layer, const std::vector<ResultRow>& rows) {
       "distribution", "Distribution of errors",
       "Share of the pixels within an error, among those that show or should show something. A line that ends below 100 "
       "% has false negatives or false positives. Every other line is dashed, so that a covered line stays visible.",
-      preamble(concat(layer.scene().layers[0].mode == render::Mode::mip ? "error of the value, " : "error of depth, ",
-                      error_unit(layer)),
+      preamble(concat(layer.is_projection() ? "error of the value, " : "error of depth, ", error_unit(layer)),
                "pixels within it, %") +
           blocks(lines) +
           concat("set logscale x\nset format x '10^{%L}'\nset xrange [", axis.least, ":", axis.most,

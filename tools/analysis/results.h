@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "tools/analysis/study.h"
-#include "tools/rhoray/report.h"
-#include "tools/rhoray/table.h"
+#include "tools/analysis/table.h"
 
 namespace rhoray::tools {
 
-/// Meaning of a column of the results.
-struct ResultColumn {
-  const char* name;
+/// A value of the results, and the meaning of its column.
+struct ResultCell {
+  std::string name;
   const char* unit;  ///< empty: none
   const char* meaning;
+  Json value;
 };
-const std::vector<ResultColumn>& result_columns();
+const std::vector<ResultCell>& result_columns();  ///< without values
 
 /// Environment, input and progress of a study.
 struct StudyContext {
@@ -37,6 +37,8 @@ struct ResultRow {
 /// The measured rows of a layer.
 std::vector<ResultRow> rows_of(const PassResult& result);
 
+/// A layer's rows in the columns above, one for each of PassResult::rows.
+std::vector<Json> rows_json(const LayerStudy& layer);
 /// All layers' rows in the columns above, including rows that were left out, with the reason.
 Table table_of(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
 
@@ -45,9 +47,6 @@ std::vector<std::string> conclusions_of(const LayerStudy& layer);
 
 inline constexpr const char* results_schema = "rhoray-accuracy 1";
 Json results_json(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
-
-/// Like `rounded`, but whole numbers below ten million in full: 1170, not 1.17e+03.
-std::string short_number(double number, int digits);
 
 std::string error_unit(const LayerStudy& layer);  ///< "cells", or the field's unit
 

@@ -12,8 +12,8 @@
 #include "formats/base/number_text.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
-#include "tools/rhoray/cpu_meter.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/cpu_meter.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::tools {
 
@@ -117,19 +117,20 @@ const TruePicture& LayerStudy::compared_with(const Variant& variant, const PassR
 
 void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResult& result) {
   const render::Layer& layer = scene_.layers[0];
-  const std::vector<render::Ray> rays = rays_of(data.dataset, scene_.camera, result.size, result.truth.pixels);
+  const std::vector<render::Ray> rays =
+      render::pixel_rays(data.dataset, scene_.camera, result.size, result.truth.pixels);
   std::vector<render::Hit> hits =
-      answers({.dataset = data.dataset,
-               .mode = layer.mode,
-               .isovalue = data.own(layer.isovalue),
-               .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
-               .clip = clip_of(scene_, layer),
-               .threads = options_.threads,
-               .stop = options_.stop},
-              rays);
+      render::trace_rays({.dataset = data.dataset,
+                          .mode = layer.mode,
+                          .isovalue = data.own(layer.isovalue),
+                          .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
+                          .clip = render::clip_of(scene_, layer),
+                          .threads = options_.threads,
+                          .stop = options_.stop},
+                         rays);
   for (render::Hit& hit : hits) hit.value = data.original(hit.value);
-  ErrorList list = errors_against(result.truth, field_, layer, hits, data.border.get());
-  row.errors = count_errors(list);
+  render::ErrorList list = errors_on_data(result.truth, field_, layer, hits, data.border.get());
+  row.errors = render::count_errors(list);
   row.judges_all = result.truth.are_all();
   row.error_list = std::move(list.errors);
 }
@@ -198,8 +199,8 @@ InstrumentCost LayerStudy::instrument_cost(double seconds) {
 
 /// For the variant that is true by definition: measures only its cost.
 void LayerStudy::measure_exact(Measured& row, const PassResult& result) {
-  ErrorList list = errors_against(result.truth, field_, scene_.layers[0], result.truth.hits);
-  row.errors = count_errors(list);
+  render::ErrorList list = errors_on_data(result.truth, field_, scene_.layers[0], result.truth.hits);
+  row.errors = render::count_errors(list);
   row.judges_all = result.truth.are_all();
   row.error_list = std::move(list.errors);
   if (result.truth.are_all()) {
@@ -238,13 +239,13 @@ Measured LayerStudy::measured(const Variant& variant, const PassResult& result) 
 /// Traces random rays of the truth until the time is over.
 Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& result, double seconds) {
   const render::Layer& layer = scene_.layers[0];
-  const Truth& truth = result.truth;
+  const render::Truth& truth = result.truth;
   std::vector<std::size_t> order(truth.rays.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::mt19937_64 random(options_.seed);
   // Each later one is as large as all before, so that the overhead of tracing is shared.
   constexpr std::size_t first_piece = 512;
-  Truth part{.size = truth.size};
+  render::Truth part{.size = truth.size};
   std::vector<render::Hit> said;
   double cpu_s = 0;
   CpuMeter meter;
@@ -258,19 +259,19 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
       part.hits.push_back(truth.hits[order[i]]);
       part.cells_per_t.push_back(truth.cells_per_t[order[i]]);
     }
-    const Asking asking{.dataset = dataset_,
-                        .mode = layer.mode,
-                        .isovalue = layer.isovalue,
-                        .method = *variant.method,
-                        .clip = clip_of(scene_, layer),
-                        .threads = options_.threads,
-                        .stop = options_.stop};
+    const render::TraceSpec spec{.dataset = dataset_,
+                                 .mode = layer.mode,
+                                 .isovalue = layer.isovalue,
+                                 .method = *variant.method,
+                                 .clip = render::clip_of(scene_, layer),
+                                 .threads = options_.threads,
+                                 .stop = options_.stop};
     std::vector<render::Hit> found;
-    cpu_s += meter.measure([&] { found = answers(asking, std::span(part.rays).subspan(first)); }).cpu_s;
+    cpu_s += meter.measure([&] { found = render::trace_rays(spec, std::span(part.rays).subspan(first)); }).cpu_s;
     said.insert(said.end(), found.begin(), found.end());
   }
   Measured row{.variant = variant, .method = option_of(*variant.method, layer.mode, dataset_.is_mesh()).word};
-  row.errors = count_errors(errors_against(part, field_, layer, said));
+  row.errors = render::count_errors(errors_on_data(part, field_, layer, said));
   row.cpu_ms = {1e3 * cpu_s / static_cast<double>(said.size()) * pixels_of(result.size)};
   row.data_bytes = dataset_.file().file_bytes();
   row.note = concat("too slow for a picture; ", said.size(), " random pixels, with the time extrapolated");
@@ -323,14 +324,13 @@ std::vector<double> LayerStudy::shares_of_pass(const std::vector<bool>& left_out
 
 void LayerStudy::pass(const Pass& spec) {
   PassResult result{.size = spec.size,
-                    .truth = find_truth({.dataset = dataset_,
-                                         .scene = scene_,
-                                         .field = field_,
-                                         .size = spec.size,
-                                         .seed = options_.seed,
-                                         .seconds = spec.judge_seconds,
-                                         .threads = options_.threads,
-                                         .stop = options_.stop})};
+                    .truth = render::find_truth({.dataset = dataset_,
+                                                 .scene = scene_,
+                                                 .size = spec.size,
+                                                 .seed = options_.seed,
+                                                 .seconds = spec.judge_seconds,
+                                                 .threads = options_.threads,
+                                                 .stop = options_.stop})};
   if (result.truth.hit_count() == 0)
     throw Error(ErrorCode::usage,
                 concat(name_, ": none of ", grouped(result.truth.pixels.size()),

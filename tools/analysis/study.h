@@ -10,10 +10,10 @@
 
 #include "render/document.h"
 #include "render/render.h"
+#include "render/truth.h"
+#include "tools/analysis/data_errors.h"
 #include "tools/analysis/data_forms.h"
-#include "tools/analysis/errors.h"
 #include "tools/analysis/picture_errors.h"
-#include "tools/analysis/truth.h"
 #include "tools/analysis/variant.h"
 
 namespace rhoray::tools {
@@ -24,8 +24,8 @@ struct Measured {
   std::string method{};    ///< its name
   std::string left_out{};  ///< why nothing was measured; else empty
   std::string note{};
-  std::optional<ErrorCounts> errors{};  ///< for variants that trace rays
-  bool judges_all = false;              ///< errors are for all pixels, not for a random sample
+  std::optional<render::ErrorCounts> errors{};  ///< for variants that trace rays
+  bool judges_all = false;                      ///< errors are for all pixels, not for a random sample
   /// For the truth's pixels (errors.h); empty if only some of them were traced.
   std::vector<float> error_list{};
   std::optional<PictureErrors> picture_errors{};
@@ -50,7 +50,7 @@ struct InstrumentCost {
 /// Result of one pass over all variants, at one size of the picture.
 struct PassResult {
   render::PictureSize size;
-  Truth truth;
+  render::Truth truth;
   std::string picture_method{};  ///< method of the picture that is taken as true
   std::shared_ptr<const TruePicture> true_picture{};
   std::vector<Measured> rows{};
@@ -72,6 +72,7 @@ class LayerStudy {
   const std::string& name() const { return name_; }
   const render::Scene& scene() const { return scene_; }
   const render::Dataset& dataset() const { return dataset_; }
+  bool is_projection() const { return scene_.layers[0].mode == render::Mode::mip; }
   const std::vector<Variant>& variants() const { return variants_; }
   /// Of the last pass; null before.
   const PassResult* result() const { return result_ ? &*result_ : nullptr; }
@@ -133,7 +134,7 @@ class LayerStudy {
   bool use_hierarchy_;
   int antialiasing_;
   DataForms forms_;
-  FieldTruth field_;
+  FieldValues field_;
   std::vector<Variant> variants_;
   std::optional<PassResult> result_;
   /// Of the last pass's size.

@@ -23,56 +23,41 @@ struct MethodRow {
 
 constexpr MethodRow method_rows[] = {{group_levels, "preview", grids | surfaces, true},
                                      {group_levels, "float", grids | meshes | surfaces, true},
-                                     {group_levels, "double", grids | meshes | surfaces | projections},
-                                     {group_levels, "certified", grids | meshes | surfaces | projections},
-                                     {group_levels, "exact", grids | meshes | surfaces | projections},
+                                     {group_levels, "double", all_of_them},
+                                     {group_levels, "certified", all_of_them},
+                                     {group_levels, "exact", all_of_them},
                                      {group_published, "paper:float", grids | meshes | surfaces, true},
                                      {group_published, "paper:double", grids | meshes | surfaces},
                                      {group_published, "slack:1e-12:double", meshes | surfaces},
-                                     {group_published, "face:double", grids | meshes | projections, true},
-                                     {group_linear, "sampled:2+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:1+linear", grids | meshes | surfaces, true},
-                                     {group_linear, "sampled:0.5+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:0.25+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:0.125+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:0.0625+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:0.03125+linear", grids | meshes | surfaces},
-                                     {group_linear, "sampled:0.015625+linear", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:2+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:1+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.5+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.25+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.125+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.0625+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.03125+bisect", grids | meshes | surfaces},
-                                     {group_bisect, "sampled:0.015625+bisect", grids | meshes | surfaces},
-                                     {group_samples, "sampled:2+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:1+linear", grids | meshes | projections, true},
-                                     {group_samples, "sampled:0.5+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:0.25+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:0.125+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:0.0625+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:0.03125+linear", grids | meshes | projections},
-                                     {group_samples, "sampled:0.015625+linear", grids | meshes | projections}};
+                                     {group_published, "face:double", grids | meshes | projections, true}};
 
-/// Another form of the data, rendered with its default method.
+/// Samples along the ray, by their step in cells. The one of a whole cell may be shown.
+struct SampledRow {
+  const char *group, *refinement;
+  unsigned applies;
+  bool has_picture;
+};
+constexpr SampledRow sampled_rows[] = {{group_linear, "linear", grids | meshes | surfaces, true},
+                                       {group_bisect, "bisect", grids | meshes | surfaces, false},
+                                       {group_samples, "linear", grids | meshes | projections, true}};
+constexpr double steps[] = {2, 1, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625};
+
+/// Other forms of the data, by their size, rendered with their default method.
 struct DataRow {
   const char* group;
-  DataForm form;
+  DataForm::Kind kind;
+  std::vector<int> sizes;
   unsigned applies;
-  bool has_picture = false;
+  int shown_size;  ///< the one that is shown; 0: none
 };
 
-constexpr DataRow data_rows[] = {{group_bits, {DataForm::Kind::quantized, 8}, all_of_them, true},
-                                 {group_bits, {DataForm::Kind::quantized, 16}, all_of_them},
-                                 {group_grids, {DataForm::Kind::resampled, 32}, meshes | surfaces | projections},
-                                 {group_grids, {DataForm::Kind::resampled, 64}, meshes | surfaces | projections, true},
-                                 {group_grids, {DataForm::Kind::resampled, 128}, meshes | surfaces | projections},
-                                 {group_grids, {DataForm::Kind::resampled, 256}, meshes | surfaces | projections},
-                                 {group_vdb, {DataForm::Kind::resampled_vdb, 32}, meshes | surfaces | projections},
-                                 {group_vdb, {DataForm::Kind::resampled_vdb, 64}, meshes | surfaces | projections},
-                                 {group_vdb, {DataForm::Kind::resampled_vdb, 128}, meshes | surfaces | projections},
-                                 {group_vdb, {DataForm::Kind::resampled_vdb, 256}, meshes | surfaces | projections}};
+const std::vector<DataRow>& data_rows() {
+  static const std::vector<DataRow> rows{
+      {group_bits, DataForm::Kind::quantized, {8, 16}, all_of_them, 8},
+      {group_grids, DataForm::Kind::resampled, {32, 64, 128, 256}, meshes | surfaces | projections, 64},
+      {group_vdb, DataForm::Kind::resampled_vdb, {32, 64, 128, 256}, meshes | surfaces | projections, 0}};
+  return rows;
+}
 
 /// An effect, by its number of samples.
 struct EffectRow {
@@ -117,11 +102,6 @@ bool calls_for(SampledEffect effect, const render::Scene& scene, int antialiasin
   return false;
 }
 
-render::Method method_of_row(const MethodRow& row, render::Mode mode, bool is_mesh) {
-  if (row.group == group_levels) return render::method_of(render::accuracy_named(row.word));
-  return render::method_named(row.word, mode, is_mesh);
-}
-
 }  // namespace
 
 std::string text_of(const DataForm& form) {
@@ -152,15 +132,25 @@ std::vector<Variant> variants_of(const render::Scene& scene, const render::Datas
   const render::Layer& layer = scene.layers[0];
   const bool is_mesh = dataset.is_mesh(), is_projection = layer.mode == render::Mode::mip;
   std::vector<Variant> all;
+  const auto add_method = [&](const char* group, const std::string& word, bool has_picture) {
+    all.push_back({.group = group,
+                   .name = word,
+                   .method = group == group_levels ? render::method_of(render::accuracy_named(word))
+                                                   : render::method_named(word, layer.mode, is_mesh),
+                   .has_picture = has_picture});
+  };
   for (const MethodRow& row : method_rows)
+    if (applies(row.applies, is_mesh, is_projection)) add_method(row.group, row.word, row.has_picture);
+  for (const SampledRow& row : sampled_rows)
     if (applies(row.applies, is_mesh, is_projection))
-      all.push_back({.group = row.group,
-                     .name = row.word,
-                     .method = method_of_row(row, layer.mode, is_mesh),
-                     .has_picture = row.has_picture});
-  for (const DataRow& row : data_rows)
+      for (const double step : steps)
+        add_method(row.group, concat("sampled:", step, "+", row.refinement), row.has_picture && step == 1);
+  for (const DataRow& row : data_rows())
     if (applies(row.applies, is_mesh, is_projection))
-      all.push_back({.group = row.group, .name = text_of(row.form), .data = row.form, .has_picture = row.has_picture});
+      for (const int size : row.sizes) {
+        const DataForm form{row.kind, size};
+        all.push_back({.group = row.group, .name = text_of(form), .data = form, .has_picture = size == row.shown_size});
+      }
   if (is_mesh && !is_projection) {
     const bool is_smooth = layer.material.normals == render::Normals::smooth;
     all.push_back({.group = group_normals,

@@ -7,12 +7,12 @@
 
 #include "render/load.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/table.h"
 #include "tools/lab/peers/peer.h"
 #include "tools/lab/rounds.h"
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/table.h"
 
 /// Systems that show the same data from the same cameras, timed in turn and compared with the exact
 /// answer.

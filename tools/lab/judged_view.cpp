@@ -15,13 +15,13 @@ using tools::Json;
 constexpr float elsewhere_cells = 1;
 
 void put(Json& row, const std::string& name, const std::string& unit,
-         const std::optional<tools::Quantiles>& quantiles) {
-  const auto put_one = [&](const char* which, double tools::Quantiles::*member) {
+         const std::optional<render::Quantiles>& quantiles) {
+  const auto put_one = [&](const char* which, double render::Quantiles::*member) {
     row[concat(name, "_", which, unit)] = quantiles ? Json((*quantiles).*member) : Json(nullptr);
   };
-  put_one("median", &tools::Quantiles::median);
-  put_one("p99", &tools::Quantiles::p99);
-  put_one("max", &tools::Quantiles::largest);
+  put_one("median", &render::Quantiles::median);
+  put_one("p99", &render::Quantiles::p99);
+  put_one("max", &render::Quantiles::largest);
 }
 
 render::Scene scene_of(const ViewSpec& setting) {
@@ -35,12 +35,8 @@ render::Scene scene_of(const ViewSpec& setting) {
 
 ExactView::ExactView(const render::Dataset& dataset, const ViewSpec& setting)
     : dataset_(dataset), wish_(setting), field_(dataset_), scene_(scene_of(wish_)) {
-  truth_ = tools::find_truth({.dataset = dataset_,
-                              .scene = scene_,
-                              .field = field_,
-                              .size = wish_.size,
-                              .seed = wish_.seed,
-                              .seconds = wish_.judge_seconds});
+  truth_ = render::find_truth(
+      {.dataset = dataset_, .scene = scene_, .size = wish_.size, .seed = wish_.seed, .seconds = wish_.judge_seconds});
   if (truth_.hit_count() == 0)
     throw Error(ErrorCode::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
   // If exact arithmetic could not decide all pixels in time, their picture is the certified one.
@@ -57,15 +53,15 @@ double ExactView::cell_length() const {
   std::vector<double> lengths;
   for (const double cells_per_t : truth_.cells_per_t)
     if (cells_per_t > 0) lengths.push_back(1 / cells_per_t);
-  return tools::quantiles_of(std::move(lengths)).value().median;
+  return render::quantiles_of(std::move(lengths)).value().median;
 }
 
 Json ExactView::ray_errors(const Shown& shown) const {
-  const std::vector<render::Ray> rays = tools::rays_of(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
+  const std::vector<render::Ray> rays = render::pixel_rays(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
-      tools::answers({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
-  const tools::ErrorList list = tools::errors_against(truth_, field_, scene_.layers[0], hits, shown.border);
-  const tools::ErrorCounts errors = tools::count_errors(list);
+      render::trace_rays({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
+  const render::ErrorList list = tools::errors_on_data(truth_, field_, scene_.layers[0], hits, shown.border);
+  const render::ErrorCounts errors = render::count_errors(list);
   std::vector<double> world;
   std::uint64_t wrong_at_border = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -90,9 +86,9 @@ Json ExactView::ray_errors(const Shown& shown) const {
   put(row, "depth", "_cells", errors.error);
   const double kept = errors.kept_by(0.99);
   row["depth_kept_by_99_cells"] = std::isfinite(kept) ? Json(kept) : Json(nullptr);
-  put(row, "depth", "_world", tools::quantiles_of(std::move(world)));
+  put(row, "depth", "_world", render::quantiles_of(std::move(world)));
   if (dataset_.is_mesh()) return row;
-  std::optional<tools::Quantiles> value = errors.value_error;
+  std::optional<render::Quantiles> value = errors.value_error;
   const double range = dataset_.field().range.hi - dataset_.field().range.lo;
   if (value && range > 0) value->median /= range, value->p99 /= range, value->largest /= range;
   put(row, "value", "_of_range", value);

@@ -8,10 +8,9 @@
 #include "render/load.h"
 #include "render/render.h"
 #include "render/scene_spec.h"
-#include "tools/analysis/errors.h"
-#include "tools/analysis/field_truth.h"
+#include "render/truth.h"
+#include "tools/analysis/data_errors.h"
 #include "tools/analysis/picture_errors.h"
-#include "tools/analysis/truth.h"
 #include "tools/rhoray/report.h"
 
 namespace rhoray::study {
@@ -41,7 +40,7 @@ class ExactView {
   ExactView(const render::Dataset& dataset, const ViewSpec& setting);
   ~ExactView();
 
-  const tools::Truth& truth() const { return truth_; }
+  const render::Truth& truth() const { return truth_; }
   /// The median length, in the world and along the rays, of the cells that contain the hits.
   double cell_length() const;
 
@@ -66,9 +65,9 @@ class ExactView {
 
   render::Dataset dataset_;
   ViewSpec wish_;
-  tools::FieldTruth field_;
+  tools::FieldValues field_;
   render::Scene scene_;  ///< with one layer
-  tools::Truth truth_;
+  render::Truth truth_;
   std::unique_ptr<const tools::TruePicture> picture_;
   render::Framebuffer timed_;
   render::RenderContext memory_;

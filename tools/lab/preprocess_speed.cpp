@@ -22,6 +22,8 @@
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "preprocess/resample.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/table.h"
 #include "tools/lab/preprocess_speed.h"
 #include "tools/lab/study_run.h"
 #include "tools/lab/warped_box.h"
@@ -29,8 +31,6 @@
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/subcommand.h"
 #include "tools/rhoray/cli/version.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/table.h"
 
 namespace rhoray::study {
 namespace {

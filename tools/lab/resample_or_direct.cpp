@@ -14,6 +14,7 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/cpu_meter.h"
 #include "tools/analysis/data_forms.h"
 #include "tools/lab/figures.h"
 #include "tools/lab/judged_view.h"
@@ -22,7 +23,6 @@
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/validate/grid_field.h"
 

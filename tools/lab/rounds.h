@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/rhoray/cpu_meter.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/cpu_meter.h"
+#include "tools/analysis/measure.h"
 
 namespace rhoray::study {
 

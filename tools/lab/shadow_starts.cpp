@@ -32,10 +32,10 @@ const char* name_of(Start start) {
   return "knows its side";
 }
 
-ShadowStarts::ShadowStarts(const render::Dataset& dataset, double isovalue, const tools::Truth& truth,
+ShadowStarts::ShadowStarts(const render::Dataset& dataset, double isovalue, const render::Truth& truth,
                            const Vec3& towards_light)
     : dataset_(dataset), isovalue_(isovalue) {
-  const tools::FieldTruth field(dataset_);
+  const render::CellLengths lengths(dataset_);
   const Affine& world = render::world_from_ray_frame(dataset_);
   const Affine frame = world.inverse();
   light_ = frame.vector(towards_light.normalized());
@@ -49,7 +49,7 @@ ShadowStarts::ShadowStarts(const render::Dataset& dataset, double isovalue, cons
     if (!(normal.dot(towards_light) > 0)) continue;
     Case found{.seen = seen, .t = hit.t, .cells_per_t = truth.cells_per_t[i], .normal = frame.vector(normal)};
     const auto cells_along = [&](const Vec3& direction) {
-      return field.cells_per_t({.origin = seen.at(hit.t), .direction = direction}, Hit{.t = 0, .tet = hit.tet});
+      return lengths.cells_per_t({.origin = seen.at(hit.t), .direction = direction}, Hit{.t = 0, .tet = hit.tet});
     };
     found.cells_along_normal = cells_along(found.normal);
     found.cells_along_light = cells_along(light_);
@@ -69,10 +69,10 @@ std::vector<Ray> ShadowStarts::off_surface(double cells) const {
 }
 
 void ShadowStarts::decide() {
-  const tools::Asking judge{
+  const render::TraceSpec judge{
       .dataset = dataset_, .isovalue = isovalue_, .method = render::method_of(render::Accuracy::exact)};
-  const std::vector<Hit> near = tools::answers(judge, off_surface(1e-7)),
-                         far = tools::answers(judge, off_surface(1e-5));
+  const std::vector<Hit> near = render::trace_rays(judge, off_surface(1e-7)),
+                         far = render::trace_rays(judge, off_surface(1e-5));
   std::vector<Case> known;
   for (std::size_t i = 0; i < cases_.size(); ++i) {
     if (near[i].is_miss() != far[i].is_miss()) {
@@ -94,7 +94,7 @@ StartCounts ShadowStarts::count(const StartSettings& setting) const {
   std::vector<Ray> seen;
   for (const Case& at : cases_) seen.push_back(at.seen);
   const std::vector<Hit> hits =
-      tools::answers({.dataset = dataset_, .isovalue = isovalue_, .method = setting.method}, seen);
+      render::trace_rays({.dataset = dataset_, .isovalue = isovalue_, .method = setting.method}, seen);
   std::vector<Ray> rays;
   std::vector<bool> is_dark;
   for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -113,7 +113,7 @@ StartCounts ShadowStarts::count(const StartSettings& setting) const {
     is_dark.push_back(at.is_dark);
   }
   const render::Method method = setting.start == Start::knows_side ? setting.method : render::Method{};
-  const std::vector<Hit> met = tools::answers({.dataset = dataset_, .isovalue = isovalue_, .method = method}, rays);
+  const std::vector<Hit> met = render::trace_rays({.dataset = dataset_, .isovalue = isovalue_, .method = method}, rays);
   StartCounts counts{.rays = rays.size()};
   for (std::size_t i = 0; i < rays.size(); ++i) {
     counts.dark += is_dark[i];

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/load.h"
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
 namespace rhoray::study {
 
@@ -41,7 +41,7 @@ struct StartCounts {
 class ShadowStarts {
  public:
   /// @param towards_light  world axes, any length
-  ShadowStarts(const render::Dataset& dataset, double isovalue, const tools::Truth& truth, const Vec3& towards_light);
+  ShadowStarts(const render::Dataset& dataset, double isovalue, const render::Truth& truth, const Vec3& towards_light);
 
   std::uint64_t known() const { return cases_.size(); }
   std::uint64_t dark() const;

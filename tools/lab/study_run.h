@@ -5,10 +5,10 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/table.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
-#include "tools/rhoray/measure.h"
-#include "tools/rhoray/table.h"
 
 /// Common parts of the studies: the machine on which they ran, and the output of their tables.
 namespace rhoray::study {

@@ -3,18 +3,15 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <ft2build.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include FT_FREETYPE_H
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <functional>
-#include <system_error>
 #include <utility>
+
+#include "tools/pictures/memory_file.h"
 
 namespace rhoray::tools {
 
@@ -115,38 +112,6 @@ Encoded encode_exr(const render::Framebuffer& picture) {
   out.bytes = pixels.take();
   return out;
 }
-
-/// A file in memory that can be opened by a path.
-class MemoryFile {
- public:
-  MemoryFile() : descriptor_(::memfd_create("rhoray-picture", MFD_CLOEXEC)) { check(descriptor_ >= 0); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
-  std::vector<std::byte> bytes() const {
-    struct stat status {};
-    check(::fstat(descriptor_, &status) == 0);
-    std::vector<std::byte> all(static_cast<std::size_t>(status.st_size));
-    for (std::size_t done = 0; done < all.size();) {
-      const ssize_t count = ::pread(descriptor_, all.data() + done, all.size() - done, static_cast<off_t>(done));
-      check(count > 0);
-      done += static_cast<std::size_t>(count);
-    }
-    return all;
-  }
-
- private:
-  static void check(bool works) {
-    if (!works) throw std::system_error(errno, std::system_category(), "a file in memory");
-  }
-
-  int descriptor_;
-};
 
 /// Writes with an ImageOutput that `open` prepares; returns the error message, or nothing.
 template <class Open>

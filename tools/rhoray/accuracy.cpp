@@ -5,17 +5,17 @@
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
 #include "render/document.h"
-#include "tools/analysis/choice.h"
+#include "tools/analysis/measure.h"
 #include "tools/analysis/pages.h"
 #include "tools/analysis/results.h"
 #include "tools/analysis/study.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/picture_options.h"
 #include "tools/rhoray/subcommands.h"
@@ -31,7 +31,7 @@ struct AccuracyCommand {
   std::uint64_t seed = 1;
   double time_limit_s = 600;
   int repeat = 5;
-  Goal goal;
+  render::Goal goal;
 };
 
 constexpr render::PictureSize default_size{.width = 640, .height = 480};
@@ -69,7 +69,7 @@ void check(const AccuracyCommand& command) {
                 concat("rhoray accuracy ", command.input.string(), " -o accuracy"));
   require_within("--time-limit", command.time_limit_s, 1, 1e6);
   require_within("--repeat", command.repeat, 1, 1000);
-  check(command.goal);
+  require_valid(command.goal);
 }
 
 void refuse_damage(const render::ResolvedScene& plan, unsigned threads) {
@@ -311,7 +311,7 @@ int run(AccuracyCommand& command) {
   context.facts["ranges_proven"] = proof_text(range_proof);
   if (command.goal.is_given()) {
     display.show("trying methods");
-    for (const Choice& choice : choose_methods(plan, command.goal, command.common.threads))
+    for (const render::Choice& choice : choose_methods(plan, command.goal, command.common.threads))
       context.notes.push_back(concat("`rhoray render` would use ", choice.sentence));
   }
   Work work(command, plan, display, context);

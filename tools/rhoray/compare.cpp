@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "tools/analysis/heat_map.h"
 #include "tools/analysis/picture_difference.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/report.h"

@@ -11,10 +11,10 @@
 #include "preprocess/export_tets.h"
 #include "preprocess/input_file.h"
 #include "render/isovalue.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

@@ -6,9 +6,9 @@
 #include "formats/base/parallel.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

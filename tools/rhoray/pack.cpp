@@ -5,9 +5,9 @@
 #include "formats/base/word_list.h"
 #include "preprocess/input_file.h"
 #include "preprocess/pack.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

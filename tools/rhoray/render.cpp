@@ -3,10 +3,11 @@
 #include "formats/base/error.h"
 #include "render/document.h"
 #include "render/scene_words.h"
+#include "tools/analysis/measure.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/render/frames.h"
 #include "tools/rhoray/render/picture.h"
@@ -34,8 +35,8 @@ std::filesystem::path output_of(const RenderCommand& command, const render::Scen
 
 /// Refuses options that conflict with choosing a method or with --verify.
 void check(RenderCommand& command, const render::SceneSpec& scene_spec) {
-  if (command.goal.is_given()) check(command.goal);
-  if (command.self_check.limit) check(command.self_check);
+  if (command.goal.is_given()) require_valid(command.goal);
+  if (command.self_check.limit) require_valid(command.self_check);
   if (!command.self_check.limit) command.self_check.limit = command.goal.max_error;
   const bool names_method =
       !command.picture.scene_spec.accuracy.empty() || !command.picture.scene_spec.layers[0].method.empty();
@@ -122,22 +123,7 @@ Subcommand render_subcommand() {
                      for_experts(flag_option("--no-verify", "Do not check the file's checksums while rendering",
                                              command->no_verify))}),
            goal_options(command->goal),
-           in_group(
-               "Accuracy",
-               {with_details(value_option("--verify", "N",
-                                          "Check N random pixels and N edge pixels with exact arithmetic and print "
-                                          "the errors",
-                                          command->self_check.pixels),
-                             "Exit code 6 if the method's promise does not hold, 4 if the file's value ranges are "
-                             "wrong"),
-                for_experts(with_details(
-                    value_option("--verify-limit", "E",
-                                 "Exit code 6 also if fewer than 99 % of the random pixels are within E cells",
-                                 command->self_check.limit),
-                    "The error is measured along the ray. For a projection, E is a share of the "
-                    "field's range")),
-                for_experts(value_option("--verify-seed", "N", "Random seed for --verify; default 1",
-                                         command->self_check.seed))}),
+           self_check_options(command->self_check),
            in_group(
                "Output",
                all_options(

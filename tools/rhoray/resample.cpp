@@ -7,10 +7,10 @@
 #include "formats/base/word_list.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/resample.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

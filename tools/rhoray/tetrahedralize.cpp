@@ -17,9 +17,9 @@
 #include "preprocess/input_file.h"
 #include "preprocess/inspect_surface.h"
 #include "preprocess/repair_surface.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 

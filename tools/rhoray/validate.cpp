@@ -5,14 +5,15 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/measure.h"
+#include "tools/analysis/validation_report.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
+#include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/subcommands.h"
-#include "tools/rhoray/validation_report.h"
 #include "tools/validate/request.h"
 
 namespace rhoray::tools {
@@ -109,7 +110,7 @@ int run(ValidateCommand& command) {
                       {"samples", request.samples},
                       {"seed", request.seed},
                       {"range_proof", proof_json(range_proof)}},
-                     watch.seconds());
+                     watch.seconds(), version());
   std::fputs(command.common.json ? (dump(report.json()) + "\n").c_str() : report.text().c_str(), stdout);
   if (!command.folder.empty()) report.write(command.folder, command.common.force);
   report.refuse_outside_limits(command.input.string());

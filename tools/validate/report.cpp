@@ -17,20 +17,16 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Json json_of(const Vec3& v) {
-  return Json::array({v.x, v.y, v.z});
-}
+/// Names in the JSON.
+constexpr std::pair<const char*, std::uint64_t RayCounts::*> count_names[] = {
+    {"rays", &RayCounts::rays},           {"hits", &RayCounts::hits},           {"missed", &RayCounts::missed},
+    {"false", &RayCounts::false_hits},    {"elsewhere", &RayCounts::elsewhere}, {"grazes", &RayCounts::grazes},
+    {"undecided", &RayCounts::undecided}, {"redecided", &RayCounts::redecided}};
 
 Json json_of(std::string_view name, const RayCounts& counts) {
-  return {{"aim", name},
-          {"rays", counts.rays},
-          {"hits", counts.hits},
-          {"missed", counts.missed},
-          {"false", counts.false_hits},
-          {"elsewhere", counts.elsewhere},
-          {"grazes", counts.grazes},
-          {"undecided", counts.undecided},
-          {"redecided", counts.redecided}};
+  Json json{{"aim", name}};
+  for (const auto& [key, count] : count_names) json[key] = counts.*count;
+  return json;
 }
 
 Json json_of(const Measure& measure) {
@@ -49,9 +45,12 @@ Json json_of(const Check& check) {
 }
 
 Json json_of(const DisputedRay& ray) {
-  return {{"verdict", name_of(ray.verdict)},       {"aim", name_of(ray.ray.aim)},
-          {"origin", json_of(ray.ray.ray.origin)}, {"direction", json_of(ray.ray.ray.direction)},
-          {"t_renderer", number(ray.t_renderer)},  {"t_reference", number(ray.t_reference)}};
+  return {{"verdict", name_of(ray.verdict)},
+          {"aim", name_of(ray.ray.aim)},
+          {"origin", rhoray::json_of(ray.ray.ray.origin)},
+          {"direction", rhoray::json_of(ray.ray.ray.direction)},
+          {"t_renderer", number(ray.t_renderer)},
+          {"t_reference", number(ray.t_reference)}};
 }
 
 }  // namespace
@@ -68,16 +67,8 @@ Quantiles quantiles_of(std::vector<double> values) {
 
 RayCounts Report::total() const {
   RayCounts sum;
-  for (const RayCounts& c : counts) {
-    sum.rays += c.rays;
-    sum.hits += c.hits;
-    sum.missed += c.missed;
-    sum.false_hits += c.false_hits;
-    sum.elsewhere += c.elsewhere;
-    sum.grazes += c.grazes;
-    sum.undecided += c.undecided;
-    sum.redecided += c.redecided;
-  }
+  for (const RayCounts& of_aim : counts)
+    for (const auto& [key, count] : count_names) sum.*count += of_aim.*count;
   return sum;
 }
 
@@ -99,6 +90,13 @@ Measure measure(std::string name, std::string unit, const Shots& shots, double F
 
 namespace {
 
+/// The count of a verdict that is not `right`.
+std::uint64_t RayCounts::*count_of(Verdict verdict) {
+  for (const auto& [key, count] : count_names)
+    if (name_of(verdict) == key) return count;
+  return nullptr;
+}
+
 void count(const Shots& shots, Report& report) {
   for (std::size_t r = 0; r < shots.rays.size(); ++r) {
     const Finding& finding = shots.findings[r];
@@ -106,11 +104,7 @@ void count(const Shots& shots, Report& report) {
     ++counts.rays;
     counts.hits += finding.is_hit;
     counts.redecided += finding.was_redecided;
-    counts.missed += finding.verdict == Verdict::missed;
-    counts.false_hits += finding.verdict == Verdict::false_hit;
-    counts.elsewhere += finding.verdict == Verdict::elsewhere;
-    counts.grazes += finding.verdict == Verdict::grazes;
-    counts.undecided += finding.verdict == Verdict::undecided;
+    if (finding.verdict != Verdict::right) ++(counts.*count_of(finding.verdict));
     if (finding.verdict != Verdict::right && report.disputed.size() < disputed_rays_kept)
       report.disputed.push_back({.ray = shots.rays[r],
                                  .verdict = finding.verdict,

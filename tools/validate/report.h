@@ -1,15 +1,13 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "formats/base/json.h"
 #include "tools/validate/shots.h"
 
 namespace rhoray::tools::validate {
-
-using Json = nlohmann::ordered_json;
 
 struct Quantiles {
   std::uint64_t count = 0;

@@ -71,7 +71,7 @@ PictureArrays arrays_of(const Shots& picture) {
 }
 
 void send(const Comparison& comparison, const Request& request, int output) {
-  const std::string text = json_of(comparison.report).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = dump(json_of(comparison.report));
   const PictureArrays picture = arrays_of(comparison.picture);
   using formats::ElementType;
   std::vector<formats::ArraySpec> specs{{report_array, ElementType::U8, {text.size()}}};

@@ -21,6 +21,7 @@
 #include "render/grid/isosurface/reading-inl.h"
 #include "render/traverse/group-inl.h"
 #include "render/traverse/lanes-inl.h"
+#include "render/traverse/on_machine.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -446,10 +447,6 @@ void find_all_hits(const TransparentSurfaces& shells, const RayArrays& rays, std
     cross_some<2>(shells, rays, first, count, lists, complete, scratch, counters);
 }
 
-FindAllHits find_all_hits_here() {
-  return find_all_hits;
-}
-
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -457,17 +454,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-FindAllHits find_all_hits_on([[maybe_unused]] Machine machine) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::find_all_hits_here();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::find_all_hits_here();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::find_all_hits_here();
-#endif
-  return HWY_NAMESPACE::find_all_hits_here();
+FindAllHits find_all_hits_on(Machine machine) {
+  RHORAY_RETURN_ON(machine, find_all_hits);
 }
 
 }  // namespace rhoray::render::wide

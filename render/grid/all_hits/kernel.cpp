@@ -32,15 +32,14 @@ std::int32_t surely_lit_of(const AllHitsQuery& query) {
   return count;
 }
 
-template <class View>
-TransparentSurfaces transparent_surfaces_of(const View& view, const LoadedDataset& dataset, const AllHitsQuery& query,
-                                            GridAllHitsScratch& scratch) {
+TransparentSurfaces transparent_surfaces_of(const UniformGrid& view, const LoadedDataset& dataset,
+                                            const AllHitsQuery& query, GridAllHitsScratch& scratch) {
   const TransparentSurface &first = query.surfaces.front(), &last = query.surfaces.back();
-  keep_blocks_of(scratch, {dataset.occupancies->of(view.levels(), first.isovalue),
-                           dataset.occupancies->of(view.levels(), last.isovalue)});
-  TransparentSurfaces surfaces{.surface = {surface_of(dataset, view, *scratch.occupancies[0],
+  keep_blocks_of(scratch, {dataset.occupancies->of(view.ranges(), first.isovalue),
+                           dataset.occupancies->of(view.ranges(), last.isovalue)});
+  TransparentSurfaces surfaces{.surface = {surface_of(view, *scratch.occupancies[0],
                                                       {.isovalue = first.isovalue, .time_phases = query.time_phases}),
-                                           surface_of(dataset, view, *scratch.occupancies[1],
+                                           surface_of(view, *scratch.occupancies[1],
                                                       {.isovalue = last.isovalue, .time_phases = query.time_phases})},
                                .passing = {},
                                .surely_lit = surely_lit_of(query),
@@ -65,37 +64,32 @@ TransparentSurfaces transparent_surfaces_of(const View& view, const LoadedDatase
 template <Machine machine>
 void cross(const LoadedDataset& dataset, const AllHitsQuery& query, const RayBatch& rays,
            std::span<CrossingList* const> lists, std::uint8_t* complete, Scratch& scratch, KernelCounters& counters) {
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_taken_wide<View>) {
-          GridAllHitsScratch& memory = scratch.as<GridAllHitsScratch>();
-          const TransparentSurfaces surfaces = transparent_surfaces_of(view, dataset, query, memory);
-          CrossingArrays arrays[most_surfaces];
-          for (std::size_t s = 0; s < lists.size(); ++s) {
-            arrays[s] = arrays_of(*lists[s]);
-            if (query.only_places)
-              std::fill_n(arrays[s].hits[0].t, rays.count, std::numeric_limits<double>::infinity());
-            else
-              write_misses(arrays[s].hits[0], rays.count);
-            std::fill_n(arrays[s].count, rays.count, std::uint8_t{0});
-          }
-          std::fill_n(complete, rays.count, std::uint8_t{1});
-          counters.rays_wide += rays.count;
-          const FindAllHits answer = find_all_hits_on(machine);
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
-            answer(surfaces, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete,
-                   memory, counters);
-        }
-      },
-      dataset.view);
+  const UniformGrid& view = std::get<UniformGrid>(dataset.view);
+  GridAllHitsScratch& memory = scratch.as<GridAllHitsScratch>();
+  const TransparentSurfaces surfaces = transparent_surfaces_of(view, dataset, query, memory);
+  CrossingArrays arrays[most_surfaces];
+  for (std::size_t s = 0; s < lists.size(); ++s) {
+    arrays[s] = arrays_of(*lists[s]);
+    if (query.only_places)
+      std::fill_n(arrays[s].hits[0].t, rays.count, std::numeric_limits<double>::infinity());
+    else
+      write_misses(arrays[s].hits[0], rays.count);
+    std::fill_n(arrays[s].count, rays.count, std::uint8_t{0});
+  }
+  std::fill_n(complete, rays.count, std::uint8_t{1});
+  counters.rays_wide += rays.count;
+  const FindAllHits answer = find_all_hits_on(machine);
+  for (std::size_t first = 0; first < rays.count; first += RayGroup::size)
+    answer(surfaces, arrays_of(rays), first, std::min(RayGroup::size, rays.count - first), arrays, complete, memory,
+           counters);
 }
 
 }  // namespace
 
 AllHitsKernel grid_all_hits_kernel(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
   const bool is_known = has_wide_crossings(query.method) && query.method.algorithm == Method::Algorithm::direct;
-  const bool is_whole = std::visit([&](const auto& view) { return !has_gaps(dataset, view); }, dataset.view);
-  if (!is_known || !is_fit_grid(dataset) || !is_answerable_wide(dataset, query) || !is_whole) return nullptr;
+  const UniformGrid* view = fit_grid(dataset);
+  if (!is_known || view == nullptr || !is_answerable_wide(*view, query) || view->has_gaps()) return nullptr;
   return kernel_on(machine, []<Machine wide>() -> AllHitsKernel { return cross<wide>; });
 }
 

@@ -21,6 +21,7 @@
 #include "render/grid/isosurface/reading-inl.h"
 #include "render/traverse/group-inl.h"
 #include "render/traverse/lanes-inl.h"
+#include "render/traverse/on_machine.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -39,7 +40,7 @@ class GroupWalk {
         scratch_(scratch),
         group_(scratch.group),
         counters_(counters),
-        reading_(reading_of(surface.type)),
+        reading_(reading_of(surface.source.type)),
         corners_(lattice),
         states_{.alive = scratch.group.inside} {
     for (int a = 0; a < 3; ++a) upward_[a] = lattice.is_mirrored(a) ? -1 : 1;
@@ -530,17 +531,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-CrossingKernels crossing_kernels_on([[maybe_unused]] Machine machine, Search search) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::crossing_kernels(search);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::crossing_kernels(search);
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::crossing_kernels(search);
-#endif
-  return HWY_NAMESPACE::crossing_kernels(search);
+CrossingKernels crossing_kernels_on(Machine machine, Search search) {
+  RHORAY_RETURN_ON(machine, crossing_kernels(search));
 }
 
 }  // namespace rhoray::render::wide

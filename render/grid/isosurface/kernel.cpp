@@ -50,65 +50,53 @@ void redo_doubtful(const Ask& ask, const RayBatch& rays, HitBatch& hits, Isosurf
 template <Machine machine, Search search>
 void first_crossings(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_taken_wide<View>) {
-          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
-          if (!is_answerable_wide(dataset, query)) {
-            reference(dataset, query, rays, hits, scratch);
-            return;
-          }
-          scratch.counters.rays_wide += rays.count;
-          IsosurfaceScratch& memory =
-              prepared(scratch.for_hits, dataset.occupancies->of(view.levels(), query.isovalue));
-          const IsosurfaceQuery surface = surface_of(dataset, view, *memory.occupancy, query);
-          const CrossingKernels kernels = crossing_kernels_on(machine, search);
-          const RayArrays asked = arrays_of(rays);
-          const HitArrays answers = arrays_of(hits);
-          const auto ask = [&](const RayBatch& some, std::span<const ResumedAt> resumed_at, HitBatch& found) {
-            if constexpr (search == Search::certified)
-              resume_certified(view, query, some, resumed_at, found, scratch);
-            else
-              reference(dataset, query, some, found, scratch);
-          };
-          const auto redo = [&] {
-            if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, memory, scratch.counters);
-          };
-          for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-            const std::size_t count = std::min(RayGroup::size, rays.count - first);
-            write_misses(from(answers, first), count);
-            kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
-            redo();
-          }
-          kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
-          redo();
-        }
-      },
-      dataset.view);
+  const UniformGrid& view = std::get<UniformGrid>(dataset.view);
+  const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
+  if (!is_answerable_wide(view, query)) {
+    reference(dataset, query, rays, hits, scratch);
+    return;
+  }
+  scratch.counters.rays_wide += rays.count;
+  IsosurfaceScratch& memory = prepared(scratch.for_hits, dataset.occupancies->of(view.ranges(), query.isovalue));
+  const IsosurfaceQuery surface = surface_of(view, *memory.occupancy, query);
+  const CrossingKernels kernels = crossing_kernels_on(machine, search);
+  const RayArrays asked = arrays_of(rays);
+  const HitArrays answers = arrays_of(hits);
+  const auto ask = [&](const RayBatch& some, std::span<const ResumedAt> resumed_at, HitBatch& found) {
+    if constexpr (search == Search::certified)
+      resume_certified(view, query, some, resumed_at, found, scratch);
+    else
+      reference(dataset, query, some, found, scratch);
+  };
+  const auto redo = [&] {
+    if (memory.doubtful.count != 0) redo_doubtful(ask, rays, hits, memory, scratch.counters);
+  };
+  for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+    const std::size_t count = std::min(RayGroup::size, rays.count - first);
+    write_misses(from(answers, first), count);
+    kernels.answer(surface, asked, first, count, answers, memory, scratch.counters);
+    redo();
+  }
+  kernels.answer_waiting(surface, asked, answers, memory, scratch.counters);
+  redo();
 }
 
 }  // namespace
 
 std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned) {
-  if (!is_answerable_wide(dataset, query)) return std::nullopt;
-  return std::visit(
-      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
-        if constexpr (is_taken_wide<View>) {
-          const auto occupancy = dataset.occupancies->of(view.levels(), query.isovalue);
-          const Index3 cells = view.lattice().leaf_count;
-          SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
-          // Far above what rounding exchanges at edges between cells, plus the rounding of the last
-          // cells to single precision.
-          boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
-          return boxes;
-        }
-        return std::nullopt;
-      },
-      dataset.view);
+  const UniformGrid& view = std::get<UniformGrid>(dataset.view);
+  if (!is_answerable_wide(view, query)) return std::nullopt;
+  const auto occupancy = dataset.occupancies->of(view.ranges(), query.isovalue);
+  const Index3 cells = view.lattice().leaf_count;
+  SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
+  // Far above what rounding exchanges at edges between cells, plus the rounding of the last cells to
+  // single precision.
+  boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
+  return boxes;
 }
 
 Kernel first_crossing_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
-  if (!has_wide_crossings(method) || !is_fit_grid(dataset)) return nullptr;
+  if (!has_wide_crossings(method) || fit_grid(dataset) == nullptr) return nullptr;
   return kernel_on(machine, [&]<Machine wide>() -> Kernel {
     return method.algorithm == Method::Algorithm::preview     ? first_crossings<wide, Search::preview>
            : method.algorithm == Method::Algorithm::certified ? first_crossings<wide, Search::certified>

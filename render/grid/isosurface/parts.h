@@ -24,7 +24,6 @@ enum class Search { preview, bracketed, certified };
 /// One surface of one volume.
 struct IsosurfaceQuery {
   SampleSource source;
-  formats::ElementType type;
   int leaf_count[3];
   std::array<int, 3> node_count;
   const std::uint64_t* nodes;

@@ -27,6 +27,7 @@
 #include "render/traverse/group-inl.h"
 #include "render/traverse/lanes-inl.h"
 #include "render/traverse/octant.h"
+#include "render/traverse/on_machine.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rhoray::render::wide::HWY_NAMESPACE {
@@ -226,9 +227,6 @@ void largest_values(const MaximumField& field, const RayArrays& rays, std::size_
 }
 
 }  // namespace
-LargestValues largest_values_here() {
-  return largest_values;
-}
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -236,29 +234,7 @@ HWY_AFTER_NAMESPACE();
 namespace rhoray::render::wide {
 
 LargestValues largest_values_on(Machine machine) {
-  switch (machine) {
-    case Machine::scalar:
-      break;
-    case Machine::baseline:
-#if HWY_TARGETS & HWY_SSE4
-      if (__builtin_cpu_supports("sse4.2")) return N_SSE4::largest_values_here();
-#endif
-#if HWY_TARGETS & HWY_SCALAR
-      return N_SCALAR::largest_values_here();
-#endif
-      break;
-    case Machine::avx2:
-#if HWY_TARGETS & HWY_AVX2
-      return N_AVX2::largest_values_here();
-#endif
-      break;
-    case Machine::avx512:
-#if HWY_TARGETS & HWY_AVX3
-      return N_AVX3::largest_values_here();
-#endif
-      break;
-  }
-  return nullptr;
+  RHORAY_RETURN_ON(machine, largest_values);
 }
 
 }  // namespace rhoray::render::wide

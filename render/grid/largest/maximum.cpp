@@ -4,10 +4,8 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <variant>
-#include <vector>
 
-#include "render/dataset/grid_source.h"
+#include "render/dataset/fit_grid.h"
 #include "render/grid/largest/parts.h"
 #include "render/grid/reference/largest.h"
 #include "render/query/batch_arrays.h"
@@ -33,10 +31,9 @@ CellVisit whole_visit(const PlaneTimesOf<Planes>& planes, const Segment& segment
   return visit;
 }
 
-template <class View>
 void look_closely(const void* context, const RayArrays& rays, std::size_t r, double t_from, double t_to,
                   FoundMaximum& found) {
-  const View& view = *static_cast<const View*>(context);
+  const UniformGrid& view = *static_cast<const UniformGrid*>(context);
   const Ray ray{.origin = {rays.origin[0][r], rays.origin[1][r], rays.origin[2][r]},
                 .direction = {rays.direction[0][r], rays.direction[1][r], rays.direction[2][r]},
                 .t_min = rays.t_min[r],
@@ -60,61 +57,29 @@ void look_closely(const void* context, const RayArrays& rays, std::size_t r, dou
   });
 }
 
-template <class T>
-StoredRanges ranges_of(const formats::MacroLevelsView<T>& levels, int level) {
-  if (level > levels.shape.level_count) return {nullptr, {0, 0, 0}};
-  const Index3 count = levels.shape.count(level);
-  return {levels.ranges[static_cast<std::size_t>(level - levels.first_level)].data(),
-          {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
+StoredRanges ranges_of(const MacroRanges& ranges, int level) {
+  if (level > ranges.shape().level_count) return {nullptr, {0, 0, 0}};
+  const auto& [first, count] = ranges.level(level);
+  return {first, {static_cast<int>(count.x), static_cast<int>(count.y), static_cast<int>(count.z)}};
 }
 
-/// True where each four samples of an axis are `step` apart and the last four are complete.
-bool is_in_fours(const std::vector<std::uint64_t>& table, std::uint64_t step) {
-  if (table.size() % 4 != 0) return false;
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (table[i] != table[i / 4 * 4] + i % 4 * step) return false;
-  return true;
-}
-
-/// Samples 4 i to 4 i + 3 of x and 4 j to 4 j + 3 of y are contiguous, x fastest.
-template <class T>
-bool has_squares(const GridData<T>& view) {
-  return is_in_fours(view.tables().x, 1) && is_in_fours(view.tables().y, 4);
-}
-template <class View>
-requires is_in_bricks<View>
-bool has_squares(const View&) {
-  return false;
-}
-
-/// The same, and samples 4 k to 4 k + 3 of z with them.
-template <class T>
-bool has_bricks(const GridData<T>& view) {
-  return has_squares(view) && is_in_fours(view.tables().z, 16);
-}
-template <class View>
-requires is_in_bricks<View>
-bool has_bricks(const View&) {
-  return false;
-}
-
-template <class View>
-MaximumField field_of(const LoadedDataset& dataset, const View& view, bool time_phases) {
+MaximumField field_of(const UniformGrid& view, bool time_phases) {
   const Index3 leaf_count = view.lattice().leaf_count;
-  const Interval<double> values = values_of(dataset);
-  MaximumField field{.source = source_of(view),
-                     .type = formats::element_type_of<typename View::Sample>(),
-                     .sample_bytes = sizeof(typename View::Sample),
+  const Interval<double>& values = view.values();
+  const SampleSource& source = *view.source();
+  MaximumField field{.source = source,
+                     .type = source.type,
+                     .sample_bytes = with_value_type(source.type, []<class T>(T) { return sizeof(T); }),
                      .leaf_count = {},
                      .node_count = {},
-                     .blocks = ranges_of(view.levels(), 1),
-                     .nodes = ranges_of(view.levels(), 2),
+                     .blocks = ranges_of(view.ranges(), 1),
+                     .nodes = ranges_of(view.ranges(), 2),
                      .range = values.is_empty() ? 0 : values.hi - values.lo,
-                     .has_gaps = has_gaps(dataset, view),
-                     .has_squares = has_squares(view),
-                     .has_bricks = has_bricks(view),
+                     .has_gaps = view.has_gaps(),
+                     .has_squares = source.has_padded_squares,
+                     .has_bricks = source.has_padded_bricks,
                      .time_phases = time_phases,
-                     .look_closely = look_closely<View>,
+                     .look_closely = look_closely,
                      .context = &view};
   for (int axis = 0; axis < 3; ++axis) {
     field.leaf_count[axis] = static_cast<int>(leaf_count[axis]);
@@ -132,17 +97,17 @@ Hit hit_of(const FoundMaximum& found, std::uint32_t cost) {
   return hit;
 }
 
-template <class View, Machine machine>
+template <Machine machine>
 void largest_values(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                     KernelScratch& scratch) {
-  const View& view = std::get<View>(dataset.view);
+  const UniformGrid& view = std::get<UniformGrid>(dataset.view);
   if (!query.use_hierarchy)
     return reference_kernels(view, query.method.algorithm).largest(dataset, query, rays, hits, scratch);
   scratch.counters.rays_wide += rays.count;
   MaximumScratch& memory = scratch.for_largest.as<MaximumScratch>();
   memory.regions = memory.looks = memory.ticks = 0;
   std::uint64_t cells = 0;
-  const MaximumField field = field_of(dataset, view, query.time_phases);
+  const MaximumField field = field_of(view, query.time_phases);
   const LargestValues search = largest_values_on(machine);
   for (std::size_t first = 0; first < rays.count; first += SearchedRays::size) {
     const std::size_t count = std::min(SearchedRays::size, rays.count - first);
@@ -170,23 +135,17 @@ bool is_direct(Method::Algorithm algorithm) {
 }  // namespace
 
 Kernel largest_value_kernel(const LoadedDataset& dataset, const Method& method, Machine machine) {
-  if (!is_direct(method.algorithm) || !largest_values_on(machine)) return nullptr;
-  return std::visit(
-      [&](const auto& view) -> Kernel {
-        using View = std::decay_t<decltype(view)>;
-        if constexpr (is_taken_wide<View>) {
-          // Positions on it have enough digits in single precision.
-          constexpr std::int64_t largest_size = 1 << 14;
-          const Index3 size = view.lattice().leaf_count;
-          const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
-          const Interval<double> range = values_of(dataset);
-          const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
-          if (is_fit_grid(dataset) && is_small && has_range)
-            return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<View, wide>; });
-        }
-        return nullptr;
-      },
-      dataset.view);
+  if (!is_direct(method.algorithm)) return nullptr;
+  const UniformGrid* view = fit_grid(dataset);
+  if (view == nullptr) return nullptr;
+  // Positions on it have enough digits in single precision.
+  constexpr std::int64_t largest_size = 1 << 14;
+  const Index3 size = view->lattice().leaf_count;
+  const bool is_small = std::max({size.x, size.y, size.z}) <= largest_size;
+  const Interval<double>& range = view->values();
+  const bool has_range = range.is_empty() || std::isfinite(range.hi - range.lo);
+  if (!is_small || !has_range) return nullptr;
+  return kernel_on(machine, []<Machine wide>() -> Kernel { return largest_values<wide>; });
 }
 
 }  // namespace rhoray::render::wide

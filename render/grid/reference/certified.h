@@ -178,13 +178,9 @@ CertifiedHit certified_crossing(const View& view, const RayQuery& query, const R
     if (found.decision == Decision::unknown || !is_placed_well<Real>(found, in, out, error))
       return answer.is_certain = false;
     Hit& hit = answer.hit;
-    hit.t = visit.t_at(found.s);
-    hit.error = found.s_error * (visit.t_out - visit.t_in) + 4 * WalkRounding::of_time * std::abs(hit.t);
+    complete(hit, view, visit, cell, in, out, found);
     hit.value = iso;
-    hit.cell = view.cell_id(visit.cell);
-    hit.gradient = view.geometry().gradient(cell.gradient((1 - found.s) * in + found.s * out), visit.cell);
-    hit.root_count = static_cast<std::uint32_t>(found.root_count);
-    hit.iteration_count = static_cast<std::uint32_t>(found.iterations);
+    hit.error = found.s_error * (visit.t_out - visit.t_in) + 4 * WalkRounding::of_time * std::abs(hit.t);
     // A ray's own ends are exact: a hit that may lie beyond them is not certain.
     answer.is_certain = hit.t - hit.error >= ray.t_min && hit.t + hit.error <= ray.t_max;
     return false;

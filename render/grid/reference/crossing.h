@@ -64,12 +64,8 @@ Hit crossing_by_method(const View& view, const RayQuery& query, const Ray& ray, 
     passage.starts_in_crossing = std::exchange(starts_in_crossing, false);
     const CellCrossing found = find_crossing<Real>(method, cell, passage, iso, *side.inside());
     if (!found.crosses) return true;  // the side at the exit is the side at the entry
-    hit.t = visit.t_at(found.s);
+    complete(hit, view, visit, cell, in, out, found);
     hit.value = iso;
-    hit.cell = view.cell_id(visit.cell);
-    hit.gradient = view.geometry().gradient(cell.gradient((1 - found.s) * in + found.s * out), visit.cell);
-    hit.root_count = static_cast<std::uint32_t>(found.root_count);
-    hit.iteration_count = static_cast<std::uint32_t>(found.iterations);
     return false;
   };
   walk_sides(view, query, ray, planes, *segment, counters, side, see, look);

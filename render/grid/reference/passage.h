@@ -72,6 +72,18 @@ RHORAY_INLINE std::optional<bool> side_of_all(const Interval<double>& values, do
   return std::nullopt;
 }
 
+/// Writes what is known of a hit at a crossing in a cell, between the points in and out: all but
+/// its value and error.
+template <class View, class Crossing>
+RHORAY_INLINE void complete(Hit& hit, const View& view, const CellVisit& visit, const TrilinearCell& cell,
+                            const Vec3& in, const Vec3& out, const Crossing& found) {
+  hit.t = visit.t_at(found.s);
+  hit.cell = view.cell_id(visit.cell);
+  hit.gradient = view.geometry().gradient(cell.gradient((1 - found.s) * in + found.s * out), visit.cell);
+  hit.root_count = static_cast<std::uint32_t>(found.root_count);
+  hit.iteration_count = static_cast<std::uint32_t>(found.iterations);
+}
+
 /// Tracks the side of the isosurface that a ray is on, from cell to cell.
 template <class View>
 class SideOnRay {

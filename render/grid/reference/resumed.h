@@ -19,8 +19,7 @@ struct ResumedAt {
 /// For a uniform grid's certified first crossings: decides what single precision left undecided, in
 /// double precision or by exact arithmetic. Where doubt remains behind the point, the whole ray is
 /// traced again.
-template <class View>
-void resume_certified(const View& view, const RayQuery& query, const RayBatch& rays, std::span<const ResumedAt> from,
-                      HitBatch& hits, KernelScratch& scratch);
+void resume_certified(const UniformGrid& view, const RayQuery& query, const RayBatch& rays,
+                      std::span<const ResumedAt> from, HitBatch& hits, KernelScratch& scratch);
 
 }  // namespace rhoray::render

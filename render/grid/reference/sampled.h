@@ -56,18 +56,6 @@ class GridSampler {
   PlaneTimesOfView planes_;
 };
 
-template <class View>
-Hit sampled_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
-  GridSampler sampler(view, ray);
-  return sampled_crossing(sampler, query, scratch.counters);
-}
-
-template <class View>
-Hit sampled_maximum_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
-  GridSampler sampler(view, ray);
-  return sampled_maximum(sampler, query, scratch.counters);
-}
-
 }  // namespace
 
 }  // namespace rhoray::render

@@ -89,18 +89,23 @@ void read_block_of_dense(const SampleSource& source, const int* first, T* values
 }
 
 template <class T>
+void read_samples(const SampleSource& source, const int* first, double* out) {
+  T values[sample_count];
+  if (source.bricks.slots != nullptr)
+    read_block_from_bricks(source, first, values);
+  else
+    read_block_of_dense(source, first, values);
+  std::copy(values, values + sample_count, out);
+}
+
 void read_block(const SampleSource& source, const Index3& block, BlockOfSamples& out) {
   int first[3];
   for (int a = 0; a < 3; ++a) {
     first[a] = static_cast<int>(4 * block[a]);
     out.cells[static_cast<std::size_t>(a)] = static_cast<std::size_t>(std::min(4, source.count[a] - 1 - first[a]));
   }
-  T values[sample_count];
-  if (source.bricks.slots != nullptr)
-    read_block_from_bricks(source, first, values);
-  else
-    read_block_of_dense(source, first, values);
-  std::fill(std::copy(values, values + sample_count, out.value), out.value + room, 0.0);
+  with_value_type(source.type, [&]<class T>(T) { read_samples<T>(source, first, out.value); });
+  std::fill(out.value + sample_count, out.value + room, 0.0);
 }
 
 std::vector<Index3> blocks_of(const Occupancy& occupancy) {
@@ -122,9 +127,7 @@ struct Found {
   std::vector<SurfaceCells::Cell> cells;
 };
 
-template <class View>
-Found cells_of(const View& view, const Occupancy& occupancy, double isovalue, unsigned threads) {
-  const SampleSource source = source_of(view);
+Found cells_of(const SampleSource& source, const Occupancy& occupancy, double isovalue, unsigned threads) {
   const std::vector<Index3> places = blocks_of(occupancy);
   constexpr std::uint64_t blocks_each = 1024;
   std::vector<Found> parts((places.size() + blocks_each - 1) / blocks_each);
@@ -135,7 +138,7 @@ Found cells_of(const View& view, const Occupancy& occupancy, double isovalue, un
       for (std::uint64_t b = part * blocks_each; b < end; ++b) {
         SurfaceCells::Block& block = parts[part].blocks.emplace_back();
         for (int a = 0; a < 3; ++a) block.corner[a] = static_cast<float>(4 * places[b][a]);
-        read_block<typename View::Sample>(source, places[b], samples);
+        read_block(source, places[b], samples);
         add_cells(samples, isovalue, block, parts[part].cells);
       }
     }
@@ -222,18 +225,10 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
   return footprints;
 }
 
-/// True where every rise of the field along a ray lies in a cell.
-bool rises_in_cells(const LoadedDataset& dataset) {
-  return std::visit([&](const auto& view) { return !has_gaps(dataset, view); }, dataset.view);
-}
-
-std::shared_ptr<const Occupancy> occupancy_of(const LoadedDataset& dataset, const RayQuery& query) {
-  return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const Occupancy> {
-        if constexpr (is_taken_wide<View>) return dataset.occupancies->of(view.levels(), query.isovalue);
-        return nullptr;
-      },
-      dataset.view);
+/// The dataset's grid where every rise of the field along a ray lies in a cell, else null.
+const UniformGrid* grid_with_occluders(const LoadedDataset& dataset, const RayQuery& query) {
+  const UniformGrid* grid = fit_grid(dataset);
+  return grid != nullptr && is_answerable_wide(*grid, query) && !grid->has_gaps() ? grid : nullptr;
 }
 
 class OccludingCells final : public OccludingSurface {
@@ -255,8 +250,8 @@ class OccludingCells final : public OccludingSurface {
 
 std::shared_ptr<const void> source_of_light(const LoadedDataset& dataset, const RayQuery& query,
                                             const LightPlace& light, unsigned) {
-  const bool is_known = light.is_one_direction() && is_answerable_wide(dataset, query) && rises_in_cells(dataset);
-  return is_known ? occupancy_of(dataset, query) : nullptr;
+  const UniformGrid* grid = light.is_one_direction() ? grid_with_occluders(dataset, query) : nullptr;
+  return grid != nullptr ? dataset.occupancies->of(grid->ranges(), query.isovalue) : nullptr;
 }
 
 std::shared_ptr<const OccludingSurface> occluding_cells(const LoadedDataset& dataset, const RayQuery& query,
@@ -270,18 +265,13 @@ const OccluderSearch grid_occluder_search{.source = source_of_light, .surface = 
 
 std::shared_ptr<const SurfaceCells> SurfaceCells::of(const LoadedDataset& dataset, const RayQuery& query,
                                                      unsigned threads) {
-  if (!is_answerable_wide(dataset, query) || !rises_in_cells(dataset)) return nullptr;
-  return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const SurfaceCells> {
-        if constexpr (is_taken_wide<View>) {
-          const auto active = std::make_shared<SurfaceCells>();
-          Found found = cells_of(view, *occupancy_of(dataset, query), query.isovalue, threads);
-          active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
-          return active;
-        }
-        return nullptr;
-      },
-      dataset.view);
+  const UniformGrid* grid = grid_with_occluders(dataset, query);
+  if (grid == nullptr) return nullptr;
+  const auto active = std::make_shared<SurfaceCells>();
+  Found found =
+      cells_of(*grid->source(), *dataset.occupancies->of(grid->ranges(), query.isovalue), query.isovalue, threads);
+  active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
+  return active;
 }
 
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,

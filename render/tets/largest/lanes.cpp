@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "render/tets/largest/cells-inl.h"
+#include "render/traverse/on_machine.h"
 #include "render/traverse/ticks.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -186,10 +187,6 @@ std::uint64_t tet_largest_values(const TetMaximumField& field, const RayArrays& 
   return axes.left_out;
 }
 
-TetLargestValues tet_largest_values_here() {
-  return tet_largest_values;
-}
-
 }  // namespace
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -198,17 +195,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-TetLargestValues tet_largest_values_on([[maybe_unused]] Machine machine) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::tet_largest_values_here();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::tet_largest_values_here();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::tet_largest_values_here();
-#endif
-  return HWY_NAMESPACE::tet_largest_values_here();
+TetLargestValues tet_largest_values_on(Machine machine) {
+  RHORAY_RETURN_ON(machine, tet_largest_values);
 }
 
 }  // namespace rhoray::render::wide

@@ -95,7 +95,7 @@ struct ClusterVisit {
 template <class View, class MayHold, class Meets>
 RHORAY_INLINE void meet_block(const View& view, const BoxRay& ray, int level, std::uint64_t block, MayHold&& may_hold,
                               Meets&& meets) {
-  const auto& ranges = view.cluster_ranges()[static_cast<std::size_t>(level)][block];
+  const auto ranges = view.cluster_ranges(level, block);
   unsigned wanted = 0;
   for (std::size_t e = 0; e < BoxRay::width; ++e)
     wanted |= static_cast<unsigned>(

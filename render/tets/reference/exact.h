@@ -25,23 +25,11 @@ namespace {
 template <class View, class MayMatter, class Take>
 void take_from_lists(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                      MayMatter&& may_matter, Take&& take) {
-  const WalkLattice lattice = view.lattice();
-  const Ray ray_lattice = view.on_lattice(ray);
-  const PlaneTimes planes(ray_lattice);
-  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
-  if (!segment) return;
-  auto enters = [&](int level, const CellVisit& visit) {
-    ++counters.macrocells_visited;
-    return may_matter(view.range(level, visit.cell));
-  };
-  auto leaf = [&](const CellVisit& visit) {
+  walk_leaves(view, query, ray, counters, may_matter, [&](const CellVisit& visit) {
     ++counters.cells_visited;
     for (const std::uint32_t tet : view.tetrahedra_at(visit.cell)) take(tet);
     return true;
-  };
-  const int top = query.use_hierarchy ? view.level_count() : 0;
-  walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
-                 segment->t_out, enters, leaf);
+  });
 }
 
 template <class View, class MayMatter, class Take>

@@ -6,7 +6,6 @@ namespace rhoray::render {
 
 /// For a mesh's certified first crossings: decides what single precision left undecided, in double
 /// precision or by exact arithmetic. For grids see render/grid/reference/resumed.h.
-template <class View>
-Kernel redoing_kernel(const View& view);
+Kernel redoing_kernel();
 
 }  // namespace rhoray::render

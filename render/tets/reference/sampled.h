@@ -145,18 +145,6 @@ class TetSampler {
   PlaneTimes planes_;
 };
 
-template <class View>
-Hit sampled_crossing_of_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
-  TetSampler sampler(view, ray);
-  return sampled_crossing(sampler, query, scratch.counters);
-}
-
-template <class View>
-Hit sampled_maximum_on_ray(const View& view, const RayQuery& query, const Ray& ray, KernelScratch& scratch) {
-  TetSampler sampler(view, ray);
-  return sampled_maximum(sampler, query, scratch.counters);
-}
-
 }  // namespace
 
 }  // namespace rhoray::render

@@ -53,6 +53,25 @@ RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint3
   look_into(view, query, tet, counters, look, [](std::uint32_t) { return true; });
 }
 
+/// Visits the leaf cells along the ray, front to back, in macrocells whose range satisfies may_hold.
+/// @param leaf  (visit): returns true to go on
+template <class View, class MayHold, class Leaf>
+void walk_leaves(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters, MayHold&& may_hold,
+                 Leaf&& leaf) {
+  const WalkLattice lattice = view.lattice();
+  const Ray ray_lattice = view.on_lattice(ray);
+  const PlaneTimes planes(ray_lattice);
+  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
+  if (!segment) return;
+  auto enters = [&](int level, const CellVisit& visit) {
+    ++counters.macrocells_visited;
+    return may_hold(view.range(level, visit.cell));
+  };
+  const int top = query.use_hierarchy ? view.level_count() : 0;
+  walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
+                 segment->t_out, enters, leaf);
+}
+
 /// Visits the lists of the leaf cells along the ray that may contain the isosurface, front to back.
 /// @param leaf_begins  (t_in of the leaf): false to stop
 /// @param list         (the tetrahedra that a leaf cell lists)
@@ -60,18 +79,9 @@ RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint3
 template <class View, class Begins, class List, class Ends>
 void walk_active_leaves(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters,
                         Begins&& leaf_begins, List&& list, Ends&& leaf_ends) {
-  const WalkLattice lattice = view.lattice();
-  const Ray ray_lattice = view.on_lattice(ray);
-  const PlaneTimes planes(ray_lattice);
-  const std::optional<Segment> segment = clip_to_lattice(ray_lattice, planes, lattice.leaf_count);
-  if (!segment) return;
   const double iso = query.isovalue;
   const auto can_cross = [&](const Interval<double>& range) { return range.lo < iso && iso <= range.hi; };
-  auto enters = [&](int level, const CellVisit& visit) {
-    ++counters.macrocells_visited;
-    return can_cross(view.range(level, visit.cell));
-  };
-  auto leaf = [&](const CellVisit& visit) {
+  walk_leaves(view, query, ray, counters, can_cross, [&](const CellVisit& visit) {
     if (visit.has_no_length()) return true;
     if (!leaf_begins(visit.t_in)) return false;
     ++counters.cells_visited;
@@ -79,10 +89,7 @@ void walk_active_leaves(const View& view, const RayQuery& query, const Ray& ray,
     const IntersectionTimer timer(query, counters);
     list(view.tetrahedra_at(visit.cell));
     return leaf_ends(visit.t_out);
-  };
-  const int top = query.use_hierarchy ? view.level_count() : 0;
-  walk_hierarchy(ray_lattice, planes, lattice, top, whole_level(lattice, lattice.cell_edge(top)), segment->t_in,
-                 segment->t_out, enters, leaf);
+  });
 }
 
 /// Visits the tetrahedra along the ray, leaf after leaf, each once although several leaf cells list

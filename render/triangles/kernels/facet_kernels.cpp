@@ -4,13 +4,11 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <type_traits>
 #include <utility>
 
 #include "render/cell/tet_methods.h"
 #include "render/dataset/loaded_dataset.h"
 #include "render/query/kernel_on.h"
-#include "render/tets/is_mesh.h"
 #include "render/tets/reference/kernels.h"
 #include "render/tets/reference/walk.h"
 #include "render/triangles/facet_levels.h"
@@ -23,8 +21,22 @@ namespace rhoray::render::wide {
 
 namespace {
 
-template <class View>
-inline constexpr bool has_facets = is_mesh<View> || std::is_same_v<View, TriangleData>;
+bool is_of_triangles(const LoadedDataset& dataset) {
+  return std::holds_alternative<TriangleData>(dataset.view);
+}
+
+/// The facets of a mesh's isosurface, or the triangles of a surface.
+std::shared_ptr<const Facets> facets_of(const LoadedDataset& dataset, double isovalue, unsigned threads) {
+  if (const auto* triangles = std::get_if<TriangleData>(&dataset.view))
+    return dataset.facets->of(*triangles, dataset.bounds_data, isovalue, threads);
+  return dataset.facets->of(std::get<TetData>(dataset.view), dataset.bounds_data, isovalue, threads);
+}
+
+Kernel first_hit_of(const LoadedDataset& dataset, const Method& method) {
+  if (const auto* triangles = std::get_if<TriangleData>(&dataset.view))
+    return reference_kernels(*triangles, method.algorithm).first_hit;
+  return reference_kernels(std::get<TetData>(dataset.view), method.algorithm).first_hit;
+}
 
 /// @param levels  of the tree above some of the facets
 FacetSurface surface_of(const Facets& facets, const BoxLevels& levels, const RayQuery& query, bool is_of_triangles) {
@@ -97,8 +109,7 @@ std::uint64_t ask_whether_any(Kernel kernel, const LoadedDataset& dataset, const
 /// Completes a certified result with a double-precision test of the cells of facets in doubt, cell
 /// by cell as certified_crossing of render/tets/reference/certified.h.
 /// @return  false when a doubt remains
-template <class View>
-bool settle(const View& view, const RayQuery& query, const Ray& ray, std::span<const FacetDoubt> doubts,
+bool settle(const TetData& view, const RayQuery& query, const Ray& ray, std::span<const FacetDoubt> doubts,
             std::uint32_t index, const Facets& facets, Hit& hit) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const TetRay<double> tet_ray(ray);
@@ -130,8 +141,7 @@ bool settle(const View& view, const RayQuery& query, const Ray& ray, std::span<c
 
 /// @param chosen  rays of the chunk that begins at `first`
 /// @return        those that remain in doubt
-template <class View>
-std::uint64_t settle_doubts(const View& view, const RayQuery& query, const RayBatch& rays, std::size_t first,
+std::uint64_t settle_doubts(const TetData& view, const RayQuery& query, const RayBatch& rays, std::size_t first,
                             std::uint64_t chosen, const FacetScratch& memory, HitBatch& hits,
                             KernelCounters& counters) {
   std::uint64_t left = 0;
@@ -152,78 +162,65 @@ std::uint64_t settle_doubts(const View& view, const RayQuery& query, const RayBa
 template <Machine machine, bool certified>
 void first_facets(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                   KernelScratch& scratch) {
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (has_facets<View>) {
-          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
-          if (!is_answerable(query)) {
-            reference(dataset, query, rays, hits, scratch);
-            return;
-          }
-          scratch.counters.rays_wide += rays.count;
-          FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
-          memory.facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, 1);
-          const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
-          const FirstFacets answer = first_facets_on(machine, certified);
-          const HitArrays answers = arrays_of(hits);
-          const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
-                                        FacetChunk& chunk) {
-            const HitArrays written = from(answers, first);
-            Answered left = answer(surface, from(rays, first), count, chunk, written, memory, scratch.counters);
-            write_other_misses(written, count, left.hit);
-            Kernel other = reference;
-            if constexpr (certified && is_mesh<View>) {
-              if (left.part != 0)
-                left.whole |= settle_doubts(view, query, rays, first, left.part, memory, hits, scratch.counters);
-              other = redoing_kernel(view);
-            }
-            if (left.whole != 0)
-              ask_again(other, dataset, query, rays, first, left.whole, hits, memory.others, scratch);
-          };
-          for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
-                         scratch.counters, answer_chunk);
-        }
-      },
-      dataset.view);
+  const Kernel reference = first_hit_of(dataset, query.method);
+  if (!is_answerable(query)) {
+    reference(dataset, query, rays, hits, scratch);
+    return;
+  }
+  scratch.counters.rays_wide += rays.count;
+  FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
+  memory.facets = facets_of(dataset, query.isovalue, 1);
+  const FacetSurface whole = surface_of(*memory.facets, memory.facets->levels(), query, is_of_triangles(dataset));
+  const FirstFacets answer = first_facets_on(machine, certified);
+  const HitArrays answers = arrays_of(hits);
+  const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
+    const HitArrays written = from(answers, first);
+    Answered left = answer(surface, from(rays, first), count, chunk, written, memory, scratch.counters);
+    write_other_misses(written, count, left.hit);
+    Kernel other = reference;
+    if constexpr (certified) {  // never of triangles
+      if (left.part != 0)
+        left.whole |= settle_doubts(std::get<TetData>(dataset.view), query, rays, first, left.part, memory, hits,
+                                    scratch.counters);
+      other = redoing_kernel();
+    }
+    if (left.whole != 0) ask_again(other, dataset, query, rays, first, left.whole, hits, memory.others, scratch);
+  };
+  for_each_chunk(machine, whole, rays, certified ? certified_reach : reach, FacetPart::most_expected, memory,
+                 scratch.counters, answer_chunk);
 }
 
 template <Machine machine>
 void any_facets(const LoadedDataset& dataset, const RayQuery& query, const Occluders* occluders, const RayBatch& rays,
                 std::uint64_t* crossed, KernelScratch& scratch) {
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (has_facets<View>) {
-          const Kernel reference = reference_kernels(view, query.method.algorithm).first_hit;
-          scratch.counters.rays_wide += rays.count;
-          FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
-          if (!is_answerable(query)) {
-            for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
-              const std::size_t count = std::min(RayGroup::size, rays.count - first);
-              const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
-              crossed[first / RayGroup::size] =
-                  ask_whether_any(reference, dataset, query, rays, first, all, memory.others, scratch);
-            }
-            return;
-          }
-          FacetSurface whole;
-          if (occluders == nullptr) {
-            memory.facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, 1);
-            whole = surface_of(*memory.facets, memory.facets->levels(), query, !is_mesh<View>);
-          } else {
-            whole = surface_of(facets_of(*occluders), query);
-          }
-          const AnyFacets answer = any_facets_on(machine);
-          for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
-                         [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
-                           MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
-                           if (met.unanswered != 0)
-                             met.crossed |= ask_whether_any(reference, dataset, query, rays, first, met.unanswered,
-                                                            memory.others, scratch);
-                           crossed[first / RayGroup::size] = met.crossed;
-                         });
-        }
-      },
-      dataset.view);
+  const Kernel reference = first_hit_of(dataset, query.method);
+  scratch.counters.rays_wide += rays.count;
+  FacetScratch& memory = scratch.for_hits.as<FacetScratch>();
+  if (!is_answerable(query)) {
+    for (std::size_t first = 0; first < rays.count; first += RayGroup::size) {
+      const std::size_t count = std::min(RayGroup::size, rays.count - first);
+      const std::uint64_t all = count < RayGroup::size ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
+      crossed[first / RayGroup::size] =
+          ask_whether_any(reference, dataset, query, rays, first, all, memory.others, scratch);
+    }
+    return;
+  }
+  FacetSurface whole;
+  if (occluders == nullptr) {
+    memory.facets = facets_of(dataset, query.isovalue, 1);
+    whole = surface_of(*memory.facets, memory.facets->levels(), query, is_of_triangles(dataset));
+  } else {
+    whole = surface_of(facets_of(*occluders), query);
+  }
+  const AnyFacets answer = any_facets_on(machine);
+  for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected_of_any, memory, scratch.counters,
+                 [&](const FacetSurface& surface, std::size_t first, std::size_t count, FacetChunk& chunk) {
+                   MetFacets met = answer(surface, from(rays, first), count, chunk, memory, scratch.counters);
+                   if (met.unanswered != 0)
+                     met.crossed |= ask_whether_any(reference, dataset, query, rays, first, met.unanswered,
+                                                    memory.others, scratch);
+                   crossed[first / RayGroup::size] = met.crossed;
+                 });
 }
 
 /// Returns how many crossings of a ray may contribute light, plus a few for edges that are hit
@@ -241,40 +238,33 @@ void cross_facets(const LoadedDataset& dataset, const AllHitsQuery& query, const
   FacetAllHitsScratch& memory = scratch.as<FacetAllHitsScratch>();
   counters.rays_wide += rays.count;
   std::fill_n(complete, rays.count, std::uint8_t{1});
-  std::visit(
-      [&]<class View>(const View& view) {
-        if constexpr (is_mesh<View>)
-          for (std::size_t s = 0; s < lists.size(); ++s) {
-            const TransparentSurface& asked = query.surfaces[s];
-            const auto facets = dataset.facets->of(view, dataset.bounds_data, asked.isovalue, 1);
-            const FacetSurface whole = surface_of(
-                *facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = query.time_phases}, false);
-            FacetLists& found = memory.lists;
-            found.room = room_for(asked.passing, query.least_light);
-            found.passing = asked.passing, found.least_light = query.least_light;
-            const CrossingArrays written = arrays_of(*lists[s]);
-            found.written = &written, found.complete = complete;
-            write_misses(written.hits[0], rays.count);
-            std::fill_n(written.count, rays.count, std::uint8_t{0});
-            const CrossFacets answer = cross_facets_on(machine);
-            const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
-                                          FacetChunk& chunk) {
-              found.first = first;
-              std::uint64_t left = answer(surface, from(rays, first), count, chunk, found, memory.facets, counters);
-              for (; left != 0; left &= left - 1)
-                complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
-            };
-            for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets, counters,
-                           answer_chunk);
-          }
-      },
-      dataset.view);
+  for (std::size_t s = 0; s < lists.size(); ++s) {
+    const TransparentSurface& asked = query.surfaces[s];
+    const auto facets = facets_of(dataset, asked.isovalue, 1);
+    const FacetSurface whole =
+        surface_of(*facets, facets->levels(), {.isovalue = asked.isovalue, .time_phases = query.time_phases}, false);
+    FacetLists& found = memory.lists;
+    found.room = room_for(asked.passing, query.least_light);
+    found.passing = asked.passing, found.least_light = query.least_light;
+    const CrossingArrays written = arrays_of(*lists[s]);
+    found.written = &written, found.complete = complete;
+    write_misses(written.hits[0], rays.count);
+    std::fill_n(written.count, rays.count, std::uint8_t{0});
+    const CrossFacets answer = cross_facets_on(machine);
+    const auto answer_chunk = [&](const FacetSurface& surface, std::size_t first, std::size_t count,
+                                  FacetChunk& chunk) {
+      found.first = first;
+      std::uint64_t left = answer(surface, from(rays, first), count, chunk, found, memory.facets, counters);
+      for (; left != 0; left &= left - 1) complete[first + static_cast<std::size_t>(std::countr_zero(left))] = 0;
+    };
+    for_each_chunk(machine, whole, rays, reach, FacetPart::most_expected, memory.facets, counters, answer_chunk);
+  }
 }
 
 /// True for a mesh or surface whose products of lengths and values stay far from the limits of
 /// doubles.
 bool is_fit(const LoadedDataset& dataset) {
-  const bool has_values = !std::holds_alternative<TriangleData>(dataset.view);
+  const bool has_values = !is_of_triangles(dataset);
   const Vec3 size = dataset.bounds_data.size();
   const double longest = std::max({size.x, size.y, size.z});
   return longest >= 1 / largest_magnitude && longest <= largest_magnitude &&
@@ -284,19 +274,12 @@ bool is_fit(const LoadedDataset& dataset) {
 
 std::optional<SurfaceBoxes> prepare_facets(const LoadedDataset& dataset, const RayQuery& query, unsigned threads) {
   if (!is_answerable(query)) return std::nullopt;
-  return std::visit(
-      [&]<class View>(const View& view) -> std::optional<SurfaceBoxes> {
-        if constexpr (has_facets<View>) {
-          const auto facets = dataset.facets->of(view, dataset.bounds_data, query.isovalue, threads);
-          SurfaceBoxes boxes = boxes_of(facets, facets->levels());
-          boxes.anchor = facets->anchor();
-          boxes.unit = 1 / facets->scale();
-          boxes.margin = facet_margin;
-          return boxes;
-        }
-        return std::nullopt;
-      },
-      dataset.view);
+  const auto facets = facets_of(dataset, query.isovalue, threads);
+  SurfaceBoxes boxes = boxes_of(facets, facets->levels());
+  boxes.anchor = facets->anchor();
+  boxes.unit = 1 / facets->scale();
+  boxes.margin = facet_margin;
+  return boxes;
 }
 
 constexpr OccluderSearch occluder_search{
@@ -308,18 +291,13 @@ constexpr OccluderSearch occluder_search{
 
 std::shared_ptr<const Facets> facets_with_occluders(const LoadedDataset& dataset, const RayQuery& query,
                                                     unsigned threads) {
-  if (!is_answerable(query) || !is_fit(dataset)) return nullptr;
-  return std::visit(
-      [&]<class View>(const View& view) -> std::shared_ptr<const Facets> {
-        if constexpr (is_mesh<View>) return dataset.facets->of(view, dataset.bounds_data, query.isovalue, threads);
-        return nullptr;
-      },
-      dataset.view);
+  if (!is_answerable(query) || !is_fit(dataset) || is_of_triangles(dataset)) return nullptr;
+  return facets_of(dataset, query.isovalue, threads);
 }
 
 void use_facets(const LoadedDataset& dataset, const RayQuery& query, Machine machine, Intersectors& found) {
   const Method& method = query.method;
-  const bool is_surface = std::holds_alternative<TriangleData>(dataset.view);
+  const bool is_surface = is_of_triangles(dataset);
   const bool is_certified = method.algorithm == Method::Algorithm::certified;
   if (machine == Machine::scalar || !has_wide_crossings(method) || !is_fit(dataset) || (is_surface && is_certified))
     return;

@@ -12,6 +12,7 @@
 
 #include <hwy/highway.h>
 
+#include "render/traverse/on_machine.h"
 #include "render/triangles/kernels/facet_group-inl.h"
 #include "render/triangles/kernels/facet_hits-inl.h"
 #include "render/triangles/kernels/facet_lanes-inl.h"
@@ -181,17 +182,8 @@ std::uint64_t all_facets(const FacetSurface& surface, const RayArrays& rays, std
   return chunk.directions.strange;
 }
 
-PrepareRays prepare_rays_by() {
-  return prepare_rays;
-}
 FirstFacets first_facets_by(bool certified) {
   return certified ? first_facets<FacetSearch::certified> : first_facets<FacetSearch::first>;
-}
-AnyFacets any_facets_by() {
-  return any_facets;
-}
-CrossFacets all_facets_by() {
-  return all_facets;
 }
 
 }  // namespace rhoray::render::wide::HWY_NAMESPACE
@@ -201,56 +193,20 @@ HWY_AFTER_NAMESPACE();
 
 namespace rhoray::render::wide {
 
-PrepareRays prepare_rays_on([[maybe_unused]] Machine machine) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::prepare_rays_by();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::prepare_rays_by();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::prepare_rays_by();
-#endif
-  return HWY_NAMESPACE::prepare_rays_by();
+PrepareRays prepare_rays_on(Machine machine) {
+  RHORAY_RETURN_ON(machine, prepare_rays);
 }
 
-FirstFacets first_facets_on([[maybe_unused]] Machine machine, bool certified) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::first_facets_by(certified);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::first_facets_by(certified);
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::first_facets_by(certified);
-#endif
-  return HWY_NAMESPACE::first_facets_by(certified);
+FirstFacets first_facets_on(Machine machine, bool certified) {
+  RHORAY_RETURN_ON(machine, first_facets_by(certified));
 }
 
-AnyFacets any_facets_on([[maybe_unused]] Machine machine) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::any_facets_by();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::any_facets_by();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::any_facets_by();
-#endif
-  return HWY_NAMESPACE::any_facets_by();
+AnyFacets any_facets_on(Machine machine) {
+  RHORAY_RETURN_ON(machine, any_facets);
 }
 
-CrossFacets cross_facets_on([[maybe_unused]] Machine machine) {
-#if HWY_TARGETS & HWY_AVX3
-  if (machine == Machine::avx512) return N_AVX3::all_facets_by();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if (machine == Machine::avx2) return N_AVX2::all_facets_by();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-  if (__builtin_cpu_supports("sse4.1")) return N_SSE4::all_facets_by();
-#endif
-  return HWY_NAMESPACE::all_facets_by();
+CrossFacets cross_facets_on(Machine machine) {
+  RHORAY_RETURN_ON(machine, all_facets);
 }
 
 }  // namespace rhoray::render::wide

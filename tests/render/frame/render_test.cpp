@@ -266,7 +266,7 @@ TEST(Render, prepares_an_isovalue_of_a_mesh_once) {
   EXPECT_EQ(first.preparation_s > 0, render::chosen_machine() != render::Machine::scalar);
   EXPECT_LT(first.preparation_s, first.wall_s);
   const auto kept = mesh.dataset().implementation().facets;
-  const auto& view = std::get<render::TetData<double>>(mesh.dataset().implementation().view);
+  const auto& view = std::get<render::TetData>(mesh.dataset().implementation().view);
   const Box3& bounds = mesh.dataset().implementation().bounds_data;
   const auto facets = kept->of(view, bounds, scene.layers[0].isovalue, 1);
   render::render(mesh.dataset(), scene, {.width = 20, .height = 20}, picture);

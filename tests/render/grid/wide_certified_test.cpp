@@ -142,9 +142,8 @@ std::vector<double> times_of_planes(const Ray& ray, double until) {
 }
 
 TEST(WideCertified, of_a_ray_taken_up_at_a_plane_before_its_hit_is_that_of_the_whole_ray) {
-  using View = render::GridData<float>;
   TracedDataset traced(hills());
-  const View& view = std::get<View>(traced.dataset().implementation().view);
+  const auto& view = std::get<render::UniformGrid>(traced.dataset().implementation().view);
   const render::RayQuery query{.isovalue = 10.3, .method = certified};
   Dice dice(3);
   render::RayBatch rays(64);

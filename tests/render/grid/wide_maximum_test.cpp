@@ -66,8 +66,9 @@ TEST(WideMaximum, is_the_scalar_kernels_answer_where_only_some_bricks_are_stored
     };
     const TracedDataset traced(volume_of<T>({37, 22, 70}, sample),
                                {.order = preprocess::SampleOrder::sparse, .brick_edge = edge});
-    const auto& stored = std::get<render::SparseGridData<T>>(traced.dataset().implementation().view).bricks();
-    EXPECT_LT(2 * stored.stored_count, stored.slots.size());
+    const auto& grid = std::get<render::UniformGrid>(traced.dataset().implementation().view);
+    EXPECT_EQ(grid.source()->type, formats::element_type_of<T>());
+    EXPECT_LT(2 * grid.source()->bricks.stored_count, grid.packed()->brick_slots().size());
     hits += expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
   };
   agreement_in_bricks_of(float(), 8, 311);

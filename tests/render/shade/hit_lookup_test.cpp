@@ -105,7 +105,7 @@ TEST(HitLookup, names_the_tetrahedron_that_was_hit_at_every_level) {
   for (const auto structure : {preprocess::MeshStructure::clusters, preprocess::MeshStructure::leaves}) {
     TracedDataset traced(box_mesh({.cells = {7, 8, 6}, .jitter = 0.12}, waves), {.structure = structure});
     const auto& implementation = traced.dataset().implementation();
-    const auto& view = std::get<render::TetData<double>>(implementation.view);
+    const auto& view = std::get<render::TetData>(implementation.view);
     const auto rays = rays_through(implementation.bounds_data, 256);
     auto methods = levels();
     methods.push_back({.algorithm = render::Method::Algorithm::sampled, .step = 0.05, .bisect = true});
@@ -157,7 +157,7 @@ TEST(HitLookup, of_the_own_field_is_the_value_of_the_hit_to_rounding_in_cells_of
     add_point_field(mesh, "x", [](const Vec3& p) { return p.x; });
     TracedDataset traced(mesh);
     const auto& implementation = traced.dataset().implementation();
-    const auto& view = std::get<render::TetData<double>>(implementation.view);
+    const auto& view = std::get<render::TetData>(implementation.view);
     const auto rays = rays_through(implementation.bounds_data, 1024);
     for (const render::Method& method : levels()) {
       const Answers own = answered(traced.dataset(), rays, 0.3, method, {.smooth_gradients = false, .field = "value"});
@@ -267,7 +267,7 @@ TEST(SmoothGradients, are_left_out_where_they_say_nothing) {
   mesh.cells = {{0, 1, 2, 3}, {4, 5, 6, 7}};
   add_point_field(mesh, "value", [](const Vec3& p) { return p.x; });
   TracedDataset traced(mesh);
-  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+  const auto& view = std::get<render::TetData>(traced.dataset().implementation().view);
   std::uint32_t flat = 0;
   while (view.cell_id(flat) != 0) ++flat;
   const render::PointGradients gradients(view, 1);
@@ -285,7 +285,7 @@ TEST(SmoothGradients, are_left_out_where_they_say_nothing) {
 
 TEST(PointGradients, are_the_same_bits_for_any_number_of_threads) {
   TracedDataset traced(box_mesh({.cells = {40, 40, 40}, .jitter = 0.12}, waves));
-  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+  const auto& view = std::get<render::TetData>(traced.dataset().implementation().view);
   const render::PointGradients one(view, 1), many(view, 4);
   const auto a = one.of_points(), b = many.of_points();
   ASSERT_EQ(a.size(), 41U * 41 * 41);
@@ -296,7 +296,7 @@ TEST(PointGradients, are_the_means_of_the_cells_around_by_volume_without_those_t
   auto mesh = box_mesh({.cells = {4, 3, 5}, .jitter = 0.12, .grading = 8}, waves);
   mesh.point_fields[0].values[17] = std::numeric_limits<double>::quiet_NaN();
   TracedDataset traced(mesh);
-  const auto& view = std::get<render::TetData<double>>(traced.dataset().implementation().view);
+  const auto& view = std::get<render::TetData>(traced.dataset().implementation().view);
   const render::PointGradients gradients(view, 1);
   std::vector<Vec3> sums(view.description().point_count, Vec3(0, 0, 0));
   std::vector<double> datasets(sums.size());

@@ -42,8 +42,7 @@ double waves(const Vec3& p) {
 TEST(FacetNeighbours, share_their_edges) {
   const TracedDataset traced(box_mesh({.cells = {9, 8, 7}, .jitter = 0.12}, waves), {});
   const auto& implementation = traced.dataset().implementation();
-  const render::Facets facets(std::get<render::TetData<double>>(implementation.view), implementation.bounds_data, 0.21,
-                              1);
+  const render::Facets facets(std::get<render::TetData>(implementation.view), implementation.bounds_data, 0.21, 1);
   const FacetNeighbours& neighbours = facets.neighbours();
   ASSERT_EQ(neighbours.count(), facets.count());
   EXPECT_EQ(&facets.neighbours(), &neighbours);

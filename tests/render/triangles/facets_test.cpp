@@ -32,9 +32,7 @@ struct Made {
   TracedDataset traced;
   Made(const preprocess::NeutralMesh& mesh, const preprocess::PackMeshOptions& options = {}) : traced(mesh, options) {}
 
-  const render::TetData<double>& view() const {
-    return std::get<render::TetData<double>>(traced.dataset().implementation().view);
-  }
+  const render::TetData& view() const { return std::get<render::TetData>(traced.dataset().implementation().view); }
   Facets facets(double isovalue, unsigned threads = 1) const {
     return Facets(view(), traced.dataset().implementation().bounds_data, isovalue, threads);
   }

@@ -6,7 +6,7 @@
 #include "preprocess/pack_volume.h"
 #include "render/render.h"
 #include "tests/tools/lab/small_grid.h"
-#include "tools/rhoray/cpu_meter.h"
+#include "tools/analysis/cpu_meter.h"
 
 namespace rhoray::tests {
 namespace {

@@ -2,8 +2,7 @@
 
 namespace rhoray::study {
 
-OrderedLists::OrderedLists(const render::TetData<float>& packed,
-                           const std::function<void(std::span<std::uint32_t>)>& reorder)
+OrderedLists::OrderedLists(const render::TetData& packed, const std::function<void(std::span<std::uint32_t>)>& reorder)
     : packed_(packed) {
   const formats::LeafListsView lists = packed.mesh().leaf_lists();
   first_packed_ = lists.items.data();

@@ -13,7 +13,7 @@ namespace rhoray::study {
 class OrderedLists {
  public:
   /// @param reorder  called once for each list; may rename its items
-  OrderedLists(const render::TetData<float>& packed, const std::function<void(std::span<std::uint32_t>)>& reorder);
+  OrderedLists(const render::TetData& packed, const std::function<void(std::span<std::uint32_t>)>& reorder);
 
   // The interface that walk_active_leaves expects of a view.
   render::WalkLattice lattice() const { return packed_.lattice(); }
@@ -33,7 +33,7 @@ class OrderedLists {
   }
 
  private:
-  render::TetData<float> packed_;
+  render::TetData packed_;
   const std::uint32_t* first_packed_;
   std::vector<std::uint32_t> items_;
 };

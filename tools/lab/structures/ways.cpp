@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "preprocess/pack_mesh.h"
+#include "tools/analysis/cpu_meter.h"
 #include "tools/lab/structures/cell_orders.h"
 #include "tools/lab/structures/cluster_tree.h"
 #include "tools/lab/structures/mailbox.h"
@@ -13,7 +14,6 @@
 #include "tools/lab/structures/ordered_lists.h"
 #include "tools/lab/structures/plain_mesh.h"
 #include "tools/lab/structures/two_level_grid.h"
-#include "tools/rhoray/cpu_meter.h"
 
 namespace rhoray::study {
 namespace {
@@ -24,7 +24,7 @@ using render::Hit;
 using render::KernelCounters;
 using render::Ray;
 using render::RayQuery;
-using PackedVolume = render::TetData<float>;
+using PackedVolume = render::TetData;
 using Items = std::span<const std::uint32_t>;
 
 struct PackedName {
@@ -143,7 +143,7 @@ struct TreeView {
   const Tree& tree;
 
   const formats::CellClustersView& clusters() const { return tree.clusters(); }
-  const formats::ClusterRangesView<float>& cluster_ranges() const { return tree.cluster_ranges(); }
+  auto cluster_ranges(int level, std::uint64_t block) const { return tree.cluster_ranges(level, block); }
   RHORAY_INLINE auto sorted_vertices(std::uint32_t cell) const { return mesh.sorted_vertices(cell); }
   template <class Vertices>
   RHORAY_INLINE std::array<double, 4> values_at(const Vertices& v) const {

@@ -9,7 +9,8 @@
 
 #include "render/framebuffer.h"
 #include "render/scene_spec.h"
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
+#include "tools/rhoray/bench/parts.h"
 #include "tools/rhoray/report.h"
 
 namespace rhoray::tools {

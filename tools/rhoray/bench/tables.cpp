@@ -8,13 +8,13 @@
 #include "formats/packed_file.h"
 #include "preprocess/pack.h"
 #include "render/document.h"
+#include "tools/analysis/cpu_meter.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/bench/parts.h"
 #include "tools/rhoray/bench/views.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/version.h"
-#include "tools/rhoray/cpu_meter.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/measure.h"
 
 namespace rhoray::tools {
 

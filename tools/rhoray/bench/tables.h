@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "tools/analysis/table.h"
 #include "tools/rhoray/bench/parts.h"
-#include "tools/rhoray/table.h"
 
 namespace rhoray::tools {
 

@@ -4,8 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/analysis/choice.h"
-#include "tools/analysis/self_check.h"
+#include "render/accuracy.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
@@ -22,8 +21,8 @@ struct RenderCommand {
   bool no_verify = false;
   bool explain = false;
   bool print_scene = false;
-  Goal goal;
-  SelfCheckOptions self_check;
+  render::Goal goal;
+  render::SelfCheckOptions self_check;
   std::optional<int> frame;  ///< the only one to be drawn
   std::optional<int> sheet;  ///< how many frames stand in a row of one picture of all
 };

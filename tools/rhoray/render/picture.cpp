@@ -10,11 +10,12 @@
 #include "formats/base/number_text.h"
 #include "render/document.h"
 #include "render/scene_words.h"
+#include "tools/analysis/measure.h"
 #include "tools/pictures/annotations.h"
 #include "tools/pictures/pictures.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/measure.h"
 #include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
 
@@ -139,7 +140,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   drawn.stations.prove_s = drawn.statistics.range_proof.wall_s;
   drawn.picks = take_picks(command.picks, framebuffer);
   if (command.self_check.pixels > 0)
-    drawn.self_check = checked(plan, framebuffer, command.self_check, command.common.threads);
+    drawn.self_check = check_picture(plan, framebuffer, command.self_check, command.common.threads);
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
   draw_annotations(drawn, framebuffer);
   framebuffer.keep(kept);

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "render/accuracy.h"
 #include "render/document.h"
 #include "render/render.h"
-#include "tools/analysis/choice.h"
-#include "tools/analysis/self_check.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
 
@@ -34,8 +33,8 @@ struct Drawn {
   std::vector<Json> picks;
   Interval<double> heat;
   std::string reproduce;
-  std::vector<Choice> choices;
-  std::optional<SelfCheck> self_check;
+  std::vector<render::Choice> choices;
+  std::optional<render::SelfCheck> self_check;
 };
 
 /// Checksums of all files, read beside the rendering.

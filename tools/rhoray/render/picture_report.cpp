@@ -8,6 +8,7 @@
 #include "render/document.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/pick.h"
 
@@ -143,7 +144,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
     for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.datasets[0].length_unit()).c_str());
   }
   say_choices(common, plan);
-  for (const Choice& choice : drawn.choices) say(common, choice.sentence);
+  for (const render::Choice& choice : drawn.choices) say(common, choice.sentence);
   if (plan.page) {
     const std::string shown = word_of(*plan.page);
     say(common, drawn.heat.is_empty()

@@ -1,17 +1,15 @@
-#include "tools/analysis/choice.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/error.h"
+#include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
+#include "render/accuracy.h"
 #include "render/method_words.h"
 #include "render/render.h"
 #include "render/scene_spec.h"
-#include "tools/analysis/truth.h"
-#include "tools/rhoray/measure.h"
+#include "render/truth.h"
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
@@ -33,22 +31,22 @@ constexpr CandidateRow candidate_rows[] = {{"preview", true, true, false},
                                            {"sampled:0.5+linear", false, true, true},
                                            {"sampled:0.25+linear", false, true, true}};
 
-render::PictureSize small_size(const render::ResolvedScene& plan) {
-  const double pixels = static_cast<double>(plan.frame.width) * plan.frame.height;
+PictureSize small_size(const ResolvedScene& resolved) {
+  const double pixels = static_cast<double>(resolved.frame.width) * resolved.frame.height;
   const double shrink = std::max(1.0, std::sqrt(pixels / small_pixels));
   const auto side = [&](int whole) { return std::max(1, static_cast<int>(std::lround(whole / shrink))); };
-  return {side(plan.frame.width), side(plan.frame.height)};
+  return {side(resolved.frame.width), side(resolved.frame.height)};
 }
 
-/// One layer of a plan, alone.
+/// One layer of a resolved, alone.
 struct Alone {
-  const render::Dataset& dataset;
-  render::Scene scene;
-  render::PictureSize size;
+  const Dataset& dataset;
+  Scene scene;
+  PictureSize size;
   unsigned threads;
 
-  render::Layer& layer() { return scene.layers[0]; }
-  bool is_projection() const { return scene.layers[0].mode == render::Mode::mip; }
+  Layer& layer() { return scene.layers[0]; }
+  bool is_projection() const { return scene.layers[0].mode == Mode::mip; }
   /// Unit of an error.
   double unit() const {
     const Interval<double> range = dataset.field().range;
@@ -57,42 +55,41 @@ struct Alone {
 };
 
 double traced_ms(Alone& alone) {
-  render::Framebuffer picture;
-  render::RenderContext memory;
-  const render::FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
+  Framebuffer picture;
+  RenderContext memory;
+  const FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
-    const Stopwatch watch;
-    const render::FrameStatistics statistics = render::render(alone.dataset, alone.scene, frame, picture, memory);
-    const double taken = 1e3 * (watch.seconds() - statistics.preparation_s);
+    const FrameStatistics statistics = render(alone.dataset, alone.scene, frame, picture, memory);
+    const double taken = 1e3 * (statistics.wall_s - statistics.preparation_s);
     // The first fills caches; a slow one is timed once.
     if (time > 0 || taken > 500) ms.push_back(taken);
     if (taken > 500) break;
   }
-  return spread_of(ms).median;
+  std::sort(ms.begin(), ms.end());
+  return (ms[(ms.size() - 1) / 2] + ms[ms.size() / 2]) / 2;
 }
 
 /// True for a method that proves that its error is below max_error.
-bool is_proven(const render::Method& method, double max_error, bool is_projection, bool is_mesh) {
-  if (method.algorithm == render::Method::Algorithm::exact) return max_error >= 1e-9;
-  return method.algorithm == render::Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
+bool is_proven(const Method& method, double max_error, bool is_projection, bool is_mesh) {
+  if (method.algorithm == Method::Algorithm::exact) return max_error >= 1e-9;
+  return method.algorithm == Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
 }
 
-Candidate tried(Alone& alone, const render::Method& method, const Truth& truth, const FieldTruth& field,
-                const Goal& goal, std::stop_token stop) {
+Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Goal& goal, std::stop_token stop) {
   alone.layer().method = method;
   Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.dataset.is_mesh()).word};
-  const bool is_exact = method.algorithm == render::Method::Algorithm::exact;
-  const std::vector<render::Hit> hits = is_exact ? truth.hits
-                                                 : answers({.dataset = alone.dataset,
-                                                            .mode = alone.layer().mode,
-                                                            .isovalue = alone.layer().isovalue,
-                                                            .method = method,
-                                                            .clip = clip_of(alone.scene, alone.layer()),
-                                                            .threads = alone.threads,
-                                                            .stop = stop},
-                                                           truth.rays);
-  const ErrorCounts errors = count_errors(errors_against(truth, field, alone.layer(), hits));
+  const bool is_exact = method.algorithm == Method::Algorithm::exact;
+  const std::vector<Hit> hits = is_exact ? truth.hits
+                                         : trace_rays({.dataset = alone.dataset,
+                                                       .mode = alone.layer().mode,
+                                                       .isovalue = alone.layer().isovalue,
+                                                       .method = method,
+                                                       .clip = clip_of(alone.scene, alone.layer()),
+                                                       .threads = alone.threads,
+                                                       .stop = stop},
+                                                      truth.rays);
+  const ErrorCounts errors = count_errors(errors_against(truth, alone.layer().mode, hits));
   candidate.error = errors.kept_by(0.99) / alone.unit();
   candidate.foreseen_ms = traced_ms(alone);
   if (goal.max_error) {
@@ -147,68 +144,47 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 
 }  // namespace
 
-std::vector<Option> goal_options(Goal& goal) {
-  return in_group(
-      "Accuracy",
-      {with_details(value_option("--max-error", "E",
-                                 "Choose the fastest method with an error of at most E cells in 99 % of the pixels",
-                                 goal.max_error),
-                    "The error is measured along the ray, on a small picture. For a projection, E is a share of the "
-                    "field's range"),
-       for_experts(with_details(
-           value_option("--budget-ms", "B",
-                        "Choose the most accurate method that traces the picture in B milliseconds on this machine",
-                        goal.budget_ms),
-           "--max-error has priority"))});
-}
-
-void check(const Goal& goal) {
-  for (const auto& [name, number] : {std::pair{"--max-error", goal.max_error}, {"--budget-ms", goal.budget_ms}})
-    if (number && !(*number > 0))
-      throw Error(ErrorCode::usage, concat(name, ": found ", *number, "; expected a number above 0"));
-}
-
-Choice choose_method(const render::ResolvedScene& plan, std::size_t index, const Goal& goal, unsigned threads,
+Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goal& goal, unsigned threads,
                      std::stop_token stop) {
-  const render::Layer& layer = plan.scene.layers[index];
-  Alone alone{
-      .dataset = plan.datasets[layer.dataset], .scene = plan.scene, .size = small_size(plan), .threads = threads};
+  const DefaultFloatingPoint default_floating_point;
+  const Layer& layer = resolved.scene.layers[index];
+  Alone alone{.dataset = resolved.datasets[layer.dataset],
+              .scene = resolved.scene,
+              .size = small_size(resolved),
+              .threads = threads};
   alone.scene.layers = {layer};
   alone.layer().dataset = 0;
-  const FieldTruth field(alone.dataset);
   const Truth truth = find_truth({.dataset = alone.dataset,
                                   .scene = alone.scene,
-                                  .field = field,
                                   .size = alone.size,
                                   .seconds = judge_seconds,
                                   .threads = threads,
                                   .stop = stop});
-  const double growth = static_cast<double>(plan.frame.width) * plan.frame.height /
+  const double growth = static_cast<double>(resolved.frame.width) * resolved.frame.height /
                         (static_cast<double>(alone.size.width) * alone.size.height);
   std::vector<Candidate> candidates;
   for (const CandidateRow& row : candidate_rows) {
     if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
-    const render::Method method = row.is_level ? render::method_of(render::accuracy_named(row.word))
-                                               : render::method_named(row.word, layer.mode, alone.dataset.is_mesh());
-    candidates.push_back(tried(alone, method, truth, field, goal, stop));
+    const Method method = row.is_level ? method_of(accuracy_named(row.word))
+                                       : method_named(row.word, layer.mode, alone.dataset.is_mesh());
+    candidates.push_back(tried(alone, method, truth, goal, stop));
     candidates.back().foreseen_ms *= growth;
   }
   return chosen_of(candidates, goal, alone);
 }
 
-std::vector<Choice> choose_methods(render::ResolvedScene& plan, const Goal& goal, unsigned threads) {
+std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads) {
   std::vector<std::size_t> layers;
-  for (std::size_t layer = 0; layer < plan.scene.layers.size(); ++layer)
-    if (const render::Mode mode = plan.scene.layers[layer].mode;
-        mode == render::Mode::isosurface || mode == render::Mode::mip)
+  for (std::size_t layer = 0; layer < resolved.scene.layers.size(); ++layer)
+    if (const Mode mode = resolved.scene.layers[layer].mode; mode == Mode::isosurface || mode == Mode::mip)
       layers.push_back(layer);
   Goal of_layer = goal;
   if (goal.budget_ms)
     of_layer.budget_ms = *goal.budget_ms / static_cast<double>(std::max<std::size_t>(1, layers.size()));
   std::vector<Choice> choices;
-  for (const std::size_t layer : layers) choices.push_back(choose_method(plan, layer, of_layer, threads));
-  for (std::size_t i = 0; i < layers.size(); ++i) plan.scene.layers[layers[i]].method = choices[i].chosen.method;
+  for (const std::size_t layer : layers) choices.push_back(choose_method(resolved, layer, of_layer, threads));
+  for (std::size_t i = 0; i < layers.size(); ++i) resolved.scene.layers[layers[i]].method = choices[i].chosen.method;
   return choices;
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/json.h"
 #include "formats/base/pending_file.h"
 #include "formats/packed_file.h"
-#include "tools/rhoray/report.h"
-#include "tools/rhoray/table.h"
+#include "tools/analysis/table.h"
 
 namespace rhoray::tools {
 
@@ -18,7 +18,8 @@ class ValidationReport {
   explicit ValidationReport(formats::PackedFile answer);
 
   /// Adds what was asked.
-  void add_context(const Json& context, double seconds);
+  /// @param version  of this program
+  void add_context(const Json& context, double seconds, const std::string& version);
 
   const Json& json() const { return json_; }
   std::string text() const;

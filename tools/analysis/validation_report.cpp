@@ -1,17 +1,20 @@
-#include "tools/rhoray/validation_report.h"
+#include "tools/analysis/validation_report.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <span>
+#include <vector>
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/write_failure.h"
-#include "tools/analysis/error_map.h"
+#include "render/paint.h"
 #include "tools/pictures/pictures.h"
-#include "tools/rhoray/cli/version.h"
 #include "tools/validate/request.h"
+#include "tools/validate/shots.h"
 
 namespace rhoray::tools {
 
@@ -48,6 +51,72 @@ constexpr const char* definitions =
     "undecided: the reference is not exact enough to tell\n"
     "re-evaluated: the answers differed and were decided again\n\n";
 
+/// A picture's errors, pixel by pixel (tools/validate/request.h).
+struct ErrorMap {
+  int width = 0, height = 0;
+  std::span<const float> distance_cells, depth_cells;
+  std::span<const std::uint8_t> verdict;
+};
+
+constexpr const char* marks =
+    "magenta: false negative, false positive or different cell; yellow: undecided; dark: nothing";
+
+/// @param color_of  the colour of an error that is not NaN
+render::Framebuffer painted(const ErrorMap& map, std::span<const float> errors,
+                            const std::function<Vec3(double error)>& color_of) {
+  static const Vec3 background(0.03, 0.03, 0.03), wrong(1, 0, 1), undecided(1, 0.8, 0);
+  render::Framebuffer picture(map.width, map.height, {});
+  render::paint(picture, [&](std::size_t pixel) {
+    using validate::Verdict;
+    const auto verdict = static_cast<Verdict>(map.verdict[pixel]);
+    if (verdict == Verdict::missed || verdict == Verdict::false_hit || verdict == Verdict::elsewhere) return wrong;
+    if (verdict == Verdict::undecided) return undecided;
+    if (map.verdict[pixel] == validate::no_verdict || std::isnan(errors[pixel])) return background;
+    return color_of(static_cast<double>(errors[pixel]));
+  });
+  return picture;
+}
+
+double quantile(std::span<const float> values, double share) {
+  std::vector<double> sizes;
+  for (const float value : values)
+    if (std::isfinite(value)) sizes.push_back(std::abs(static_cast<double>(value)));
+  if (sizes.empty()) return 0;
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), at, sizes.end());
+  return *at;
+}
+
+struct ErrorPicture {
+  render::Framebuffer framebuffer;
+  std::string legend;  ///< meaning of the colours
+};
+
+/// Signed distance of the rendered surface from the reference: blue below (smaller values), white
+/// on it, red above. The scale ends at the 99.9 % quantile.
+ErrorPicture signed_distance_picture(const ErrorMap& map) {
+  static const Vec3 white(1, 1, 1), below(0.02, 0.12, 0.6), above(0.6, 0.02, 0.05);
+  const double scale = std::max(quantile(map.distance_cells, 0.999), 1e-300);
+  const auto color_of = [&](double distance) {
+    const double share = std::clamp(distance / scale, -1.0, 1.0);
+    return white + std::abs(share) * ((share < 0 ? below : above) - white);
+  };
+  return {painted(map, map.distance_cells, color_of),
+          concat("signed distance from the reference, blue ", rounded(-scale), " cells to red ", rounded(scale),
+                 " cells; ", marks)};
+}
+
+/// The error along the ray, from black (1e-16 cells or less) over red and yellow to white (1 cell
+/// or more). Equal steps of colour are powers of ten.
+ErrorPicture depth_error_picture(const ErrorMap& map) {
+  const auto color_of = [](double error) {
+    const double share = std::clamp((std::log10(std::max(error, 1e-16)) + 16) / 16, 0.0, 1.0);
+    return Vec3(std::min(1.0, 3 * share), std::clamp(3 * share - 1, 0.0, 1.0), std::clamp(3 * share - 2, 0.0, 1.0));
+  };
+  return {painted(map, map.depth_cells, color_of),
+          concat("error along the ray, black 1e-16 cells, red 5e-11, yellow 2e-5, white 1 cell; ", marks)};
+}
+
 }  // namespace
 
 ValidationReport::ValidationReport(formats::PackedFile answer) : answer_(std::move(answer)) {
@@ -55,11 +124,11 @@ ValidationReport::ValidationReport(formats::PackedFile answer) : answer_(std::mo
   json_ = Json::parse(bytes.begin(), bytes.end());
 }
 
-void ValidationReport::add_context(const Json& context, double seconds) {
+void ValidationReport::add_context(const Json& context, double seconds, const std::string& version) {
   Json whole = context;
   for (const auto& [key, value] : json_.items()) whole[key] = value;
   whole["seconds"] = seconds;
-  whole["version"] = version();
+  whole["version"] = version;
   json_ = std::move(whole);
 }
 
@@ -125,9 +194,10 @@ void ValidationReport::add_files(const std::filesystem::path& folder, PendingFil
                      .verdict = answer_.array<std::uint8_t>(validate::verdict_array, shape)};
   const auto save = [&](const ErrorPicture& picture, const char* name) {
     const std::filesystem::path path = folder / name;
-    files.add(path,
-              encode_picture(picture.framebuffer,
-                             {{"Software", concat("rhoray ", version())}, {"Description", picture.legend}}, path));
+    files.add(path, encode_picture(picture.framebuffer,
+                                   {{"Software", concat("rhoray ", json_.at("version").get<std::string>())},
+                                    {"Description", picture.legend}},
+                                   path));
   };
   save(signed_distance_picture(map), "signed_distance.png");
   save(depth_error_picture(map), "depth_error.png");

@@ -1,4 +1,4 @@
-#include "tools/rhoray/cpu_meter.h"
+#include "tools/analysis/cpu_meter.h"
 
 #include <linux/perf_event.h>
 #include <sys/syscall.h>

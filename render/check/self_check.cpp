@@ -1,4 +1,3 @@
-#include "tools/analysis/self_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,22 +6,21 @@
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
+#include "render/accuracy.h"
 #include "render/method_words.h"
-#include "tools/analysis/truth.h"
+#include "render/truth.h"
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
-using render::Hit;
-
-bool is_projection(const render::ResolvedScene& plan) {
-  return plan.scene.layers[0].mode == render::Mode::mip;
+bool is_projection(const ResolvedScene& resolved) {
+  return resolved.scene.layers[0].mode == Mode::mip;
 }
 
-bool is_proven(const render::ResolvedScene& plan) {
-  return std::all_of(plan.scene.layers.begin(), plan.scene.layers.end(),
-                     [](const render::Layer& layer) { return render::proves(layer.method); });
+bool is_proven(const ResolvedScene& resolved) {
+  return std::all_of(resolved.scene.layers.begin(), resolved.scene.layers.end(),
+                     [](const Layer& layer) { return proves(layer.method); });
 }
 
 /// What a level promises for a picture.
@@ -32,26 +30,25 @@ struct Promise {
   double kept = HUGE_VAL;  ///< error of 99 % of the pixels, in the unit of errors
 };
 
-Promise promise_of(const render::Layer& layer, const render::Dataset& dataset) {
-  using Algorithm = render::Method::Algorithm;
+Promise promise_of(const Layer& layer, const Dataset& dataset) {
+  using Algorithm = Method::Algorithm;
   const Interval<double> range = dataset.field().range;
-  const double unit = layer.mode == render::Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
-  if (render::proves(layer.method))
-    return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
+  const double unit = layer.mode == Mode::mip ? 1e-6 * (range.hi - range.lo) : 1;
+  if (proves(layer.method)) return {"no false negatives or false positives, every error within its bound", 0, HUGE_VAL};
   if (layer.method.algorithm != Algorithm::direct) return {};
-  if (layer.mode == render::Mode::mip)
+  if (layer.mode == Mode::mip)
     return {"no false negatives or false positives, 99 % of the values within a millionth of the field's range", 0,
             unit};
-  if (layer.method.precision == render::Method::Precision::float64)
+  if (layer.method.precision == Method::Precision::float64)
     return {"false negatives and false positives at most 0.1 % + 1 pixel, 99 % within 1e-6 cells", 1e-3, 1e-6};
   return {"false negatives and false positives at most 1 % + 1 pixel, 99 % within 1e-3 cells", 1e-2, 1e-3};
 }
 
 /// The loosest promise of all layers.
-Promise promise_of(const render::ResolvedScene& plan) {
+Promise promise_of(const ResolvedScene& resolved) {
   Promise loosest{.said = "", .wrong_share = -1, .kept = 0};
-  for (const render::Layer& layer : plan.scene.layers) {
-    const Promise promise = promise_of(layer, plan.datasets[layer.dataset]);
+  for (const Layer& layer : resolved.scene.layers) {
+    const Promise promise = promise_of(layer, resolved.datasets[layer.dataset]);
     if (promise.said.empty()) return promise;
     if (promise.wrong_share > loosest.wrong_share) loosest = promise;
   }
@@ -66,7 +63,7 @@ std::vector<std::uint32_t> some_of(std::vector<std::uint32_t> pixels, std::uint6
   return pixels;
 }
 
-std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
+std::vector<std::uint32_t> all_pixels(const Framebuffer& picture) {
   std::vector<std::uint32_t> pixels(picture.pixel_count());
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint32_t>(i);
   return pixels;
@@ -74,7 +71,7 @@ std::vector<std::uint32_t> all_pixels(const render::Framebuffer& picture) {
 
 /// Pixels with a neighbour whose depth differs by more than a hundredth. Pixels with a surface
 /// differ from pixels without.
-std::vector<std::uint32_t> edge_pixels(const render::Framebuffer& picture) {
+std::vector<std::uint32_t> edge_pixels(const Framebuffer& picture) {
   std::vector<std::uint32_t> edges;
   const auto width = static_cast<std::size_t>(picture.width);
   const auto differ = [&](std::size_t a, std::size_t b) {
@@ -99,32 +96,32 @@ struct TrueHit {
   double value_per_t = 0;  ///< slope of the field along the ray
 };
 
-std::vector<TrueHit> true_hits(const render::ResolvedScene& plan, const render::Framebuffer& picture,
+std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer& picture,
                                const std::vector<std::uint32_t>& pixels, unsigned threads) {
   std::vector<TrueHit> nearest(pixels.size());
-  for (const render::Layer& layer : plan.scene.layers) {
-    const render::Dataset& dataset = plan.datasets[layer.dataset];
-    const FieldTruth field(dataset);
-    const std::vector<render::Ray> rays = rays_of(dataset, plan.scene.camera, {picture.width, picture.height}, pixels);
-    const std::vector<Hit> hits = answers({.dataset = dataset,
-                                           .mode = layer.mode,
-                                           .isovalue = layer.isovalue,
-                                           .method = render::method_of(render::Accuracy::exact),
-                                           .clip = clip_of(plan.scene, layer),
-                                           .threads = threads},
-                                          rays);
+  for (const Layer& layer : resolved.scene.layers) {
+    const Dataset& dataset = resolved.datasets[layer.dataset];
+    const CellLengths lengths(dataset);
+    const std::vector<Ray> rays = pixel_rays(dataset, resolved.scene.camera, {picture.width, picture.height}, pixels);
+    const std::vector<Hit> hits = trace_rays({.dataset = dataset,
+                                              .mode = layer.mode,
+                                              .isovalue = layer.isovalue,
+                                              .method = method_of(Accuracy::exact),
+                                              .clip = clip_of(resolved.scene, layer),
+                                              .threads = threads},
+                                             rays);
     for (std::size_t i = 0; i < hits.size(); ++i)
       if (!hits[i].is_miss() && hits[i].t < nearest[i].hit.t)
-        nearest[i] = {hits[i], layer.mode == render::Mode::mip ? 0 : field.cells_per_t(rays[i], hits[i]),
+        nearest[i] = {hits[i], layer.mode == Mode::mip ? 0 : lengths.cells_per_t(rays[i], hits[i]),
                       std::abs(hits[i].gradient.dot(rays[i].direction))};
   }
   return nearest;
 }
 
-CheckedPixels checked_pixels(const render::ResolvedScene& plan, const render::Framebuffer& picture,
+CheckedPixels checked_pixels(const ResolvedScene& resolved, const Framebuffer& picture,
                              const std::vector<std::uint32_t>& pixels, double limit, unsigned threads) {
-  const bool is_value = is_projection(plan);
-  const std::vector<TrueHit> truth = true_hits(plan, picture, pixels, threads);
+  const bool is_value = is_projection(resolved);
+  const std::vector<TrueHit> truth = true_hits(resolved, picture, pixels, threads);
   CheckedPixels found{.pixels = pixels.size()};
   ErrorList list;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -176,97 +173,57 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
 }
 
 /// The requested limit, in the unit of errors.
-double limit_in_unit(const render::ResolvedScene& plan, double limit) {
-  const Interval<double> range = plan.datasets[plan.scene.layers[0].dataset].field().range;
-  return is_projection(plan) ? limit * (range.hi - range.lo) : limit;
+double limit_in_unit(const ResolvedScene& resolved, double limit) {
+  const Interval<double> range = resolved.datasets[resolved.scene.layers[0].dataset].field().range;
+  return is_projection(resolved) ? limit * (range.hi - range.lo) : limit;
 }
 
 }  // namespace
 
-void check(const SelfCheckOptions& options) {
-  if (!options.limit) return;
-  if (options.pixels == 0) throw Error(ErrorCode::usage, "--verify-limit: needs --verify", "--verify 1000");
-  if (!(*options.limit > 0))
-    throw Error(ErrorCode::usage, concat("--verify-limit: found ", *options.limit, "; expected a number above 0"));
+ChannelSet channels_to_check(const ResolvedScene& resolved) {
+  return {.depth = true, .value = true, .error = is_proven(resolved)};
 }
 
-render::ChannelSet channels_to_check(const render::ResolvedScene& plan) {
-  return {.depth = true, .value = true, .error = is_proven(plan)};
-}
-
-void require_checkable(const render::ResolvedScene& plan) {
-  const std::vector<render::Layer>& layers = plan.scene.layers;
-  for (const render::Layer& layer : layers) {
-    if (layer.mode == render::Mode::triangles)
-      throw Error(ErrorCode::usage, "--verify: a layer holds triangles; expected isosurfaces or one projection");
-    if (layer.mode == render::Mode::slice)
-      throw Error(ErrorCode::usage, "--verify: a layer is a slice; expected isosurfaces or one projection");
-    if (layer.mode == render::Mode::mip && layers.size() > 1)
-      throw Error(ErrorCode::usage,
-                  "--verify: a projection beside other layers; expected isosurfaces or one projection");
-    if (layer.mode == render::Mode::isosurface && layers.size() > 1 && layer.material.opacity < 1)
-      throw Error(ErrorCode::usage, "--verify: a transparent surface beside other layers; expected opaque isosurfaces");
+std::string why_not_checkable(const ResolvedScene& resolved) {
+  const std::vector<Layer>& layers = resolved.scene.layers;
+  constexpr const char* expected = "; expected isosurfaces or one projection";
+  for (const Layer& layer : layers) {
+    if (layer.mode == Mode::triangles) return concat("a layer holds triangles", expected);
+    if (layer.mode == Mode::slice) return concat("a layer is a slice", expected);
+    if (layer.mode == Mode::mip && layers.size() > 1) return concat("a projection beside other layers", expected);
+    if (layer.mode == Mode::isosurface && layers.size() > 1 && layer.material.opacity < 1)
+      return "a transparent surface beside other layers; expected opaque isosurfaces";
   }
+  return {};
 }
 
-SelfCheck checked(const render::ResolvedScene& plan, const render::Framebuffer& picture,
-                  const SelfCheckOptions& options, unsigned threads) {
+SelfCheck check_picture(const ResolvedScene& resolved, const Framebuffer& picture, const SelfCheckOptions& options,
+                        unsigned threads) {
   const DefaultFloatingPoint default_floating_point;
   std::mt19937_64 random(options.seed);
-  SelfCheck check{.seed = options.seed, .unit = is_projection(plan) ? "" : "cells"};
-  const Promise promise = promise_of(plan);
-  const double limit = options.limit ? limit_in_unit(plan, *options.limit) : promise.kept;
+  SelfCheck check{.seed = options.seed, .unit = is_projection(resolved) ? "" : "cells"};
+  const Promise promise = promise_of(resolved);
+  const double limit = options.limit ? limit_in_unit(resolved, *options.limit) : promise.kept;
   const auto look_at = [&](const std::vector<std::uint32_t>& pixels) {
-    return checked_pixels(plan, picture, some_of(pixels, options.pixels, random), limit, threads);
+    return checked_pixels(resolved, picture, some_of(pixels, options.pixels, random), limit, threads);
   };
   check.random = look_at(all_pixels(picture));
   check.edges = look_at(edge_pixels(picture));
   const auto hold = [&](const std::string& broken) {
     check.broken += concat(check.broken.empty() || broken.empty() ? "" : "; ", broken);
   };
-  const bool holds_promise = !options.limit || is_proven(plan);
+  const bool holds_promise = !options.limit || is_proven(resolved);
   if (holds_promise && !promise.said.empty()) {
     check.limit = promise.said;
-    hold(broken_by(check.random, promise, is_proven(plan), "random"));
-    hold(broken_by(check.edges, {promise.said, promise.wrong_share * 10, HUGE_VAL}, is_proven(plan), "edge"));
+    hold(broken_by(check.random, promise, is_proven(resolved), "random"));
+    hold(broken_by(check.edges, {promise.said, promise.wrong_share * 10, HUGE_VAL}, is_proven(resolved), "edge"));
   }
   if (options.limit) {
     check.limit += concat(check.limit.empty() ? "" : "; ", "99 % within ", *options.limit,
-                          is_projection(plan) ? " of the field's range" : " cells");
+                          is_projection(resolved) ? " of the field's range" : " cells");
     hold(limit_broken_by(check.random, limit, "random"));
   }
   return check;
 }
 
-std::string text_of(const SelfCheck& check) {
-  const auto line = [&](const char* name, const CheckedPixels& found) {
-    return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " false negatives, ",
-                  found.false_hits, " false positives, largest error ", rounded(found.largest),
-                  check.unit.empty() ? "" : " ", check.unit,
-                  check.unit.empty() ? "" : concat(", largest value error ", rounded(found.largest_value_error)), "\n");
-  };
-  return concat(
-      "checked with exact arithmetic, seed ", check.seed,
-      " (false negative: a missed hit; false positive: a hit that does not exist):\n", line("random", check.random),
-      line("edges ", check.edges), "  limit: ", check.limit.empty() ? "none; the method promises nothing" : check.limit,
-      "\n  ",
-      check.broken.empty() ? (check.limit.empty() ? "no limit to check" : "within the limit") : "OUTSIDE THE LIMIT",
-      "\n");
-}
-
-Json json_of(const SelfCheck& check) {
-  const auto found = [](const CheckedPixels& pixels) {
-    return Json{{"pixels", pixels.pixels},
-                {"missed", pixels.missed},
-                {"false_hits", pixels.false_hits},
-                {"shown", pixels.shown},
-                {"beyond_bound", pixels.beyond_bound},
-                {"kept_by_99", pixels.kept_by_99},
-                {"largest_error", pixels.largest},
-                {"largest_value_error", pixels.largest_value_error}};
-  };
-  return {{"seed", check.seed}, {"random", found(check.random)}, {"edges", found(check.edges)},
-          {"unit", check.unit}, {"limit", check.limit},          {"holds", check.broken.empty()}};
-}
-
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

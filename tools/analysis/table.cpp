@@ -1,4 +1,4 @@
-#include "tools/rhoray/table.h"
+#include "tools/analysis/table.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "tools/analysis/errors.h"
+#include "render/truth.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace rhoray::tools {
+namespace rhoray::render {
 
 namespace {
 
@@ -82,4 +82,4 @@ double ErrorCounts::kept_by(double share) const {
   return at < sorted.size() ? static_cast<double>(sorted[at]) : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace rhoray::tools
+}  // namespace rhoray::render

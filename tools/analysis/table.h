@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/rhoray/report.h"
+#include "formats/base/json.h"
 
 namespace rhoray::tools {
 

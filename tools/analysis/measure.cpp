@@ -1,4 +1,4 @@
-#include "tools/rhoray/measure.h"
+#include "tools/analysis/measure.h"
 
 #include <sched.h>
 #include <sys/resource.h>
