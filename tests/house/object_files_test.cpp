@@ -15,8 +15,8 @@ namespace {
 
 std::vector<std::filesystem::path> render_objects() {
   std::vector<std::filesystem::path> found;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::filesystem::path(RHORAY_BINARY_DIR) /
-                                                                         "render" / "CMakeFiles" / "rhoray_render.dir"))
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(std::filesystem::path(RHORAY_BINARY_DIR) / "render"))
     if (entry.path().extension() == ".o") found.push_back(entry.path());
   return found;
 }

@@ -18,7 +18,7 @@ namespace rhoray::tools {
 
 namespace {
 
-std::string text_of(const MemoryFile& file) {
+std::string text_in(const MemoryFile& file) {
   const std::vector<std::byte> bytes = file.bytes();
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -53,8 +53,8 @@ GnuplotRun run_gnuplot(const std::string& script) {
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          .out = text_of(out),
-          .err = text_of(err)};
+          .out = text_in(out),
+          .err = text_in(err)};
 }
 
 }  // namespace

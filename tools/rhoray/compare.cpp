@@ -63,7 +63,7 @@ std::string text_of(const PictureDifference& difference, const CompareCommand& c
   return text;
 }
 
-Json json_of(const PictureDifference& difference, const CompareCommand& command) {
+Json difference_json(const PictureDifference& difference, const CompareCommand& command) {
   const LargestDifference& largest = difference.largest;
   Json json{{"a", command.files[0].string()},
             {"b", command.files[1].string()},
@@ -83,9 +83,9 @@ int run(const CompareCommand& command) {
   check(command);
   const StoredPicture a = read_picture(command.files[0]), b = read_picture(command.files[1]);
   const PictureDifference difference = difference_of(a, b, command.files[0].string(), command.files[1].string());
-  std::fputs(
-      command.common.json ? (dump(json_of(difference, command)) + "\n").c_str() : text_of(difference, command).c_str(),
-      stdout);
+  std::fputs(command.common.json ? (dump(difference_json(difference, command)) + "\n").c_str()
+                                 : text_of(difference, command).c_str(),
+             stdout);
   if (!command.map.empty()) {
     write_picture(difference_map(difference.of_pixel, a.width, a.height), {}, command.map, command.common.force);
     say(command.common, concat(command.map.string(), ": black means equal; brighter means a larger difference"));

@@ -59,7 +59,7 @@ struct Content {
   std::vector<formats::FieldSummary> fields;
 };
 
-Content content_of(const std::filesystem::path& input) {
+Content content_in(const std::filesystem::path& input) {
   preprocess::require_input(input);
   if (!formats::PackedFile::looks_packed(input))
     throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file"),
@@ -122,7 +122,7 @@ int run(ExportCommand& command) {
   const std::filesystem::path output = command.common.output;
   if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output selects the format");
   const Format& format = format_of(output);
-  const Content content = content_of(command.input);
+  const Content content = content_in(command.input);
   check(command, format, content);
   require_writable(command.common, output, command.input);
   const std::optional<double> isovalue = chosen_isovalue(command, content);

@@ -268,7 +268,7 @@ preprocess::NeutralMesh fill(const TetrahedralizeCommand& command, const Neutral
   }
 }
 
-Json json_of(const preprocess::RepairReport& r) {
+Json repair_json(const preprocess::RepairReport& r) {
   return {{"merged_points", r.merged_points},
           {"dropped_flat", r.dropped_flat},
           {"dropped_twins", r.dropped_twins},
@@ -349,7 +349,7 @@ int run(TetrahedralizeCommand& command) {
                   {"peak_bytes", usage.peak_bytes},
                   {"worker_peak_bytes", usage.worker_peak_bytes},
                   {"notes", notes}};
-    if (repair) document["repair"] = json_of(*repair);
+    if (repair) document["repair"] = repair_json(*repair);
     std::puts(dump(document).c_str());
   }
   return 0;

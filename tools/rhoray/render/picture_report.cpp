@@ -16,8 +16,6 @@ namespace rhoray::tools {
 
 namespace {
 
-using rhoray::json_of;  // of vectors and intervals
-
 Json camera_json(const render::Camera& camera) {
   Json json{{"position", json_of(camera.position)}, {"target", json_of(camera.target)}, {"up", json_of(camera.up)}};
   if (camera.orthographic)
