@@ -10,8 +10,6 @@
 #include "formats/base/checks.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/zip_archive.h"
-#include "preprocess/import/vtk/vti_stream.h"
-#include "preprocess/import/vtk/vtu_stream.h"
 #include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 #include "tests/fuzz/harness.h"
@@ -95,13 +93,6 @@ void legacy_vtk(const Path& path) {
 void gmsh(const Path& path) {
   use(read_gmsh(path, ""));
 }
-/// Files that only VTK's reader accepts are left to it, in its process.
-void vti(const Path& path) {
-  if (const auto found = stream_vti(path, "")) use(*found);
-}
-void vtu(const Path& path) {
-  if (const auto found = stream_vtu(path)) use(*found);
-}
 void tetgen_surface(const Path& path) {
   NeutralSurface surface = read_tetgen_surface(path);
   use(surface);
@@ -142,8 +133,8 @@ constexpr Format formats_known[] = {{"nrrd", {".nhdr", ".raw"}, nrrd},
                                     {"tetgen_surface", {".poly", ".mtr"}, tetgen_surface},
                                     {"tetgen_faces", {".face", ".node"}, from_path<read_tetgen_faces>},
                                     {"legacy_vtk", {".vtk", ""}, legacy_vtk},
-                                    {"vti", {".vti", ""}, vti},
-                                    {"vtu", {".vtu", ""}, vtu},
+                                    {"vti", {".vti", ""}, volume<read_vti>},
+                                    {"vtu", {".vtu", ""}, from_path<read_vtu>},
                                     {"zip", {".zip", ""}, zip}};
 
 const Format& chosen_format() {

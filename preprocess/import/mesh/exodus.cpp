@@ -10,6 +10,7 @@
 #include "preprocess/import/mesh/netcdf_file.h"
 #include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
@@ -61,12 +62,6 @@ struct Block {
   std::uint64_t count = 0;
 };
 
-std::string in_capitals(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); });
-  return text;
-}
-
 class ExodusReader {
  public:
   ExodusReader(const std::filesystem::path& path, const std::string& time) : file_(path), time_(time) {}
@@ -102,8 +97,7 @@ class ExodusReader {
     const std::uint64_t count = *file_.dimension("num_el_blk");
     const Array<std::int64_t> ids = file_.integers(file_.need_variable("eb_prop1"), std::array{count});
     cells_.offsets = {0};
-    NeutralField block_field;
-    block_field.name = "block";
+    Array<double> block_of_cell;
     for (std::uint64_t i = 0; i < count; ++i) {
       blocks_.push_back({.first = cells_.kinds.size(), .count = 0});
       const auto connect = file_.variable(concat("connect", i + 1));
@@ -111,10 +105,9 @@ class ExodusReader {
       if (!connect || connect->shape.empty()) continue;
       read_block(*connect, i + 1, ids[i]);
       blocks_.back().count = cells_.kinds.size() - blocks_.back().first;
-      block_field.values.resize(cells_.kinds.size(), static_cast<double>(ids[i]));
+      block_of_cell.resize(cells_.kinds.size(), static_cast<double>(ids[i]));
     }
-    block_field.was_single_precision = fits_single_precision(block_field.values);
-    mesh_.cell_fields.push_back(std::move(block_field));
+    mesh_.cell_fields.push_back(field_of("block", std::move(block_of_cell)));
   }
 
   /// @param number  number of the block, from 1, as used in names; its id may differ

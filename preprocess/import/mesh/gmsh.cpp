@@ -3,9 +3,7 @@
 // Source: Gmsh Reference Manual, "MSH file format" and "MSH file format version 2".
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <set>
@@ -20,28 +18,14 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Numbers of a file: words, or binary numbers of known width in either byte order.
-class MshNumbers {
+/// The numbers of MSH files.
+class MshNumbers : public NumberReader {
  public:
-  explicit MshNumbers(const ForeignFile& file, std::size_t position = 0) : words(file, position) {}
-
-  template <class T>
-  T next(std::string_view expected) {
-    if (!is_binary) return words.number<T>(expected);
-    std::array<std::byte, sizeof(T)> raw;
-    const auto bytes = words.bytes(sizeof(T), expected);
-    std::copy(bytes.begin(), bytes.end(), raw.begin());
-    if (is_swapped) std::reverse(raw.begin(), raw.end());
-    return std::bit_cast<T>(raw);
-  }
+  using NumberReader::NumberReader;
   /// 8 bytes in MSH 4.1
   std::uint64_t count(std::string_view expected) { return next<std::uint64_t>(expected); }
   std::int32_t integer(std::string_view expected) { return next<std::int32_t>(expected); }
   double real(std::string_view expected) { return next<double>(expected); }
-
-  WordReader words;
-  bool is_binary = false;
-  bool is_swapped = false;
 };
 
 class MshReader {
@@ -86,12 +70,7 @@ class MshReader {
     if (in_.words.number<int>("8: the size of numbers") != 8)
       in_.words.refuse("numbers of another size", "8 bytes each", ErrorCode::unsupported);
     in_.words.line();
-    in_.is_binary = type == 1;
-    if (in_.is_binary) {
-      const std::int32_t one = in_.integer("the number 1");
-      in_.is_swapped = one != 1;
-      if (one != 1 && one != 0x01000000) in_.words.refuse(concat(one), "1, in one byte order or the other");
-    }
+    if (type == 1) in_.begin_binary();
     end_section("MeshFormat");
     remember("MeshFormat", begin);
   }
@@ -347,17 +326,9 @@ class MshReader {
       }
   }
 
-  void add_group_field(const char* name, const Array<std::int32_t>& groups) {
-    NeutralField field;
-    field.name = name;
-    field.values.assign(groups.begin(), groups.end());
-    field.was_single_precision = fits_single_precision(field.values);
-    mesh_.cell_fields.push_back(std::move(field));
-  }
-
   void name_groups() {
-    add_group_field("physical", physical_);
-    add_group_field("entity", entity_);
+    for (const auto& [name, groups] : {std::pair("physical", &physical_), std::pair("entity", &entity_)})
+      mesh_.cell_fields.push_back(field_of(name, Array<double>(groups->begin(), groups->end())));
     for (const auto& [group, name] : names_)
       mesh_.notes.push_back(concat("cell field 'physical': ", group, " is ", in_quotes(name)));
     if (volumes_in_several_groups_ > 0)
@@ -389,24 +360,21 @@ class MshReader {
       refuse_input(path_, concat("field '", data.name, "'"), concat("two elements numbered ", *twice),
                    "each number once, to know which one a value is for");
     const auto width = static_cast<std::size_t>(data.component_count);
-    NeutralField field;
-    field.name = data.name;
-    field.component_count = data.component_count;
-    field.values.assign((data.at_points ? node_ids_ : element_ids_).size() * width,
-                        std::numeric_limits<double>::quiet_NaN());
+    Array<double> numbers((data.at_points ? node_ids_ : element_ids_).size() * width,
+                          std::numeric_limits<double>::quiet_NaN());
     MshNumbers values(file_, data.position);
     values.is_binary = in_.is_binary;
-    values.is_swapped = in_.is_swapped;
+    values.is_big_endian = in_.is_big_endian;
     for (std::uint64_t i = 0; i < data.count; ++i) {
       const std::int32_t id = values.integer("a number of a node or element");
       const std::optional<std::uint64_t> owner = owners.find(static_cast<std::uint64_t>(id));
       if (!owner) values.words.refuse(concat(data.at_points ? "node " : "element ", id), "one that is there");
-      for (std::size_t c = 0; c < width; ++c) field.values[*owner * width + c] = values.real("a value");
+      for (std::size_t c = 0; c < width; ++c) numbers[*owner * width + c] = values.real("a value");
     }
     const std::string end = data.at_points ? "$EndNodeData" : "$EndElementData";
     if (const std::string_view word = values.words.word(end); word != end) values.words.refuse(word, end);
-    field.was_single_precision = fits_single_precision(field.values);
-    (data.at_points ? mesh_.point_fields : mesh_.cell_fields).push_back(std::move(field));
+    (data.at_points ? mesh_.point_fields : mesh_.cell_fields)
+        .push_back(field_of(data.name, std::move(numbers), data.component_count));
   }
 
   std::filesystem::path path_;

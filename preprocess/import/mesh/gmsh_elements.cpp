@@ -13,118 +13,55 @@ namespace {
 
 enum class Shape : std::uint8_t { point, line, triangle, quadrilateral, tetrahedron, hexahedron, wedge, pyramid };
 
-struct Row {
-  std::uint8_t number;
+/// Elements of one shape, in ascending order.
+struct Family {
   Shape shape;
-  std::uint8_t order;
-  std::uint16_t node_count;
+  bool is_complete;  ///< has nodes inside faces and volumes; else only at corners and on edges
+  std::uint8_t first_order;
+  std::vector<std::uint8_t> numbers;  ///< in the file, from the first order on
 };
 
-constexpr Row rows[] = {
-    {1, Shape::line, 1, 2},
-    {2, Shape::triangle, 1, 3},
-    {3, Shape::quadrilateral, 1, 4},
-    {4, Shape::tetrahedron, 1, 4},
-    {5, Shape::hexahedron, 1, 8},
-    {6, Shape::wedge, 1, 6},
-    {7, Shape::pyramid, 1, 5},
-    {8, Shape::line, 2, 3},
-    {9, Shape::triangle, 2, 6},
-    {10, Shape::quadrilateral, 2, 9},
-    {11, Shape::tetrahedron, 2, 10},
-    {12, Shape::hexahedron, 2, 27},
-    {13, Shape::wedge, 2, 18},
-    {14, Shape::pyramid, 2, 14},
-    {15, Shape::point, 0, 1},
-    {16, Shape::quadrilateral, 2, 8},
-    {17, Shape::hexahedron, 2, 20},
-    {18, Shape::wedge, 2, 15},
-    {19, Shape::pyramid, 2, 13},
-    {20, Shape::triangle, 3, 9},
-    {21, Shape::triangle, 3, 10},
-    {22, Shape::triangle, 4, 12},
-    {23, Shape::triangle, 4, 15},
-    {24, Shape::triangle, 5, 15},
-    {25, Shape::triangle, 5, 21},
-    {26, Shape::line, 3, 4},
-    {27, Shape::line, 4, 5},
-    {28, Shape::line, 5, 6},
-    {29, Shape::tetrahedron, 3, 20},
-    {30, Shape::tetrahedron, 4, 35},
-    {31, Shape::tetrahedron, 5, 56},
-    {32, Shape::tetrahedron, 4, 22},
-    {33, Shape::tetrahedron, 5, 28},
-    {36, Shape::quadrilateral, 3, 16},
-    {37, Shape::quadrilateral, 4, 25},
-    {38, Shape::quadrilateral, 5, 36},
-    {39, Shape::quadrilateral, 3, 12},
-    {40, Shape::quadrilateral, 4, 16},
-    {41, Shape::quadrilateral, 5, 20},
-    {42, Shape::triangle, 6, 28},
-    {43, Shape::triangle, 7, 36},
-    {44, Shape::triangle, 8, 45},
-    {45, Shape::triangle, 9, 55},
-    {46, Shape::triangle, 10, 66},
-    {47, Shape::quadrilateral, 6, 49},
-    {48, Shape::quadrilateral, 7, 64},
-    {49, Shape::quadrilateral, 8, 81},
-    {50, Shape::quadrilateral, 9, 100},
-    {51, Shape::quadrilateral, 10, 121},
-    {52, Shape::triangle, 6, 18},
-    {53, Shape::triangle, 7, 21},
-    {54, Shape::triangle, 8, 24},
-    {55, Shape::triangle, 9, 27},
-    {56, Shape::triangle, 10, 30},
-    {57, Shape::quadrilateral, 6, 24},
-    {58, Shape::quadrilateral, 7, 28},
-    {59, Shape::quadrilateral, 8, 32},
-    {60, Shape::quadrilateral, 9, 36},
-    {61, Shape::quadrilateral, 10, 40},
-    {62, Shape::line, 6, 7},
-    {63, Shape::line, 7, 8},
-    {64, Shape::line, 8, 9},
-    {65, Shape::line, 9, 10},
-    {66, Shape::line, 10, 11},
-    {71, Shape::tetrahedron, 6, 84},
-    {72, Shape::tetrahedron, 7, 120},
-    {73, Shape::tetrahedron, 8, 165},
-    {74, Shape::tetrahedron, 9, 220},
-    {75, Shape::tetrahedron, 10, 286},
-    {79, Shape::tetrahedron, 6, 34},
-    {80, Shape::tetrahedron, 7, 40},
-    {81, Shape::tetrahedron, 8, 46},
-    {82, Shape::tetrahedron, 9, 52},
-    {83, Shape::tetrahedron, 10, 58},
-    {92, Shape::hexahedron, 3, 64},
-    {93, Shape::hexahedron, 4, 125},
-    {94, Shape::hexahedron, 5, 216},
-    {95, Shape::hexahedron, 6, 343},
-    {96, Shape::hexahedron, 7, 512},
-    {97, Shape::hexahedron, 8, 729},
-    {98, Shape::hexahedron, 9, 1000},
-    {99, Shape::hexahedron, 3, 32},
-    {100, Shape::hexahedron, 4, 44},
-    {101, Shape::hexahedron, 5, 56},
-    {102, Shape::hexahedron, 6, 68},
-    {103, Shape::hexahedron, 7, 80},
-    {104, Shape::hexahedron, 8, 92},
-    {105, Shape::hexahedron, 9, 104},
-    {118, Shape::pyramid, 3, 30},
-    {119, Shape::pyramid, 4, 55},
-    {120, Shape::pyramid, 5, 91},
-    {121, Shape::pyramid, 6, 140},
-    {122, Shape::pyramid, 7, 204},
-    {123, Shape::pyramid, 8, 285},
-    {124, Shape::pyramid, 9, 385},
-    {125, Shape::pyramid, 3, 21},
-    {126, Shape::pyramid, 4, 29},
-    {127, Shape::pyramid, 5, 37},
-    {128, Shape::pyramid, 6, 45},
-    {129, Shape::pyramid, 7, 53},
-    {130, Shape::pyramid, 8, 61},
-    {131, Shape::pyramid, 9, 69},
-    {137, Shape::tetrahedron, 3, 16},
+const Family families[] = {
+    {Shape::point, true, 0, {15}},
+    {Shape::line, true, 1, {1, 8, 26, 27, 28, 62, 63, 64, 65, 66}},
+    {Shape::triangle, true, 1, {2, 9, 21, 23, 25, 42, 43, 44, 45, 46}},
+    {Shape::triangle, false, 3, {20, 22, 24, 52, 53, 54, 55, 56}},
+    {Shape::quadrilateral, true, 1, {3, 10, 36, 37, 38, 47, 48, 49, 50, 51}},
+    {Shape::quadrilateral, false, 2, {16, 39, 40, 41, 57, 58, 59, 60, 61}},
+    {Shape::tetrahedron, true, 1, {4, 11, 29, 30, 31, 71, 72, 73, 74, 75}},
+    {Shape::tetrahedron, false, 3, {137, 32, 33, 79, 80, 81, 82, 83}},
+    {Shape::hexahedron, true, 1, {5, 12, 92, 93, 94, 95, 96, 97, 98}},
+    {Shape::hexahedron, false, 2, {17, 99, 100, 101, 102, 103, 104, 105}},
+    {Shape::wedge, true, 1, {6, 13}},
+    {Shape::wedge, false, 2, {18}},
+    {Shape::pyramid, true, 1, {7, 14, 118, 119, 120, 121, 122, 123, 124}},
+    {Shape::pyramid, false, 2, {19, 125, 126, 127, 128, 129, 130, 131}},
 };
+
+std::uint64_t node_count(Shape shape, bool is_complete, std::uint64_t n) {
+  constexpr std::uint64_t corner_counts[] = {1, 2, 3, 4, 4, 8, 6, 5}, edge_counts[] = {0, 1, 3, 4, 6, 12, 9, 8};
+  const auto i = static_cast<std::size_t>(shape);
+  if (!is_complete) return corner_counts[i] + edge_counts[i] * (n - 1);
+  switch (shape) {
+    case Shape::point:
+      return 1;
+    case Shape::line:
+      return n + 1;
+    case Shape::triangle:
+      return (n + 1) * (n + 2) / 2;
+    case Shape::quadrilateral:
+      return (n + 1) * (n + 1);
+    case Shape::tetrahedron:
+      return (n + 1) * (n + 2) * (n + 3) / 6;
+    case Shape::hexahedron:
+      return (n + 1) * (n + 1) * (n + 1);
+    case Shape::wedge:
+      return (n + 1) * (n + 1) * (n + 2) / 2;
+    case Shape::pyramid:
+      return (n + 1) * (n + 2) * (2 * n + 3) / 6;
+  }
+  RHORAY_CHECK(false);
+}
 
 /// Position of a node, in n-th parts of the edges from the first corner.
 using Place = std::array<int, 3>;
@@ -210,10 +147,6 @@ std::vector<std::uint16_t> lagrange_order(bool is_tetrahedron, int n) {
   return order;
 }
 
-std::size_t complete_count(bool is_tetrahedron, std::size_t n) {
-  return is_tetrahedron ? (n + 1) * (n + 2) * (n + 3) / 6 : (n + 1) * (n + 1) * (n + 1);
-}
-
 struct QuadraticRow {
   std::uint8_t number;
   CellKind kind;
@@ -233,33 +166,35 @@ const QuadraticRow quadratic_rows[] = {
 /// VTK's number of the linear cell of each shape.
 constexpr std::uint8_t linear_kinds[] = {1, 3, 5, 9, 10, 12, 13, 14};
 
-GmshElement element_of(const Row& row) {
-  GmshElement element{.node_count = row.node_count, .kind = linear_kinds[static_cast<int>(row.shape)], .order = {}};
+GmshElement element_of(const Family& family, int order, std::uint8_t number) {
+  GmshElement element{.node_count = node_count(family.shape, family.is_complete, static_cast<std::uint64_t>(order)),
+                      .kind = linear_kinds[static_cast<int>(family.shape)],
+                      .order = {}};
   // elements that are left out need no node order
-  if (row.order < 2 || row.shape < Shape::tetrahedron) return element;
+  if (order < 2 || family.shape < Shape::tetrahedron) return element;
   for (const QuadraticRow& quadratic : quadratic_rows)
-    if (quadratic.number == row.number) {
+    if (quadratic.number == number) {
       element.kind = static_cast<std::uint8_t>(quadratic.kind);
       element.order = quadratic.order;
       return element;
     }
-  const bool is_tetrahedron = row.shape == Shape::tetrahedron;
-  element.is_readable =
-      (is_tetrahedron || row.shape == Shape::hexahedron) && row.node_count == complete_count(is_tetrahedron, row.order);
+  const bool is_tetrahedron = family.shape == Shape::tetrahedron;
+  element.is_readable = family.is_complete && (is_tetrahedron || family.shape == Shape::hexahedron);
   if (!element.is_readable) return element;
   element.kind =
       static_cast<std::uint8_t>(is_tetrahedron ? CellKind::lagrange_tetrahedron : CellKind::lagrange_hexahedron);
-  element.order = lagrange_order(is_tetrahedron, row.order);
+  element.order = lagrange_order(is_tetrahedron, order);
   return element;
 }
 
 }  // namespace
 
 std::optional<GmshElement> gmsh_element(std::uint64_t number) {
-  const auto row =
-      std::find_if(std::begin(rows), std::end(rows), [&](const Row& candidate) { return candidate.number == number; });
-  if (row == std::end(rows)) return std::nullopt;
-  return element_of(*row);
+  for (const Family& family : families)
+    if (const auto found = std::find(family.numbers.begin(), family.numbers.end(), number);
+        found != family.numbers.end())
+      return element_of(family, family.first_order + static_cast<int>(found - family.numbers.begin()), *found);
+  return std::nullopt;
 }
 
 }  // namespace rhoray::preprocess

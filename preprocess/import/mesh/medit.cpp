@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
 
 #include "preprocess/import/mesh/mesh_cells.h"
@@ -38,38 +37,32 @@ const std::map<std::string_view, CellSection> cell_sections{
 /// A file as sections of numbers, in either form.
 class MeditFile {
  public:
-  explicit MeditFile(const std::filesystem::path& path) : path_(path), file_(path), words_(file_) {
-    is_binary_ = extension_of(path).ends_with('b');
-    if (is_binary_) {
-      const std::int32_t one = raw<std::int32_t>("the number 1");
-      is_swapped_ = one != 1;
-      if (one != 1 && one != 0x01000000) words_.refuse(concat(one), "1, in one byte order or the other");
-    } else if (const std::string_view word = words_.word("MeshVersionFormatted"); word != "MeshVersionFormatted") {
+  explicit MeditFile(const std::filesystem::path& path) : path_(path), file_(path), in_(file_) {
+    if (extension_of(path).ends_with('b'))
+      in_.begin_binary();
+    else if (const std::string_view word = words_.word("MeshVersionFormatted"); word != "MeshVersionFormatted")
       words_.refuse(word, "MeshVersionFormatted");
-    }
-    version_ = is_binary_ ? raw<std::int32_t>("a version") : words_.number<std::int32_t>("a version");
+    version_ = small("a version");
     if (version_ < 1 || version_ > 4) words_.refuse(concat(version_), "a version, 1 to 4", ErrorCode::unsupported);
   }
 
   /// Moves to the next known section, skipping unread content of the last one, and returns its
   /// keyword; empty at "End".
-  std::string_view next_section() { return is_binary_ ? next_binary_section() : next_text_section(); }
+  std::string_view next_section() { return in_.is_binary ? next_binary_section() : next_text_section(); }
 
   std::uint64_t count(std::string_view expected) {
-    const std::int64_t value = version_ == 4 || !is_binary_ ? wide(expected) : raw<std::int32_t>(expected);
+    const std::int64_t value = integer(expected);
     if (value < 0) words_.refuse(concat(value), expected);
     return static_cast<std::uint64_t>(value);
   }
   std::int64_t integer(std::string_view expected) {
-    return version_ == 4 || !is_binary_ ? wide(expected) : raw<std::int32_t>(expected);
+    return version_ == 4 || !in_.is_binary ? in_.next<std::int64_t>(expected) : small(expected);
   }
   /// A number stored like those of the header, whatever the version.
-  std::int32_t small(std::string_view expected) {
-    return is_binary_ ? raw<std::int32_t>(expected) : words_.number<std::int32_t>(expected);
-  }
+  std::int32_t small(std::string_view expected) { return in_.next<std::int32_t>(expected); }
   double real(std::string_view expected) {
-    if (!is_binary_) return words_.number<double>(expected);
-    return version_ == 1 ? static_cast<double>(raw<float>(expected)) : raw<double>(expected);
+    const bool is_float = in_.is_binary && version_ == 1;
+    return is_float ? static_cast<double>(in_.next<float>(expected)) : in_.next<double>(expected);
   }
 
   bool is_single_precision() const { return version_ == 1; }
@@ -80,18 +73,11 @@ class MeditFile {
   }
 
  private:
-  template <class T>
-  T raw(std::string_view expected) {
-    const auto bytes = words_.bytes(sizeof(T), expected);
-    std::array<std::byte, sizeof(T)> copy;
-    std::copy(bytes.begin(), bytes.end(), copy.begin());
-    if (is_swapped_) std::reverse(copy.begin(), copy.end());
-    T value;
-    std::memcpy(&value, copy.data(), sizeof value);
-    return value;
-  }
-  std::int64_t wide(std::string_view expected) {
-    return is_binary_ ? raw<std::int64_t>(expected) : words_.number<std::int64_t>(expected);
+  /// The keyword of the first known section of which this is true; empty when there is none.
+  template <class Is>
+  static std::string_view known_word(const Is& is) {
+    const auto* found = std::find_if(std::begin(known_sections), std::end(known_sections), is);
+    return found == std::end(known_sections) ? std::string_view() : found->word;
   }
 
   std::string_view next_text_section() {
@@ -99,9 +85,8 @@ class MeditFile {
       const std::string_view word = words_.word("End");
       if (word == "End") return {};
       if (word.starts_with('#')) words_.line();
-      const auto* found = std::find_if(std::begin(known_sections), std::end(known_sections),
-                                       [&](const Section& section) { return section.word == word; });
-      if (found != std::end(known_sections)) return found->word;
+      const std::string_view known = known_word([&](const Section& section) { return section.word == word; });
+      if (!known.empty()) return known;
     }
   }
 
@@ -112,21 +97,20 @@ class MeditFile {
         if (next_ < words_.position()) words_.refuse(concat("a section at byte ", next_), "one behind the last");
         words_.bytes(next_ - words_.position(), "sections");
       }
-      const auto number = raw<std::int32_t>("a section");
+      const std::int32_t number = small("a section");
       if (number == 54) return {};
-      const std::int64_t next = version_ >= 3 ? raw<std::int64_t>("a place") : raw<std::int32_t>("a place");
+      const std::int64_t next = version_ >= 3 ? in_.next<std::int64_t>("a place") : small("a place");
       if (next <= 0) words_.refuse(concat("the next section at byte ", next), "a place in the file");
       next_ = static_cast<std::uint64_t>(next);
-      const auto* found = std::find_if(std::begin(known_sections), std::end(known_sections),
-                                       [&](const Section& section) { return section.number == number; });
-      if (found != std::end(known_sections)) return found->word;
+      const std::string_view known = known_word([&](const Section& section) { return section.number == number; });
+      if (!known.empty()) return known;
     }
   }
 
   std::filesystem::path path_;
   ForeignFile file_;
-  WordReader words_;
-  bool is_binary_ = false, is_swapped_ = false;
+  NumberReader in_;
+  WordReader& words_ = in_.words;
   std::int32_t version_ = 0;
   std::uint64_t next_ = 0;
 };
@@ -152,11 +136,7 @@ class MeditReader {
       else if (word != "SolAtVertices")
         file_.refuse(concat("section ", word), "Tetrahedra, Hexahedra, Prisms or Pyramids", ErrorCode::unsupported);
     }
-    NeutralField reference;
-    reference.name = "reference";
-    reference.values = std::move(references_);
-    reference.was_single_precision = fits_single_precision(reference.values);
-    mesh_.cell_fields.push_back(std::move(reference));
+    mesh_.cell_fields.push_back(field_of("reference", std::move(references_)));
     read_solutions();
     take_cells(mesh_, std::move(cells_), file_.path());
     return std::move(mesh_);

@@ -208,6 +208,15 @@ bool fits_single_precision(const Array<double>& values) {
   });
 }
 
+NeutralField field_of(std::string name, Array<double> values, int component_count) {
+  const bool is_single = fits_single_precision(values);
+  return {.name = std::move(name),
+          .unit = {},
+          .component_count = component_count,
+          .was_single_precision = is_single,
+          .values = std::move(values)};
+}
+
 void note_precision(NeutralField& field, formats::ElementType type, std::vector<std::string>& notes) {
   using formats::ElementType;
   field.was_single_precision = type != ElementType::F64 && fits_single_precision(field.values);
@@ -231,6 +240,21 @@ void LeftOut::include(const LeftOut& other) {
   refined += other.refined;
   hidden += other.hidden;
   blanked += other.blanked;
+}
+
+void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
+  for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
+    if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
+    const std::uint64_t begin = cells.offsets[cell], count = cells.offsets[cell + 1] - begin;
+    const auto degree = static_cast<std::uint64_t>(std::llround(std::cbrt(static_cast<double>(count)))) - 1;
+    if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
+        (degree + 1) * (degree + 1) * (degree + 1) != count)
+      refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
+                   "those of a Lagrange hexahedron with the same degree along each axis", ErrorCode::unsupported);
+    const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
+    std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
+                     third + static_cast<std::ptrdiff_t>(degree - 1));
+  }
 }
 
 LeftOut sift_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path& path) {

@@ -53,11 +53,18 @@ void take_cells(CellMesh& mesh, ForeignCells cells, const std::filesystem::path&
 /// of the kinds plus one.
 void check_offsets(const ForeignCells& cells, const std::filesystem::path& path);
 
+/// Lagrange hexahedra of old VTK files have the nodes of the last two upright edges exchanged:
+/// exchanges them again.
+void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path);
+
 /// Refuses a field that does not have one value per element of `owners`.
 void check_field(const NeutralField& field, std::uint64_t owners, const std::filesystem::path& path);
 
 /// True when every value can be stored exactly as a 32-bit float.
 bool fits_single_precision(const Array<double>& values);
+
+/// A field of its values, in single precision if that holds them.
+NeutralField field_of(std::string name, Array<double> values, int component_count = 1);
 
 /// Sets `was_single_precision` of a field that was read from numbers of this type. Adds a note when
 /// 64-bit integers were rounded.

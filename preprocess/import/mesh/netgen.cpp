@@ -36,11 +36,7 @@ class NetgenReader {
     if (lines_.words().front() != "mesh3d") lines_.refuse(lines_.words().front(), "mesh3d");
     while (read_section()) {
     }
-    NeutralField material;
-    material.name = "material";
-    material.values = std::move(materials_);
-    material.was_single_precision = fits_single_precision(material.values);
-    mesh_.cell_fields.push_back(std::move(material));
+    mesh_.cell_fields.push_back(field_of("material", std::move(materials_)));
     take_cells(mesh_, std::move(cells_), path_);
     return std::move(mesh_);
   }
@@ -84,8 +80,7 @@ class NetgenReader {
     const std::uint64_t total = count("a number of points");
     for (std::uint64_t i = 0; i < total; ++i) {
       lines_.need(concat(total, " points"));
-      std::array<double, 3>& point = mesh_.points.emplace_back();
-      for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines_.number<double>(axis, "three coordinates");
+      mesh_.points.push_back(lines_.point(0));
     }
   }
 

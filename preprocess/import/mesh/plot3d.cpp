@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <optional>
 
 #include "preprocess/import/mesh/mesh_pieces.h"
@@ -70,11 +69,7 @@ class Plot3dReader {
     const std::span<const std::byte> source = bytes_.subspan(at_, count * sizeof(T));
     Array<std::byte> raw(source.begin(), source.end());
     make_native(raw, sizeof(T), layout_.is_big_endian);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      T value;
-      std::memcpy(&value, raw.data() + i * sizeof value, sizeof value);
-      values[i] = static_cast<double>(value);
-    }
+    copy_as_doubles(formats::element_type_of<T>(), raw, values.data());
     at_ += raw.size();
     return values;
   }
@@ -89,12 +84,9 @@ std::uint64_t points_in(const Index3& size) {
   return static_cast<std::uint64_t>(size[0] * size[1] * size[2]);
 }
 
-NeutralField field_of(const char* name, int component_count, Array<double> values, const Plot3dLayout& layout) {
-  NeutralField field;
-  field.name = name;
-  field.component_count = component_count;
-  field.was_single_precision = (layout.is_text || layout.float_bytes == 4) && fits_single_precision(values);
-  field.values = std::move(values);
+NeutralField flow_field(const char* name, int component_count, Array<double> values, const Plot3dLayout& layout) {
+  NeutralField field = field_of(name, std::move(values), component_count);
+  field.was_single_precision = field.was_single_precision && (layout.is_text || layout.float_bytes == 4);
   return field;
 }
 
@@ -108,10 +100,7 @@ CellMesh read_grid_block(Plot3dReader& reader, const Plot3dLayout& layout, const
     for (std::size_t i = 0; i < coordinates.size(); ++i) mesh.points[i][axis] = coordinates[i];
   }
   if (layout.has_iblank) {
-    NeutralField& field = mesh.point_fields.emplace_back();
-    field.name = "IBlank";
-    field.values = reader.integers(mesh.points.size());
-    field.was_single_precision = fits_single_precision(field.values);
+    mesh.point_fields.push_back(field_of("IBlank", reader.integers(mesh.points.size())));
   }
   reader.end_record();
   return mesh;
@@ -134,14 +123,14 @@ void read_solution_block(Plot3dReader& reader, const Plot3dLayout& layout, CellM
   mesh.notes.push_back(concat("conditions of the solution, not kept: Mach number ", conditions[0], ", angle of attack ",
                               conditions[1], ", Reynolds number ", conditions[2], ", time ", conditions[3]));
   reader.begin_record();
-  mesh.point_fields.push_back(field_of("Density", 1, reader.reals(count), layout));
+  mesh.point_fields.push_back(flow_field("Density", 1, reader.reals(count), layout));
   Array<double> momentum(3 * count);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Array<double> component = reader.reals(count);
     for (std::uint64_t i = 0; i < count; ++i) momentum[3 * i + axis] = component[i];
   }
-  mesh.point_fields.push_back(field_of("Momentum", 3, std::move(momentum), layout));
-  mesh.point_fields.push_back(field_of("StagnationEnergy", 1, reader.reals(count), layout));
+  mesh.point_fields.push_back(flow_field("Momentum", 3, std::move(momentum), layout));
+  mesh.point_fields.push_back(flow_field("StagnationEnergy", 1, reader.reals(count), layout));
   reader.end_record();
 }
 

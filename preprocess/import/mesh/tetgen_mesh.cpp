@@ -9,12 +9,10 @@
 namespace rhoray::preprocess {
 namespace {
 
-NeutralField attribute_field(std::size_t index, Array<double> values) {
-  NeutralField field;
-  field.name = concat("attribute_", index + 1);
-  field.values = std::move(values);
-  field.was_single_precision = fits_single_precision(field.values);
-  return field;
+/// Makes fields of the attributes.
+void take_attributes(std::vector<NeutralField>& fields, std::vector<Array<double>>& attributes) {
+  for (std::size_t a = 0; a < attributes.size(); ++a)
+    fields.push_back(field_of(concat("attribute_", a + 1), std::move(attributes[a])));
 }
 
 /// Index of VTK's node i of a 10-node tetrahedron in a record.
@@ -133,8 +131,7 @@ void read_tetrahedra(CellMesh& mesh, const TetgenPoints& points, const std::file
                      static_cast<std::uint8_t>(is_quadratic ? CellKind::quadratic_tetrahedron : CellKind::tetrahedron));
   for (std::uint64_t i = 0; i <= tetrahedra.count; ++i) cells.offsets.push_back(i * tetrahedra.node_count);
   cells.nodes = std::move(tetrahedra.nodes);
-  for (std::size_t a = 0; a < tetrahedra.attributes.size(); ++a)
-    mesh.cell_fields.push_back(attribute_field(a, std::move(tetrahedra.attributes[a])));
+  take_attributes(mesh.cell_fields, tetrahedra.attributes);
   take_cells(mesh, std::move(cells), path);
 }
 
@@ -159,8 +156,7 @@ CellMesh read_tetgen_mesh(const std::filesystem::path& path) {
   TetgenPoints points = read_tetgen_node_file(is_node ? path : partner(".node"));
   CellMesh mesh;
   mesh.points = points.points;
-  for (std::size_t a = 0; a < points.attributes.size(); ++a)
-    mesh.point_fields.push_back(attribute_field(a, std::move(points.attributes[a])));
+  take_attributes(mesh.point_fields, points.attributes);
   read_tetrahedra(mesh, points, is_node ? partner(".ele") : path);
   return mesh;
 }

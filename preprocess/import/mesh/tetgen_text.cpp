@@ -55,8 +55,7 @@ TetgenPoints read_tetgen_points(LineReader& lines) {
     if (number != result.first_number + static_cast<std::int64_t>(i) || result.first_number < 0 ||
         result.first_number > 1)
       lines.refuse(lines.words()[0], i == 0 ? "0 or 1" : concat(result.first_number + static_cast<std::int64_t>(i)));
-    std::array<double, 3>& point = result.points.emplace_back();
-    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(1 + axis, "three coordinates");
+    result.points.push_back(lines.point(1));
     for (std::size_t a = 0; a < attribute_count; ++a)
       result.attributes[a].push_back(lines.number<double>(4 + a, concat(attribute_count, " attributes")));
   }

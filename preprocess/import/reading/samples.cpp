@@ -86,6 +86,34 @@ void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_b
                  "sizes that the packed bytes can hold");
 }
 
+void copy_as_doubles(ElementType type, std::span<const std::byte> numbers, double* to) {
+  formats::with_element_type(type, [&]<class T>(T) {
+    for (std::size_t at = 0; at < numbers.size(); at += sizeof(T)) {
+      T value;
+      std::memcpy(&value, numbers.data() + at, sizeof value);
+      *to++ = static_cast<double>(value);
+    }
+  });
+}
+
+std::span<const std::byte> samples_behind(const std::filesystem::path& path, std::span<const std::byte> source,
+                                          std::uint64_t skipped, std::uint64_t wanted) {
+  if (skipped > source.size() || wanted > source.size() - skipped)
+    refuse_input(path, concat("byte ", source.size()), "the end of the file",
+                 concat(wanted, " bytes of samples after the first ", skipped));
+  return source.subspan(skipped, wanted);
+}
+
+std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
+  const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
+  if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
+  std::string digits = concat(number);
+  const std::size_t width = parse_number<std::size_t>(pattern.substr(begin + 1, end - begin - 1)).value_or(0);
+  if (width > 32) return std::nullopt;
+  if (digits.size() < width) digits.insert(0, width - digits.size(), pattern[begin + 1] == '0' ? '0' : ' ');
+  return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
+}
+
 void set_samples(NeutralVolume& volume, Array<std::byte> samples) {
   volume.owned_samples = std::move(samples);
   volume.samples = volume.owned_samples;
@@ -228,11 +256,15 @@ void set_chosen(NeutralVolume& volume, GridArray& array, int component) {
   } else if (array.component_count > 1) {
     set_samples(volume,
                 formats::with_element_type(array.type, [&]<class T>(T) { return component_of<T>(array, component); }));
-  } else if (!array.owned.empty()) {
-    set_samples(volume, std::move(array.owned));
   } else {
-    set_samples(volume, {array.values.begin(), array.values.end()});
+    set_samples(volume, std::move(array.values));
   }
+}
+
+/// The array, with its values.
+GridArray& loaded(GridArray& array) {
+  if (array.load) array.values = array.load();
+  return array;
 }
 
 /// Samples at cell centres: one fewer on each axis with more than one point.
@@ -253,10 +285,6 @@ PointGrid cell_middles(const PointGrid& grid) {
   middles.world_from_grid.origin = grid.world_from_grid.point(first);
   return middles;
 }
-
-}  // namespace
-
-namespace {
 
 /// True when position i equals first + i * step, within the given precision.
 bool is_uniform(const std::vector<double>& positions, double relative_precision) {
@@ -311,11 +339,7 @@ PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<s
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& points, std::vector<GridArray> arrays,
                               const std::string& field) {
   const Choice choice = choose(path, arrays, field);
-  GridArray& array = arrays[choice.array];
-  if (array.load) {
-    array.owned = array.load();
-    array.values = array.owned;
-  }
+  GridArray& array = loaded(arrays[choice.array]);
   const PointGrid grid = array.in_cells ? cell_middles(points) : points;
   const std::uint64_t bytes = checked_volume_bytes(path, grid.point_count, array.type);
   const auto components = static_cast<std::uint64_t>(array.component_count);
@@ -363,11 +387,7 @@ GridArray& choose_colors(const std::filesystem::path& path, std::vector<GridArra
 
 NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field) {
-  GridArray& array = choose_colors(path, arrays, field);
-  if (array.load) {
-    array.owned = array.load();
-    array.values = array.owned;
-  }
+  GridArray& array = loaded(choose_colors(path, arrays, field));
   NeutralVolume volume;
   volume.component_count = array.component_count;
   volume.sample_count = grid.point_count;
@@ -376,10 +396,7 @@ NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid
   const std::uint64_t bytes = checked_color_bytes(path, grid.point_count, array.component_count);
   if (array.values.size() != bytes)
     refuse_input(path, concat("array '", array.name, "'"), concat(array.values.size(), " bytes"), concat(bytes));
-  if (!array.owned.empty())
-    set_samples(volume, std::move(array.owned));
-  else
-    set_samples(volume, {array.values.begin(), array.values.end()});
+  set_samples(volume, std::move(array.values));
   finish_volume(volume, path);
   return volume;
 }

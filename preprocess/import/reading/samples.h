@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,6 +32,26 @@ void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_b
 /// True when numbers of this type are already in the machine's byte order.
 bool is_native(formats::ElementType type, bool big_endian);
 
+/// Numbers in native byte order as doubles.
+/// @param to  memory for all of them
+void copy_as_doubles(formats::ElementType type, std::span<const std::byte> numbers, double* to);
+
+/// The `wanted` bytes of samples behind the first `skipped`. Refuses a file that ends before.
+std::span<const std::byte> samples_behind(const std::filesystem::path& path, std::span<const std::byte> source,
+                                          std::uint64_t skipped, std::uint64_t wanted);
+
+/// The name of file `number` in a series such as "slice%03d.raw"; nothing if the pattern does not
+/// contain exactly one number.
+std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number);
+
+/// The value of a key in a table; nothing if it is not there.
+template <class Key, class Value, std::size_t N, class Sought>
+std::optional<Value> find_in(const std::pair<Key, Value> (&table)[N], const Sought& sought) {
+  for (const auto& [key, value] : table)
+    if (key == sought) return value;
+  return std::nullopt;
+}
+
 void set_samples(NeutralVolume& volume, Array<std::byte> samples);
 
 /// Leaves samples in the file if they already have the wanted form, so that nothing is copied on
@@ -50,10 +71,8 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
-  Array<std::byte> owned;  ///< set only one of these three
-  /// a view of memory that outlives the array, in native byte order
-  std::span<const std::byte> values;
-  std::function<Array<std::byte>()> load{};  ///< reads the values when the array is chosen
+  Array<std::byte> values;                   ///< in native byte order; either these
+  std::function<Array<std::byte>()> load{};  ///< or what reads them when the array is chosen
 };
 
 /// A grid of points. Sample (i, j, k) lies at world_from_grid.point({i, j, k}). On an axis with a

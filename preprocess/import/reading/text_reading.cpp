@@ -1,6 +1,7 @@
 #include "preprocess/import/reading/text_reading.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace rhoray::preprocess {
 namespace {
@@ -16,6 +17,13 @@ std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char letter : text.substr(0, longest)) result += letter >= ' ' && letter <= '~' ? letter : '?';
   return result + (text.size() > longest ? "...'" : "'");
+}
+
+std::string in_capitals(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); });
+  return result;
 }
 
 void WordReader::skip_space() {

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +37,22 @@ class WordReader {
     return *value;
   }
 
+  std::array<double, 3> point() {
+    std::array<double, 3> result;
+    for (double& coordinate : result) coordinate = number<double>("three coordinates");
+    return result;
+  }
+
+  /// The next bytes as a number.
+  template <class T>
+  T binary(std::string_view expected, bool is_big_endian) {
+    std::array<std::byte, sizeof(T)> raw;
+    const std::span<const std::byte> found = bytes(sizeof(T), expected);
+    std::copy(found.begin(), found.end(), raw.begin());
+    if (is_big_endian != (std::endian::native == std::endian::big)) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<T>(raw);
+  }
+
   std::uint64_t bytes_left() const { return text_.size() - position_; }
   std::size_t position() const { return position_; }
 
@@ -47,6 +67,30 @@ class WordReader {
   std::string_view text_;
   std::size_t position_;
   std::size_t last_ = 0;
+};
+
+/// Numbers of a file: words, or binary numbers of known width in either byte order.
+class NumberReader {
+ public:
+  explicit NumberReader(const ForeignFile& file, std::size_t position = 0) : words(file, position) {}
+
+  template <class T>
+  T next(std::string_view expected) {
+    return is_binary ? words.binary<T>(expected, is_big_endian) : words.number<T>(expected);
+  }
+
+  /// Binary numbers follow, the first one a 32-bit 1 from which the byte order is seen.
+  void begin_binary() {
+    is_binary = true;
+    is_big_endian = false;
+    const auto one = next<std::int32_t>("the number 1");
+    is_big_endian = one != 1;
+    if (one != 1 && one != 0x01000000) words.refuse(concat(one), "1, in one byte order or the other");
+  }
+
+  WordReader words;
+  bool is_binary = false;
+  bool is_big_endian = false;
 };
 
 /// Reads a file line by line and splits each line into words at white space and commas. Skips lines
@@ -72,6 +116,12 @@ class LineReader {
     return *value;
   }
 
+  /// The point in the words from i on.
+  std::array<double, 3> point(std::size_t i) const {
+    constexpr std::string_view expected = "three coordinates";
+    return {number<double>(i, expected), number<double>(i + 1, expected), number<double>(i + 2, expected)};
+  }
+
   std::uint64_t bytes_left() const { return text_.size() - position_; }
 
   /// Bytes after the current line, for formats that continue in binary.
@@ -91,5 +141,7 @@ class LineReader {
 
 /// Text from a damaged file, shortened and cleaned for use in a message.
 std::string in_quotes(std::string_view text);
+
+std::string in_capitals(std::string_view text);
 
 }  // namespace rhoray::preprocess

@@ -25,8 +25,7 @@ NeutralSurface read_brainvisa(const std::filesystem::path& path) {
   const std::uint64_t point_count = count_in(lines, "a number of points");
   for (std::uint64_t i = 0; i < point_count; ++i) {
     lines.need(concat(point_count, " points"));
-    std::array<double, 3>& point = surface.points.emplace_back();
-    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(axis, "three coordinates");
+    surface.points.push_back(lines.point(0));
     if (lines.words().size() != 6) lines.refuse(concat(lines.words().size(), " numbers"), "a point and its normal, 6");
   }
   const std::uint64_t triangle_count = count_in(lines, "a number of triangles");

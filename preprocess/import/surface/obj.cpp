@@ -29,8 +29,7 @@ NeutralSurface read_obj(const std::filesystem::path& path) {
     if (lines.words().back().ends_with('\\'))
       lines.refuse("a line that continues on the next", "each record on one line", ErrorCode::unsupported);
     if (keyword == "v") {
-      std::array<double, 3>& point = surface.points.emplace_back();
-      for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(1 + axis, "three coordinates");
+      surface.points.push_back(lines.point(1));
     } else if (keyword == "f") {
       corners.clear();
       for (std::size_t i = 1; i < lines.words().size(); ++i)

@@ -25,8 +25,7 @@ NeutralSurface read_off(const std::filesystem::path& path) {
   NeutralSurface surface;
   for (std::uint64_t i = 0; i < point_count; ++i) {
     lines.need(concat(point_count, " points"));
-    std::array<double, 3>& point = surface.points.emplace_back();
-    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = lines.number<double>(axis, "three coordinates");
+    surface.points.push_back(lines.point(0));
   }
   Array<std::uint64_t> corners;
   for (std::uint64_t i = 0; i < facet_count; ++i) {

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <map>
 
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
@@ -40,14 +38,8 @@ class Ply {
   /// The next number, stored with this type.
   double number(ElementType type, std::string_view what) {
     if (encoding_ == Encoding::text) return reader_.number<double>(what);
-    const std::size_t size = formats::element_bytes(type);
-    const std::span<const std::byte> raw = reader_.bytes(size, what);
-    std::array<std::byte, 8> native;
-    std::copy(raw.begin(), raw.end(), native.begin());
-    make_native(std::span(native).first(size), size, encoding_ == Encoding::big_endian);
-    return formats::with_element_type(type, [&]<class T>(T value) {
-      std::memcpy(&value, native.data(), sizeof value);
-      return static_cast<double>(value);
+    return formats::with_element_type(type, [&]<class T>(T) {
+      return static_cast<double>(reader_.binary<T>(what, encoding_ == Encoding::big_endian));
     });
   }
 
@@ -120,16 +112,16 @@ class Ply {
   }
 
   ElementType type(std::string_view word) {
-    static const std::map<std::string_view, ElementType> types{
+    static constexpr std::pair<std::string_view, ElementType> types[] = {
         {"char", ElementType::I8},    {"int8", ElementType::I8},     {"uchar", ElementType::U8},
         {"uint8", ElementType::U8},   {"short", ElementType::I16},   {"int16", ElementType::I16},
         {"ushort", ElementType::U16}, {"uint16", ElementType::U16},  {"int", ElementType::I32},
         {"int32", ElementType::I32},  {"uint", ElementType::U32},    {"uint32", ElementType::U32},
         {"float", ElementType::F32},  {"float32", ElementType::F32}, {"double", ElementType::F64},
         {"float64", ElementType::F64}};
-    const auto found = types.find(word);
-    if (found == types.end()) reader_.refuse(word, "a type, char to double");
-    return found->second;
+    const std::optional<ElementType> found = find_in(types, word);
+    if (!found) reader_.refuse(word, "a type, char to double");
+    return *found;
   }
 
   WordReader reader_;

@@ -66,7 +66,7 @@ void read_text(const ForeignFile& file, NeutralSurface& surface) {
       std::array<std::array<double, 3>, 3> triangle;
       for (std::array<double, 3>& corner : triangle) {
         expect("vertex");
-        for (double& coordinate : corner) coordinate = reader.number<double>("three coordinates");
+        corner = reader.point();
       }
       expect("endloop");
       expect("endfacet");

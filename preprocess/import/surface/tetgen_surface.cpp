@@ -36,11 +36,6 @@ void read_polygon(LineReader& lines, const TetgenPoints& points, std::uint64_t f
   surface.facet_offsets.push_back(surface.facet_corners.size());
 }
 
-std::array<double, 3> point_after_number(const LineReader& lines) {
-  return {lines.number<double>(1, "three coordinates"), lines.number<double>(2, "three coordinates"),
-          lines.number<double>(3, "three coordinates")};
-}
-
 /// Part 2 of a .poly file: each facet is one or more polygons in a plane, and points in the
 /// openings between them.
 void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurface& surface) {
@@ -60,7 +55,7 @@ void read_poly_facets(LineReader& lines, const TetgenPoints& points, NeutralSurf
     }
     for (std::uint64_t i = 0; i < openings; ++i) {
       lines.need("a point in a hole of the facet");
-      surface.openings.push_back({face, point_after_number(lines)});
+      surface.openings.push_back({face, lines.point(1)});
     }
   }
   if (simple) surface.facet_faces.clear();
@@ -81,14 +76,14 @@ void read_holes_and_regions(LineReader& lines, NeutralSurface& surface) {
   const std::uint64_t holes = tetgen_count(lines, "a number of holes");
   for (std::uint64_t i = 0; i < holes; ++i) {
     lines.need(concat(holes, " holes"));
-    surface.holes.push_back(point_after_number(lines));
+    surface.holes.push_back(lines.point(1));
   }
   if (!lines.next()) return;
   const std::uint64_t regions = tetgen_count(lines, "a number of regions");
   for (std::uint64_t i = 0; i < regions; ++i) {
     lines.need(concat(regions, " regions"));
     NeutralSurface::Region& region = surface.regions.emplace_back();
-    region.seed = point_after_number(lines);
+    region.seed = lines.point(1);
     region.attribute = lines.number<double>(4, "a region's attribute");
     if (lines.words().size() > 5) region.max_volume = lines.number<double>(5, "a largest volume");
     if (!(region.max_volume > 0)) region.max_volume = 0;  // TetGen writes -1 for "no limit"

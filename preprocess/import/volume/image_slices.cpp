@@ -94,26 +94,15 @@ void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels)
 }
 
 ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
-  switch (picture.type.basetype) {
-    case OIIO::TypeDesc::UINT8:
-      return ElementType::U8;
-    case OIIO::TypeDesc::UINT16:
-      return ElementType::U16;
-    case OIIO::TypeDesc::UINT32:
-      return ElementType::U32;
-    case OIIO::TypeDesc::INT8:
-      return ElementType::I8;
-    case OIIO::TypeDesc::INT16:
-      return ElementType::I16;
-    case OIIO::TypeDesc::INT32:
-      return ElementType::I32;
-    case OIIO::TypeDesc::FLOAT:
-      return ElementType::F32;
-    case OIIO::TypeDesc::DOUBLE:
-      return ElementType::F64;
-    default:
-      refuse_input(path, "header", picture.type.c_str(), "8, 16 or 32 bit integers, or floats", ErrorCode::unsupported);
-  }
+  using OIIO::TypeDesc;
+  static constexpr std::pair<int, ElementType> types[] = {
+      {TypeDesc::UINT8, ElementType::U8},  {TypeDesc::UINT16, ElementType::U16}, {TypeDesc::UINT32, ElementType::U32},
+      {TypeDesc::INT8, ElementType::I8},   {TypeDesc::INT16, ElementType::I16},  {TypeDesc::INT32, ElementType::I32},
+      {TypeDesc::FLOAT, ElementType::F32}, {TypeDesc::DOUBLE, ElementType::F64}};
+  const std::optional<ElementType> found = find_in(types, int{picture.type.basetype});
+  if (!found)
+    refuse_input(path, "header", picture.type.c_str(), "8, 16 or 32 bit integers, or floats", ErrorCode::unsupported);
+  return *found;
 }
 
 /// The channel that becomes the sample.

@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/keyed_words.h"
 #include "preprocess/import/reading/samples.h"
-#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -14,49 +13,22 @@ using formats::ElementType;
 namespace fs = std::filesystem;
 
 /// The text before the samples: `Key = words` on each line, up to ElementDataFile.
-class Header {
+class Header : public KeyedWords {
  public:
-  explicit Header(const ForeignFile& file) : path_(file.path()) {
+  explicit Header(const ForeignFile& file) : KeyedWords(file.path()) {
     WordReader reader(file);
-    while (values_.count("ElementDataFile") == 0) {
-      if (reader.at_end()) refuse_input(path_, "header", "the end of the file", "the key ElementDataFile");
+    while (!has("ElementDataFile")) {
+      if (reader.at_end()) refuse_input(path(), "header", "the end of the file", "the key ElementDataFile");
       add(reader.line());
     }
     data_position_ = reader.position();
   }
 
-  bool has(const std::string& key) const { return values_.count(key) != 0; }
-  const std::vector<std::string>& words(const std::string& key) const {
-    static const std::vector<std::string> none;
-    const auto found = values_.find(key);
-    return found == values_.end() ? none : found->second;
-  }
-  std::string word(const std::string& key, const std::string& otherwise) const {
-    return words(key).empty() ? otherwise : words(key).front();
-  }
   bool is_true(const std::string& key) const {
     const std::string text = word(key, "False");
     return text == "True" || text == "true" || text == "1" || text == "T";
   }
-  /// Numbers of the first of these keys that is present; empty if none is.
-  template <class T>
-  std::vector<T> numbers(std::initializer_list<const char*> keys, std::size_t count) const {
-    for (const char* key : keys) {
-      if (!has(key)) continue;
-      std::vector<T> result;
-      for (const std::string& text : words(key)) {
-        const std::optional<T> value = parse_number<T>(text);
-        if (!value) refuse_input(path_, concat("key ", key), in_quotes(text), "a number");
-        result.push_back(*value);
-      }
-      if (result.size() != count)
-        refuse_input(path_, concat("key ", key), concat(result.size(), " numbers"), concat(count));
-      return result;
-    }
-    return {};
-  }
   std::size_t data_position() const { return data_position_; }
-  const fs::path& path() const { return path_; }
 
  private:
   void add(std::string_view line) {
@@ -73,28 +45,24 @@ class Header {
     const std::vector<std::string> key = words_in(line.substr(0, equals));
     if (key.empty()) return;
     if (equals == std::string_view::npos || key.size() != 1)
-      refuse_input(path_, "header", in_quotes(line), "lines of the form Key = value");
-    values_[key.front()] = words_in(line.substr(equals + 1));
+      refuse_input(path(), "header", in_quotes(line), "lines of the form Key = value");
+    set(key.front(), words_in(line.substr(equals + 1)));
   }
 
-  fs::path path_;
-  std::map<std::string, std::vector<std::string>> values_;
   std::size_t data_position_ = 0;
 };
 
 ElementType sample_type(const Header& header) {
   // MET_LONG and MET_ULONG have 4 bytes each in the format's definition.
-  static const std::map<std::string, ElementType> types{
+  static constexpr std::pair<std::string_view, ElementType> types[] = {
       {"MET_CHAR", ElementType::I8},        {"MET_UCHAR", ElementType::U8},  {"MET_SHORT", ElementType::I16},
       {"MET_USHORT", ElementType::U16},     {"MET_INT", ElementType::I32},   {"MET_UINT", ElementType::U32},
       {"MET_LONG", ElementType::I32},       {"MET_ULONG", ElementType::U32}, {"MET_LONG_LONG", ElementType::I64},
       {"MET_ULONG_LONG", ElementType::U64}, {"MET_FLOAT", ElementType::F32}, {"MET_DOUBLE", ElementType::F64}};
   const std::string name = header.word("ElementType", "nothing");
-  const auto found = types.find(name);
-  if (found == types.end())
-    refuse_input(header.path(), "key ElementType", name, "MET_CHAR to MET_DOUBLE, one number each",
-                 ErrorCode::unsupported);
-  return found->second;
+  const std::optional<ElementType> found = find_in(types, name);
+  if (!found) header.refuse("ElementType", name, "MET_CHAR to MET_DOUBLE, one number each", ErrorCode::unsupported);
+  return *found;
 }
 
 Affine world_from_grid(const Header& header) {
@@ -115,35 +83,26 @@ Affine world_from_grid(const Header& header) {
 /// The files named by `slice%03d.raw FIRST LAST [STEP]`. The pattern may contain one %d, with a
 /// width.
 std::vector<std::string> numbered_files(const Header& header, const std::vector<std::string>& words) {
-  const std::string& pattern = words.front();
-  const std::size_t percent = pattern.find('%');
-  const std::size_t letter = pattern.find('d', percent);
-  const std::string width_text = letter == std::string::npos ? "x" : pattern.substr(percent + 1, letter - percent - 1);
-  const std::optional<int> width = width_text.empty() ? std::optional(0) : parse_number<int>(width_text);
   const std::optional<int> first = parse_number<int>(words[1]), last = parse_number<int>(words[2]);
   const std::optional<int> step = words.size() > 3 ? parse_number<int>(words[3]) : std::optional(1);
-  if (!width || *width > 20 || !first || !last || !step || *step < 1 || *last < *first || *last - *first > 1'000'000)
-    refuse_input(header.path(), "key ElementDataFile", in_quotes(pattern), "NAME%0Nd FIRST LAST STEP");
   std::vector<std::string> files;
-  for (int i = *first; i <= *last; i += *step) {
-    std::string digits = std::to_string(i);
-    if (digits.size() < static_cast<std::size_t>(*width))
-      digits.insert(0, static_cast<std::size_t>(*width) - digits.size(), width_text.starts_with('0') ? '0' : ' ');
-    files.push_back(pattern.substr(0, percent) + digits + pattern.substr(letter + 1));
-  }
+  const bool is_series = first && last && step && *step >= 1 && *last >= *first && *last - *first <= 1'000'000;
+  for (int i = first.value_or(0); is_series && i <= *last; i += *step)
+    if (const auto name = numbered_name(words.front(), i)) files.push_back(*name);
+  if (files.empty()) header.refuse("ElementDataFile", in_quotes(words.front()), "NAME%0Nd FIRST LAST STEP");
   return files;
 }
 
 /// The files that hold the samples, one after the other; empty if the samples follow the header.
 std::vector<std::string> data_files(const Header& header, const ForeignFile& file) {
   const std::vector<std::string>& words = header.words("ElementDataFile");
-  if (words.empty()) refuse_input(header.path(), "key ElementDataFile", "nothing", "a file's name or LOCAL");
+  if (words.empty()) header.refuse("ElementDataFile", "nothing", "a file's name or LOCAL");
   if (words.front() == "LOCAL" || words.front() == "Local" || words.front() == "local") return {};
   if (words.front() == "LIST") {
     WordReader reader(file, header.data_position());
     std::vector<std::string> files;
     while (!reader.at_end()) files.emplace_back(reader.line());
-    if (files.empty()) refuse_input(header.path(), "key ElementDataFile", "an empty LIST", "names of files");
+    if (files.empty()) header.refuse("ElementDataFile", "an empty LIST", "names of files");
     return files;
   }
   if (words.size() >= 3 && words.front().find('%') != std::string::npos) return numbered_files(header, words);
@@ -155,16 +114,13 @@ std::vector<std::string> data_files(const Header& header, const ForeignFile& fil
 /// The part of `source` that holds uncompressed samples.
 std::span<const std::byte> plain_samples(const Header& header, const fs::path& path, std::span<const std::byte> source,
                                          std::uint64_t wanted, std::vector<std::string>& notes) {
-  const std::vector<std::int64_t> given = header.numbers<std::int64_t>({"HeaderSize"}, 1);
-  std::uint64_t skipped = 0;
-  if (!given.empty() && given[0] >= 0) skipped = static_cast<std::uint64_t>(given[0]);
-  if (!given.empty() && given[0] < 0 && source.size() > wanted) skipped = source.size() - wanted;
-  if (skipped > source.size() || wanted > source.size() - skipped)
-    refuse_input(path, concat("byte ", source.size()), "the end of the file",
-                 concat(wanted, " bytes of samples after the first ", skipped));
+  const auto given = header.number<std::int64_t>("HeaderSize", 0);
+  std::uint64_t skipped = given < 0 ? 0 : static_cast<std::uint64_t>(given);
+  if (given < 0 && source.size() > wanted) skipped = source.size() - wanted;
+  const auto samples = samples_behind(path, source, skipped, wanted);
   if (const std::uint64_t rest = source.size() - skipped - wanted; rest > 0)
     notes.push_back(concat(path.string(), ": ", rest, " bytes after the samples were left out"));
-  return source.subspan(skipped, wanted);
+  return samples;
 }
 
 /// Copies or decompresses the part of `source` that holds `samples`.
@@ -213,9 +169,8 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
   if (header.is_true("CompressedData"))
     check_packed_size(header.path(), wanted, held);
   else if (held < wanted)
-    refuse_input(header.path(), "key DimSize",
-                 concat("sizes that need ", wanted, " bytes, with ", held, " bytes of data"),
-                 "sizes that the data can fill");
+    header.refuse("DimSize", concat("sizes that need ", wanted, " bytes, with ", held, " bytes of data"),
+                  "sizes that the data can fill");
 }
 
 /// @param colors  true: read only samples with 3 or 4 components of 8 bits
@@ -230,8 +185,7 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   if (sizes.empty()) refuse_input(path, "header", "no key DimSize", "three sizes");
   if (header.word("BinaryData", "True") == "False")
     refuse_input(path, "key BinaryData", "False: samples as text", "True", ErrorCode::unsupported);
-  const std::vector<int> said = header.numbers<int>({"ElementNumberOfChannels"}, 1);
-  const int channels = said.empty() ? 1 : said[0];
+  const auto channels = header.number<int>("ElementNumberOfChannels", 1);
   if (colors ? channels != 3 && channels != 4 : channels != 1)
     refuse_input(path, "key ElementNumberOfChannels", concat(channels, " numbers for each sample"),
                  colors ? "3 or 4: colours" : "1", ErrorCode::unsupported);

@@ -62,33 +62,16 @@ Index3 sample_count(const Header& header) {
 }
 
 ElementType sample_type(const Header& header) {
+  static constexpr std::pair<int, ElementType> types[] = {
+      {2, ElementType::U8},     {4, ElementType::I16},   {8, ElementType::I32},   {16, ElementType::F32},
+      {64, ElementType::F64},   {256, ElementType::I8},  {512, ElementType::U16}, {768, ElementType::U32},
+      {1024, ElementType::I64}, {1280, ElementType::U64}};
   const int code = header.at<std::int16_t>(datatype);
-  switch (code) {
-    case 2:
-      return ElementType::U8;
-    case 4:
-      return ElementType::I16;
-    case 8:
-      return ElementType::I32;
-    case 16:
-      return ElementType::F32;
-    case 64:
-      return ElementType::F64;
-    case 256:
-      return ElementType::I8;
-    case 512:
-      return ElementType::U16;
-    case 768:
-      return ElementType::U32;
-    case 1024:
-      return ElementType::I64;
-    case 1280:
-      return ElementType::U64;
-    default:
-      break;
-  }
-  refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
-               ErrorCode::unsupported);
+  const std::optional<ElementType> found = find_in(types, code);
+  if (!found)
+    refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
+                 ErrorCode::unsupported);
+  return *found;
 }
 
 Affine from_sform(const Header& header) {
@@ -131,16 +114,8 @@ Affine world_from_grid(const Header& header) {
 }
 
 std::string length_unit(const Header& header) {
-  switch (header.at<std::uint8_t>(xyzt_units) & 7) {
-    case 1:
-      return "m";
-    case 2:
-      return "mm";
-    case 3:
-      return "um";
-    default:
-      return "";
-  }
+  constexpr const char* units[] = {"", "m", "mm", "um", "", "", "", ""};
+  return units[header.at<std::uint8_t>(xyzt_units) & 7];
 }
 
 template <class T, class Result>

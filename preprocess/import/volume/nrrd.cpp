@@ -55,18 +55,6 @@ std::size_t end_of_header(std::string_view text) {
   return plain < with_returns ? plain + 2 : with_returns + 3;
 }
 
-/// The name of file `number` in a series such as "slice%03d.raw"; nothing if the pattern does not
-/// contain exactly one number.
-std::optional<std::string> numbered_name(const std::string& pattern, std::int64_t number) {
-  const std::size_t begin = pattern.find('%'), end = pattern.find_first_not_of("0123456789", begin + 1);
-  if (begin == pattern.npos || end == pattern.npos || pattern[end] != 'd') return std::nullopt;
-  std::string digits = concat(number);
-  const std::size_t width = parse_number<std::size_t>(pattern.substr(begin + 1, end - begin - 1)).value_or(0);
-  if (width > 32) return std::nullopt;
-  if (digits.size() < width) digits.insert(0, width - digits.size(), pattern[begin + 1] == '0' ? '0' : ' ');
-  return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
-}
-
 /// The sample files that a header names: one file, a list, or a numbered series.
 std::vector<std::string> named_files(std::string_view header) {
   std::istringstream lines{std::string(header)};
@@ -174,32 +162,16 @@ void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, s
 }
 
 ElementType type_of(const std::filesystem::path& path, const Nrrd& nrrd) {
-  switch (nrrd.type) {
-    case nrrdTypeChar:
-      return ElementType::I8;
-    case nrrdTypeUChar:
-      return ElementType::U8;
-    case nrrdTypeShort:
-      return ElementType::I16;
-    case nrrdTypeUShort:
-      return ElementType::U16;
-    case nrrdTypeInt:
-      return ElementType::I32;
-    case nrrdTypeUInt:
-      return ElementType::U32;
-    case nrrdTypeLLong:
-      return ElementType::I64;
-    case nrrdTypeULLong:
-      return ElementType::U64;
-    case nrrdTypeFloat:
-      return ElementType::F32;
-    case nrrdTypeDouble:
-      return ElementType::F64;
-    default:
-      break;
-  }
-  refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "integers or floating-point numbers",
-               ErrorCode::unsupported);
+  static constexpr std::pair<int, ElementType> types[] = {
+      {nrrdTypeChar, ElementType::I8},    {nrrdTypeUChar, ElementType::U8},   {nrrdTypeShort, ElementType::I16},
+      {nrrdTypeUShort, ElementType::U16}, {nrrdTypeInt, ElementType::I32},    {nrrdTypeUInt, ElementType::U32},
+      {nrrdTypeLLong, ElementType::I64},  {nrrdTypeULLong, ElementType::U64}, {nrrdTypeFloat, ElementType::F32},
+      {nrrdTypeDouble, ElementType::F64}};
+  const std::optional<ElementType> found = find_in(types, nrrd.type);
+  if (!found)
+    refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "integers or floating-point numbers",
+                 ErrorCode::unsupported);
+  return *found;
 }
 
 bool has_direction(const Nrrd& nrrd, unsigned axis) {

@@ -8,14 +8,11 @@ NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw) 
   const ForeignFile file(path);
   const std::uint64_t wanted = checked_volume_bytes(path, raw.sample_count, raw.type);
   const std::uint64_t size = file.bytes().size();
-  if (raw.skipped_bytes > size || wanted > size - raw.skipped_bytes)
-    refuse_input(path, concat("byte ", size), "the end of the file",
-                 concat(wanted, " bytes of samples after the first ", raw.skipped_bytes));
+  const auto samples = samples_behind(path, file.bytes(), raw.skipped_bytes, wanted);
   NeutralVolume volume;
   volume.sample_count = raw.sample_count;
   volume.type = raw.type;
   volume.field_name = stem_of(path);
-  const auto samples = file.bytes().subspan(raw.skipped_bytes, wanted);
   if (is_native(raw.type, raw.big_endian)) {
     leave_samples_in(volume, file, samples);
   } else {

@@ -293,11 +293,11 @@ class Parser {
   }
 
   void add(const std::string& name, ElementType type, int components, Array<std::byte> numbers) {
-    GridArray array{
-        .name = name, .type = type, .component_count = components, .in_cells = in_cells_, .owned = {}, .values = {}};
-    array.owned = std::move(numbers);
-    array.values = array.owned;
-    result_.arrays.push_back(std::move(array));
+    result_.arrays.push_back({.name = name,
+                              .type = type,
+                              .component_count = components,
+                              .in_cells = in_cells_,
+                              .values = std::move(numbers)});
     metadata_has_owner_ = true;
   }
 

@@ -1,8 +1,6 @@
 // Converts the data sets of a legacy VTK file to a mesh, a surface, or a volume.
 
 #include <array>
-#include <cmath>
-#include <cstring>
 
 #include "preprocess/import/mesh/structured_cells.h"
 #include "preprocess/import/reading/families.h"
@@ -19,14 +17,8 @@ NeutralField field_of(const GridArray& array) {
   NeutralField field;
   field.name = array.name;
   field.component_count = array.component_count;
-  formats::with_element_type(array.type, [&]<class T>(T) {
-    field.values.resize(array.values.size() / sizeof(T));
-    for (std::size_t i = 0; i < field.values.size(); ++i) {
-      T value;
-      std::memcpy(&value, array.values.data() + i * sizeof value, sizeof value);
-      field.values[i] = static_cast<double>(value);
-    }
-  });
+  field.values.resize(array.values.size() / formats::element_bytes(array.type));
+  copy_as_doubles(array.type, array.values, field.values.data());
   field.was_single_precision = array.type != ElementType::F64 && fits_single_precision(field.values);
   return field;
 }
@@ -41,23 +33,6 @@ void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
     }
     NeutralField& field = (array.in_cells ? mesh.cell_fields : mesh.point_fields).emplace_back(field_of(array));
     if (const auto unit = parts.units.find(i); unit != parts.units.end()) field.unit = unit->second;
-  }
-}
-
-/// In files before version 5.1, Lagrange hexahedra have the nodes of the last two upright edges
-/// exchanged.
-void renew_lagrange_hexahedra(ForeignCells& cells, const std::filesystem::path& path) {
-  for (std::size_t cell = 0; cell < cells.kinds.size() && cell + 1 < cells.offsets.size(); ++cell) {
-    if (cells.kinds[cell] != static_cast<std::uint8_t>(CellKind::lagrange_hexahedron)) continue;
-    const std::uint64_t begin = cells.offsets[cell], count = cells.offsets[cell + 1] - begin;
-    const auto degree = static_cast<std::uint64_t>(std::llround(std::cbrt(static_cast<double>(count)))) - 1;
-    if (begin > cells.nodes.size() || count > cells.nodes.size() - begin || count < 8 ||
-        (degree + 1) * (degree + 1) * (degree + 1) != count)
-      refuse_input(path, concat("cell ", cell), concat(static_cast<std::int64_t>(count), " corners"),
-                   "those of a Lagrange hexahedron with the same degree along each axis", ErrorCode::unsupported);
-    const auto third = cells.nodes.begin() + static_cast<std::ptrdiff_t>(begin + 8 + 10 * (degree - 1));
-    std::swap_ranges(third, third + static_cast<std::ptrdiff_t>(degree - 1),
-                     third + static_cast<std::ptrdiff_t>(degree - 1));
   }
 }
 

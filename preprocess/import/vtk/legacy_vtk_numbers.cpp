@@ -1,9 +1,7 @@
 #include "preprocess/import/vtk/legacy_vtk_numbers.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
-#include <map>
 #include <optional>
 
 #include "formats/base/bytes.h"
@@ -13,16 +11,9 @@ namespace rhoray::preprocess {
 
 using formats::ElementType;
 
-std::string in_capitals(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); });
-  return result;
-}
-
 ElementType LegacyVtkNumbers::type() {
   const std::string_view word = words.word("a type");
-  static const std::map<std::string, ElementType> types{
+  static constexpr std::pair<std::string_view, ElementType> types[] = {
       {"UNSIGNED_CHAR", ElementType::U8},  {"CHAR", ElementType::I8},
       {"SIGNED_CHAR", ElementType::I8},    {"UNSIGNED_SHORT", ElementType::U16},
       {"SHORT", ElementType::I16},         {"UNSIGNED_INT", ElementType::U32},
@@ -30,10 +21,9 @@ ElementType LegacyVtkNumbers::type() {
       {"UNSIGNED_LONG", ElementType::U64}, {"LONG", ElementType::I64},
       {"VTKTYPEINT64", ElementType::I64},  {"VTKTYPEUINT64", ElementType::U64},
       {"FLOAT", ElementType::F32},         {"DOUBLE", ElementType::F64}};
-  const auto found = types.find(in_capitals(word));
-  if (found == types.end())
-    words.refuse(in_quotes(word), "a type of numbers, unsigned_char to double", ErrorCode::unsupported);
-  return found->second;
+  const std::optional<ElementType> found = find_in(types, in_capitals(word));
+  if (!found) words.refuse(in_quotes(word), "a type of numbers, unsigned_char to double", ErrorCode::unsupported);
+  return *found;
 }
 
 ElementType LegacyVtkNumbers::index_type() {
@@ -83,16 +73,6 @@ Array<std::uint64_t> LegacyVtkNumbers::whole_numbers(ElementType type, std::uint
     result[i] = static_cast<std::uint64_t>(wide + narrow);
   }
   return result;
-}
-
-void copy_as_doubles(ElementType type, std::span<const std::byte> raw, double* to) {
-  formats::with_element_type(type, [&]<class T>(T) {
-    for (std::size_t at = 0; at < raw.size(); at += sizeof(T)) {
-      T value;
-      std::memcpy(&value, raw.data() + at, sizeof value);
-      *to++ = static_cast<double>(value);
-    }
-  });
 }
 
 }  // namespace rhoray::preprocess

@@ -12,8 +12,6 @@
 
 namespace rhoray::preprocess {
 
-std::string in_capitals(std::string_view text);
-
 /// Reads words and numbers of a legacy VTK file, in text or binary. Every count is checked against
 /// the data that follows.
 class LegacyVtkNumbers {
@@ -35,8 +33,5 @@ class LegacyVtkNumbers {
   /// I64 or I32. A negative number becomes too large to be valid.
   Array<std::uint64_t> whole_numbers(formats::ElementType type, std::uint64_t number, std::string_view what);
 };
-
-/// @param to  memory for all numbers
-void copy_as_doubles(formats::ElementType type, std::span<const std::byte> raw, double* to);
 
 }  // namespace rhoray::preprocess

@@ -1,5 +1,7 @@
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
+#include <lz4.h>
+#include <lzma.h>
 #include <sys/resource.h>
 #include <zlib.h>
 
@@ -81,17 +83,12 @@ class Base64Reader {
   int kept_ = 0;  ///< bytes of four_ not yet returned
 };
 
-std::optional<ElementType> type_named(std::string_view name) {
-  constexpr std::pair<std::string_view, ElementType> types[] = {
-      {"Int8", ElementType::I8},     {"UInt8", ElementType::U8},   {"Int16", ElementType::I16},
-      {"UInt16", ElementType::U16},  {"Int32", ElementType::I32},  {"UInt32", ElementType::U32},
-      {"Int64", ElementType::I64},   {"UInt64", ElementType::U64}, {"Float32", ElementType::F32},
-      {"Float64", ElementType::F64},
-  };
-  for (const auto& [known, type] : types)
-    if (known == name) return type;
-  return std::nullopt;
-}
+constexpr std::pair<std::string_view, ElementType> types[] = {
+    {"Int8", ElementType::I8},     {"UInt8", ElementType::U8},   {"Int16", ElementType::I16},
+    {"UInt16", ElementType::U16},  {"Int32", ElementType::I32},  {"UInt32", ElementType::U32},
+    {"Int64", ElementType::I64},   {"UInt64", ElementType::U64}, {"Float32", ElementType::F32},
+    {"Float64", ElementType::F64},
+};
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = std::min(text.find_first_not_of(spaces), text.size());
@@ -118,14 +115,43 @@ unsigned unpacking_threads() {
   return static_cast<unsigned>(std::clamp<rlim_t>(limit.rlim_cur / share, 1, cores));
 }
 
-/// Casts numbers as C++ does, but floats via integers, so that nothing is undefined.
+/// Casts numbers as C++ does, but so that nothing is undefined and no large number becomes a small
+/// one.
 template <class Number, class T>
 Number cast(T value) {
   if constexpr (std::is_floating_point_v<T> && std::is_integral_v<Number>)
     return value >= 0 && value < static_cast<T>(1ULL << 53) ? static_cast<Number>(value)
                                                             : std::numeric_limits<Number>::max();
+  else if constexpr (std::is_integral_v<T> && sizeof(Number) < sizeof(T))
+    return std::in_range<Number>(value) ? static_cast<Number>(value) : std::numeric_limits<Number>::max();
   else
     return static_cast<Number>(value);
+}
+
+/// Unpacks data of known size. False if they are damaged or have another size.
+bool unpack_lz4(std::span<const std::byte> packed, std::span<std::byte> bytes) {
+  return packed.size() <= LZ4_MAX_INPUT_SIZE &&
+         ::LZ4_decompress_safe(reinterpret_cast<const char*>(packed.data()), reinterpret_cast<char*>(bytes.data()),
+                               static_cast<int>(packed.size()),
+                               static_cast<int>(bytes.size())) == static_cast<int>(bytes.size());
+}
+
+bool unpack_lzma(std::span<const std::byte> packed, std::span<std::byte> bytes) {
+  std::uint64_t most_memory = std::uint64_t{256} << 20;  // the strongest preset needs 65 MiB
+  std::size_t read = 0, written = 0;
+  const lzma_ret outcome =
+      ::lzma_stream_buffer_decode(&most_memory, 0, nullptr, reinterpret_cast<const std::uint8_t*>(packed.data()), &read,
+                                  packed.size(), reinterpret_cast<std::uint8_t*>(bytes.data()), &written, bytes.size());
+  if (outcome == LZMA_MEM_ERROR) throw std::bad_alloc();
+  return outcome == LZMA_OK && written == bytes.size();
+}
+
+bool unpack_zlib(std::span<const std::byte> packed, std::span<std::byte> bytes) {
+  auto size = static_cast<uLongf>(bytes.size());
+  const int outcome = ::uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size,
+                                   reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
+  if (outcome == Z_MEM_ERROR) throw std::bad_alloc();
+  return outcome == Z_OK && size == bytes.size();
 }
 
 }  // namespace
@@ -144,72 +170,108 @@ struct VtkXmlStream::Source {
   }
 };
 
-std::optional<VtkXmlStream> VtkXmlStream::open(const ForeignFile& file) {
-  std::optional<XmlElement> root = xml_outline(file.text(), "AppendedData");
-  if (!root || root->name != "VTKFile" || root->child(root->attribute("type")) == nullptr) return std::nullopt;
-  VtkXmlStream stream(file, *std::move(root));
-  if (!stream.take_encoding()) return std::nullopt;
-  return stream;
+VtkXmlStream::VtkXmlStream(const ForeignFile& file, std::string_view type) : file_(&file) {
+  if (file.text().find("<VTKFile") == std::string_view::npos) refuse("byte 0", "no element VTKFile", "a VTK XML file");
+  std::size_t end = 0;
+  std::optional<XmlElement> root = xml_outline(file.text(), "AppendedData", end);
+  if (!root) refuse(concat("byte ", end), "the end of XML that is well-formed", "elements that end");
+  root_ = *std::move(root);
+  const std::string_view found = root_.attribute("type");
+  if (root_.name != "VTKFile") refuse("root element", in_quotes(root_.name), "VTKFile");
+  if (found != type) refuse("element VTKFile", in_quotes(found), type, ErrorCode::unsupported);
+  if (root_.child(type) == nullptr) refuse("element VTKFile", concat("no element ", type), "one");
+  take_version();
+  take_encoding();
 }
 
-bool VtkXmlStream::take_encoding() {
-  const auto one_of = [](std::string_view word, std::string_view first, std::string_view second, bool& is_second) {
-    is_second = word == second;
-    return is_second || word == first || word.empty();
+void VtkXmlStream::take_version() {
+  const std::string_view version = root_.attribute("version");
+  const std::size_t point = std::min(version.find('.'), version.size());
+  major_ = parse_number<int>(version.substr(0, point)).value_or(0);
+  minor_ = parse_number<int>(version.substr(std::min(point + 1, version.size()))).value_or(0);
+}
+
+void VtkXmlStream::take_encoding() {
+  /// The position of an attribute's value among `words`; 0 without a value.
+  const auto choice = [&](const XmlElement& element, std::string_view name,
+                          std::initializer_list<std::string_view> words) -> std::size_t {
+    const std::string_view word = element.attribute(name);
+    const auto* const found = std::find(words.begin(), words.end(), word);
+    if (word.empty()) return 0;
+    if (found == words.end()) {
+      std::string known;
+      for (const std::string_view other : words)
+        if (!other.empty()) known += concat(known.empty() ? "" : " or ", other);
+      refuse(concat("attribute ", name), in_quotes(word), known, ErrorCode::unsupported);
+    }
+    return static_cast<std::size_t>(found - words.begin());
   };
-  bool is_wide = false;
-  if (!one_of(root_.attribute("byte_order"), "LittleEndian", "BigEndian", big_endian_) ||
-      !one_of(root_.attribute("header_type"), "UInt32", "UInt64", is_wide) ||
-      !one_of(root_.attribute("compressor"), "", "vtkZLibDataCompressor", is_packed_))
-    return false;
-  header_bytes_ = is_wide ? 8 : 4;
+  big_endian_ = choice(root_, "byte_order", {"LittleEndian", "BigEndian"}) == 1;
+  header_bytes_ = choice(root_, "header_type", {"UInt32", "UInt64"}) == 1 ? 8 : 4;
+  packing_ = static_cast<Packing>(
+      choice(root_, "compressor", {"", "vtkZLibDataCompressor", "vtkLZ4DataCompressor", "vtkLZMADataCompressor"}));
   const XmlElement* appended = root_.child("AppendedData");
-  if (appended == nullptr) return true;
+  if (appended == nullptr) return;
   const std::size_t underscore = appended->content.find_first_not_of(spaces);
-  if (underscore == std::string_view::npos || appended->content[underscore] != '_') return false;
+  if (underscore == std::string_view::npos || appended->content[underscore] != '_')
+    refuse("element AppendedData", "another beginning", "an underscore");
   appended_ = appended->content.substr(underscore + 1);
-  return one_of(appended->attribute("encoding"), "raw", "base64", appended_base64_);
+  appended_base64_ = choice(*appended, "encoding", {"raw", "base64"}) == 1;
 }
 
+void VtkXmlStream::check_attribute(std::string_view name, std::uint64_t count) const {
+  // No compressor of VTK stores a point, cell or sample in less than 1/4096 byte; ten times that to
+  // be safe.
+  constexpr std::uint64_t most_per_byte = 40960;
+  if (const std::size_t bytes = file_->bytes().size(); count / most_per_byte > bytes)
+    refuse_attribute(name, concat(count, " in ", bytes, " bytes"), "a number that the file can hold");
+}
+
+std::uint64_t VtkXmlStream::count_in(const XmlElement& element, std::string_view name) const {
+  const auto count = parse_number<std::uint64_t>(element.attribute(name));
+  if (!count) refuse_attribute(name, in_quotes(element.attribute(name)), "a number");
+  check_attribute(name, *count);
+  return *count;
+}
+
+/// Nothing for an array that does not hold numbers.
 std::optional<VtkXmlArray> VtkXmlStream::array(const XmlElement& element) const {
   VtkXmlArray array;
-  const std::optional<ElementType> type = type_named(element.attribute("type"));
+  array.name = element.attribute("Name");
+  const std::optional<ElementType> type = find_in(types, element.attribute("type"));
+  if (!type) return std::nullopt;
   const std::string_view count = element.attribute("NumberOfComponents");
   const std::optional<int> components = count.empty() ? std::optional(1) : parse_number<int>(count);
-  if (element.name != "DataArray" || !type || !components || *components < 1 || *components > 1024 ||
-      element.attributes.contains("TimeStep"))
-    return std::nullopt;
-  array.name = element.attribute("Name");
+  if (!components || *components < 1) refuse_attribute("NumberOfComponents", in_quotes(count), "at least 1");
   array.unit = unit_of(element);
   array.type = *type;
   array.component_count = *components;
   array.content = element.content;
   const std::string_view format = element.attribute("format");
-  if (format == "ascii") return array;
-  if (format == "binary") {
-    array.format = VtkXmlArray::Format::base64;
-    return array;
-  }
+  if (format == "binary") array.format = VtkXmlArray::Format::base64;
+  if (format != "appended") return array;
   const std::optional<std::uint64_t> offset = parse_number<std::uint64_t>(trimmed(element.attribute("offset")));
-  if (format != "appended" || !offset || *offset > appended_.size()) return std::nullopt;
+  if (!offset || *offset > appended_.size())
+    refuse(array, concat("offset ", in_quotes(element.attribute("offset"))),
+           concat("a place in ", appended_.size(), " bytes of appended data"));
   array.format = VtkXmlArray::Format::appended;
   array.appended_byte = *offset;
   return array;
 }
 
-std::optional<std::vector<VtkXmlArray>> VtkXmlStream::arrays_in(const XmlElement* data) const {
+std::vector<VtkXmlArray> VtkXmlStream::arrays_in(const XmlElement* data, std::vector<std::string>* left_out) const {
   std::vector<VtkXmlArray> arrays;
   if (data == nullptr) return arrays;
   for (const XmlElement& element : data->children) {
-    std::optional<VtkXmlArray> found = array(element);
-    if (!found || found->name.empty()) return std::nullopt;
-    arrays.push_back(*std::move(found));
+    const std::string_view steps = element.attribute("TimeStep");
+    const bool is_later = !steps.empty() && parse_number<int>(steps.substr(0, steps.find(' '))) != 0;
+    if ((element.name != "DataArray" && element.name != "Array") || is_later) continue;
+    if (std::optional<VtkXmlArray> found = array(element))
+      arrays.push_back(*std::move(found));
+    else if (left_out != nullptr)
+      left_out->push_back(concat("array '", element.attribute("Name"), "' left out: it does not hold numbers"));
   }
   return arrays;
-}
-
-void VtkXmlStream::refuse(const VtkXmlArray& array, std::string_view found, std::string_view expected) const {
-  refuse_input(file_->path(), concat("array '", array.name, "'"), found, expected);
 }
 
 VtkXmlStream::Source VtkXmlStream::source_of(const VtkXmlArray& array) const {
@@ -231,14 +293,18 @@ std::uint64_t VtkXmlStream::header_number(const VtkXmlArray& array, Source& sour
   return header_bytes_ == 8 ? wide : narrow;
 }
 
-void VtkXmlStream::check_count(const VtkXmlArray& array, std::uint64_t count) const {
+std::uint64_t VtkXmlStream::checked_count(const VtkXmlArray& array, std::uint64_t owners) const {
+  const auto components = static_cast<std::uint64_t>(array.component_count);
+  const std::optional<std::uint64_t> count = checked_product({owners, components});
   const std::size_t size = formats::element_bytes(array.type);
   const bool is_text = array.format == VtkXmlArray::Format::text;
   const std::uint64_t there =
       array.format == VtkXmlArray::Format::appended ? appended_.size() - array.appended_byte : array.content.size();
-  constexpr std::uint64_t tightest = 1040;  // of zlib, as in check_packed_size
-  const std::uint64_t most = is_text ? there / 2 + 1 : (is_packed_ ? there * tightest : there) / size;
-  if (count > most) refuse(array, concat(there, " bytes"), concat(count, " numbers"));
+  // of zlib, as in check_packed_size; of LZMA
+  const std::uint64_t tightest = packing_ == Packing::none ? 1 : packing_ == Packing::lzma ? 8192 : 1040;
+  const std::uint64_t most = is_text ? there / 2 + 1 : there * tightest / size;
+  if (!count || *count > most) refuse(array, concat(there, " bytes"), concat(owners, " x ", components, " numbers"));
+  return *count;
 }
 
 void VtkXmlStream::count_progress(std::uint64_t bytes) const {
@@ -249,7 +315,7 @@ void VtkXmlStream::count_progress(std::uint64_t bytes) const {
 /// from several threads. Pieces keep the file's byte order; no number is split between two pieces.
 template <class Act>
 void VtkXmlStream::for_each_piece(const VtkXmlArray& array, std::uint64_t wanted_bytes, const Act& act) const {
-  if (is_packed_)
+  if (packing_ != Packing::none)
     for_each_packed_piece(array, source_of(array), wanted_bytes, act);
   else
     for_each_plain_piece(array, source_of(array), wanted_bytes, act);
@@ -324,13 +390,13 @@ class VtkXmlStream::Blocks {
   std::span<const std::byte> unpack(std::uint64_t block, std::span<const std::byte> packed,
                                     std::vector<std::byte>& buffer) const {
     buffer.resize(block_bytes_);
-    auto size = static_cast<uLongf>(buffer.size());
-    const int outcome = ::uncompress(reinterpret_cast<Bytef*>(buffer.data()), &size,
-                                     reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
-    if (outcome == Z_MEM_ERROR) throw std::bad_alloc();
-    if (outcome != Z_OK || size != bytes(block))
-      stream_.refuse(array_, concat("a damaged block ", block), concat("zlib data of ", bytes(block), " bytes"));
-    return std::span(buffer).first(size);
+    const std::span<std::byte> unpacked = std::span(buffer).first(bytes(block));
+    const auto unpack = stream_.packing_ == Packing::lz4    ? unpack_lz4
+                        : stream_.packing_ == Packing::lzma ? unpack_lzma
+                                                            : unpack_zlib;
+    if (!unpack(packed, unpacked))
+      stream_.refuse(array_, concat("a damaged block ", block), concat("packed data of ", bytes(block), " bytes"));
+    return unpacked;
   }
 
  private:
@@ -391,23 +457,32 @@ std::uint64_t read_text(std::string_view text, std::uint64_t count, const Take& 
 
 template <class Number>
 void VtkXmlStream::read(const VtkXmlArray& array, std::span<Number> numbers) const {
-  if (numbers.empty()) return;
-  check_count(array, numbers.size());
+  constexpr bool as_bytes = std::is_same_v<Number, std::byte>;
   formats::with_element_type(array.type, [&]<class T>(T) {
+    const std::uint64_t count = as_bytes ? numbers.size() / sizeof(T) : numbers.size();
+    const auto put = [&](std::uint64_t at, T value) {
+      if constexpr (as_bytes)
+        std::memcpy(numbers.data() + at * sizeof(T), &value, sizeof(T));
+      else
+        numbers[at] = cast<Number>(value);
+    };
     if (array.format == VtkXmlArray::Format::text) {
-      const std::uint64_t found = read_text<T>(array.content, numbers.size(),
-                                               [&](std::uint64_t at, T value) { numbers[at] = cast<Number>(value); });
-      if (found != numbers.size()) refuse(array, concat(found, " numbers"), concat(numbers.size()));
+      const std::uint64_t found = read_text<T>(array.content, count, put);
+      if (found != count) refuse(array, concat(found, " numbers"), concat(count));
       return;
     }
-    for_each_piece(array, numbers.size() * sizeof(T), [&](std::uint64_t first_byte, std::span<const std::byte> bytes) {
-      Number* to = numbers.data() + first_byte / sizeof(T);
-      const bool swaps = !is_native(array.type, big_endian_);
+    if (count == 0) return;
+    const bool swaps = !is_native(array.type, big_endian_);
+    for_each_piece(array, count * sizeof(T), [&](std::uint64_t first_byte, std::span<const std::byte> bytes) {
+      if (as_bytes && !swaps) {
+        std::memcpy(numbers.data() + first_byte, bytes.data(), bytes.size());
+        return;
+      }
       for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
         std::array<std::byte, sizeof(T)> raw;
         std::memcpy(raw.data(), bytes.data() + at, sizeof(T));
         if (swaps) std::reverse(raw.begin(), raw.end());
-        *to++ = cast<Number>(std::bit_cast<T>(raw));
+        put((first_byte + at) / sizeof(T), std::bit_cast<T>(raw));
       }
     });
   });
@@ -416,24 +491,6 @@ void VtkXmlStream::read(const VtkXmlArray& array, std::span<Number> numbers) con
 template void VtkXmlStream::read(const VtkXmlArray&, std::span<double>) const;
 template void VtkXmlStream::read(const VtkXmlArray&, std::span<std::uint64_t>) const;
 template void VtkXmlStream::read(const VtkXmlArray&, std::span<std::uint8_t>) const;
-
-void VtkXmlStream::read_bytes(const VtkXmlArray& array, std::span<std::byte> bytes) const {
-  const std::size_t size = formats::element_bytes(array.type);
-  check_count(array, bytes.size() / size);
-  if (array.format == VtkXmlArray::Format::text) {
-    formats::with_element_type(array.type, [&]<class T>(T) {
-      const std::uint64_t found = read_text<T>(array.content, bytes.size() / sizeof(T), [&](std::uint64_t at, T value) {
-        std::memcpy(bytes.data() + at * sizeof(T), &value, sizeof(T));
-      });
-      if (found != bytes.size() / sizeof(T)) refuse(array, concat(found, " numbers"), concat(bytes.size() / sizeof(T)));
-    });
-    return;
-  }
-  for_each_piece(array, bytes.size(), [&](std::uint64_t first_byte, std::span<const std::byte> piece) {
-    const std::span<std::byte> to = bytes.subspan(first_byte, piece.size());
-    std::copy(piece.begin(), piece.end(), to.begin());
-    make_native(to, size, big_endian_);
-  });
-}
+template void VtkXmlStream::read(const VtkXmlArray&, std::span<std::byte>) const;
 
 }  // namespace rhoray::preprocess

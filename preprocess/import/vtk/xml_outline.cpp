@@ -1,6 +1,8 @@
 #include "preprocess/import/vtk/xml_outline.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <utility>
 
 namespace rhoray::preprocess {
@@ -8,7 +10,27 @@ namespace {
 
 constexpr std::string_view spaces = " \t\r\n";
 
-/// Replaces `&lt;` and the other four predefined entities; nothing if there is any other.
+/// Reads a character's number, such as `&#233;` or `&#xE9;`, and appends it in UTF-8. Returns the
+/// bytes read; 0 if there is no such number.
+std::size_t append_numbered(std::string& to, std::string_view text) {
+  if (!text.starts_with("&#")) return 0;
+  const std::size_t end = text.find(';');
+  const bool is_hexadecimal = text.substr(2).starts_with('x');
+  const std::string_view digits = text.substr(0, end).substr(is_hexadecimal ? 3 : 2);
+  std::uint32_t code = 0;
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), code, is_hexadecimal ? 16 : 10);
+  if (end == text.npos || read.ec != std::errc() || read.ptr != digits.data() + digits.size() || code > 0x10FFFF)
+    return 0;
+  // bytes behind the first
+  const int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+  constexpr std::uint32_t marks[] = {0, 0xC0, 0xE0, 0xF0};
+  to += static_cast<char>(marks[more] | code >> (6 * more));
+  for (int left = more - 1; left >= 0; --left) to += static_cast<char>(0x80 | (code >> (6 * left) & 0x3F));
+  return end + 1;
+}
+
+/// Replaces numbers of characters, `&lt;` and the other four predefined entities; nothing if there
+/// is any other.
 std::optional<std::string> without_entities(std::string_view text) {
   constexpr std::pair<std::string_view, char> entities[] = {
       {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}, {"&quot;", '"'}, {"&apos;", '\''}};
@@ -17,6 +39,10 @@ std::optional<std::string> without_entities(std::string_view text) {
     if (text.front() != '&') {
       result += text.front();
       text.remove_prefix(1);
+      continue;
+    }
+    if (const std::size_t read = append_numbered(result, text); read > 0) {
+      text.remove_prefix(read);
       continue;
     }
     const auto* entity = std::find_if(std::begin(entities), std::end(entities),
@@ -37,6 +63,8 @@ class Parser {
     if (!next_tag() || is_at("</") || !element(root, 0)) return std::nullopt;
     return root;
   }
+
+  std::size_t position() const { return std::min(at_, text_.size()); }
 
  private:
   static constexpr int deepest = 32;
@@ -148,8 +176,11 @@ const XmlElement* XmlElement::child(std::string_view name_of_child) const {
   return found == children.end() ? nullptr : &*found;
 }
 
-std::optional<XmlElement> xml_outline(std::string_view text, std::string_view last) {
-  return Parser(text, last).root();
+std::optional<XmlElement> xml_outline(std::string_view text, std::string_view last, std::size_t& end) {
+  Parser parser(text, last);
+  std::optional<XmlElement> root = parser.root();
+  end = parser.position();
+  return root;
 }
 
 }  // namespace rhoray::preprocess

@@ -1,0 +1,131 @@
+#include "preprocess/import/vtk/structured_pieces.h"
+
+#include <algorithm>
+
+#include "formats/base/bytes.h"
+
+namespace rhoray::preprocess {
+
+StructuredPieces::StructuredPieces(const VtkXmlStream& file)
+    : file_(file), whole_(extent_of(file.data_set(), "WholeExtent")) {
+  for (const XmlElement& element : file.data_set().children)
+    if (element.name == "Piece") pieces_.push_back({&element, extent_of(element, "Extent")});
+  check_cover();
+}
+
+StructuredPieces::Extent StructuredPieces::extent_of(const XmlElement& element, std::string_view name) const {
+  const auto refuse = [&](std::string_view expected) {
+    file_.refuse_attribute(name, in_quotes(element.attribute(name)), expected);
+  };
+  const auto numbers = numbers_in<std::int32_t, 6>(element.attribute(name));
+  if (!numbers) refuse("six numbers");
+  Extent extent;
+  for (int axis = 0; axis < 3; ++axis) {
+    extent.first[axis] = (*numbers)[static_cast<std::size_t>(2 * axis)];
+    extent.last[axis] = (*numbers)[static_cast<std::size_t>(2 * axis + 1)];
+    if (extent.last[axis] < extent.first[axis]) refuse("first <= last on each axis");
+  }
+  const Index3 size = owner_count(extent, false);
+  const std::optional<std::uint64_t> points = checked_product(
+      {static_cast<std::uint64_t>(size.x), static_cast<std::uint64_t>(size.y), static_cast<std::uint64_t>(size.z)});
+  if (!points) refuse("a size that fits in memory");
+  file_.check_attribute(name, *points);
+  return extent;
+}
+
+/// Number of points, or of cells: one fewer on each axis with more than one point.
+Index3 StructuredPieces::owner_count(const Extent& extent, bool in_cells) {
+  Index3 count;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t steps = extent.last[axis] - extent.first[axis];
+    count[axis] = in_cells ? std::max<std::int64_t>(steps, 1) : steps + 1;
+  }
+  return count;
+}
+
+void StructuredPieces::check_cover() const {
+  const auto refuse = [&] {
+    file_.refuse_attribute("Extent", concat(pieces_.size(), " pieces that do not make up WholeExtent"),
+                           "pieces that cover it once");
+  };
+  const std::int64_t cells = volume(owner_count(whole_, true));
+  std::int64_t sum = 0;
+  for (const auto& [element, extent] : pieces_) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (extent.first[axis] < whole_.first[axis] || extent.last[axis] > whole_.last[axis]) refuse();
+    sum += volume(owner_count(extent, true));
+    if (sum > cells) refuse();
+  }
+  if (sum != cells) refuse();
+  const auto overlap = [](const Extent& a, const Extent& b) {
+    const Index3 a_size = owner_count(a, true), b_size = owner_count(b, true);
+    bool result = true;
+    for (int axis = 0; axis < 3; ++axis)
+      result = result && a.first[axis] < b.first[axis] + b_size[axis] && b.first[axis] < a.first[axis] + a_size[axis];
+    return result;
+  };
+  for (std::size_t a = 0; a < pieces_.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (overlap(pieces_[a].extent, pieces_[b].extent)) refuse();
+}
+
+std::vector<StructuredPieces::Parts> StructuredPieces::arrays(std::string_view section,
+                                                              std::vector<std::string>* left_out) const {
+  std::vector<Parts> result;
+  for (const Piece& piece : pieces_) {
+    const bool is_first = &piece == &pieces_.front();
+    const auto found = file_.arrays_in(piece.element->child(section), is_first ? left_out : nullptr);
+    if (is_first) result.resize(found.size());
+    const auto is_same = [](const Parts& parts, const VtkXmlArray& array) {
+      return parts.empty() || (parts.front().name == array.name && parts.front().type == array.type &&
+                               parts.front().component_count == array.component_count);
+    };
+    if (!std::equal(result.begin(), result.end(), found.begin(), found.end(), is_same))
+      file_.refuse(concat("element ", section), "other arrays than in the first piece", "the same in each piece");
+    for (std::size_t i = 0; i < found.size(); ++i) result[i].push_back(found[i]);
+  }
+  return result;
+}
+
+std::uint64_t StructuredPieces::checked_count(const Parts& parts, bool in_cells) const {
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    file_.checked_count(parts[p], static_cast<std::uint64_t>(volume(owner_count(pieces_[p].extent, in_cells))));
+  return static_cast<std::uint64_t>(volume(owner_count(whole_, in_cells))) *
+         static_cast<std::uint64_t>(parts.front().component_count);
+}
+
+template <class T>
+void StructuredPieces::read(const Parts& parts, bool in_cells, std::span<T> to) const {
+  if (parts.size() == 1) return file_.read(parts.front(), to);
+  const Index3 whole = owner_count(whole_, in_cells);
+  const std::int64_t width = std::ssize(to) / volume(whole);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Index3 size = owner_count(pieces_[p].extent, in_cells);
+    Array<T> part(static_cast<std::size_t>(volume(size) * width));
+    file_.read(parts[p], std::span<T>(part));
+    const Index3 first = pieces_[p].extent.first - whole_.first;
+    for (std::int64_t row = 0; row < size.y * size.z; ++row) {
+      const std::int64_t j = first.y + row % size.y, k = first.z + row / size.y;
+      std::copy_n(part.begin() + row * size.x * width, size.x * width,
+                  to.begin() + ((k * whole.y + j) * whole.x + first.x) * width);
+    }
+  }
+}
+template void StructuredPieces::read(const Parts&, bool, std::span<double>) const;
+template void StructuredPieces::read(const Parts&, bool, std::span<std::byte>) const;
+
+std::vector<double> StructuredPieces::coordinates(const Parts& parts, int axis) const {
+  std::vector<double> positions;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Extent& extent = pieces_[p].extent;
+    const auto count = static_cast<std::uint64_t>(extent.last[axis] - extent.first[axis] + 1);
+    if (file_.checked_count(parts[p], count) != count)
+      file_.refuse("element Coordinates", concat(parts[p].component_count, " numbers for each position"), "1");
+    const auto first = static_cast<std::size_t>(extent.first[axis] - whole_.first[axis]);
+    positions.resize(std::max(positions.size(), first + count));
+    file_.read(parts[p], std::span(positions).subspan(first, count));
+  }
+  return positions;
+}
+
+}  // namespace rhoray::preprocess
