@@ -49,7 +49,7 @@ Interval<double> values_around(const preprocess::NeutralMesh& mesh, const Vec3& 
   for (const auto& cell : mesh.cells) {
     std::array<Vec3, 4> v;
     for (std::size_t i = 0; i < 4; ++i) v[i] = to_vec3(mesh.points[cell[i]]);
-    const auto dataset = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); };
+    const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); };
     const double whole = volume(v[1] - v[0], v[2] - v[0], v[3] - v[0]);
     const std::array<double, 4> w{
         volume(v[1] - p, v[2] - p, v[3] - p) / whole, -volume(v[0] - p, v[2] - p, v[3] - p) / whole,

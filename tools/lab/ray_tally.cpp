@@ -41,12 +41,12 @@ class Inquiry {
  public:
   explicit Inquiry(const ClosedScene& scene)
       : scene_(scene),
-        single_(scene.volume, scene.isovalue, {.precision = Method::Precision::float32}),
-        float64_(scene.volume, scene.isovalue, {}),
-        certified_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
-        follower_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
-        follower_in_double_(scene.volume, scene.isovalue, {}),
-        judge_(scene.volume, scene.isovalue, {.algorithm = Method::Algorithm::exact}) {}
+        single_(scene.dataset, scene.isovalue, {.precision = Method::Precision::float32}),
+        float64_(scene.dataset, scene.isovalue, {}),
+        certified_(scene.dataset, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
+        follower_(scene.dataset, scene.isovalue, {.algorithm = Method::Algorithm::certified}),
+        follower_in_double_(scene.dataset, scene.isovalue, {}),
+        judge_(scene.dataset, scene.isovalue, {.algorithm = Method::Algorithm::exact}) {}
 
   RayTally tally(const std::vector<Ray>& rays, Dice& dice, std::uint64_t sample_every);
 

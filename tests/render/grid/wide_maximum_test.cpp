@@ -261,7 +261,7 @@ TEST(WideMaximum, reads_every_layout) {
 
 // One level of macrocells: there are no nodes to read. This kernel does not support other factors.
 TEST(WideMaximum, is_chosen_where_levels_have_factor_4_and_the_way_is_direct) {
-  const auto dataset = [] {
+  const auto volume = [] {
     return volume_of<float>({30, 25, 37}, [](const Index3& at) { return static_cast<float>(waves(at)); });
   };
   const TracedDataset one_level(volume(), {.macro_level_count = 1});

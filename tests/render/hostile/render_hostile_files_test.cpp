@@ -77,13 +77,13 @@ std::vector<Scene> scenes_of(const render::Dataset& dataset, const Look& look) {
   };
   if (dataset.is_surface()) {
     add({.mode = Mode::triangles});
-    add({.mode = Mode::triangles, .surface = {.normals = render::Normals::smooth, .opacity = 0.5}});
+    add({.mode = Mode::triangles, .material = {.normals = render::Normals::smooth, .opacity = 0.5}});
     return scenes;
   }
   for (const render::Accuracy accuracy :
        {render::Accuracy::preview, render::Accuracy::float32, render::Accuracy::float64, render::Accuracy::certified})
     add({.isovalue = middle, .method = render::method_of(accuracy)});
-  add({.isovalue = middle, .method = render::method_of(render::Accuracy::float32), .surface = {.opacity = 0.5}});
+  add({.isovalue = middle, .method = render::method_of(render::Accuracy::float32), .material = {.opacity = 0.5}});
   for (const render::Accuracy accuracy : {render::Accuracy::float64, render::Accuracy::certified})
     add({.mode = Mode::mip, .method = render::method_of(accuracy), .window = window});
   Layer slice{.mode = Mode::slice};

@@ -285,7 +285,7 @@ TEST(WideMargins, of_places_in_a_search_for_largest_values_hold_what_rounding_do
   const auto scratch = std::make_unique<render::wide::MaximumScratch>();
   const Index3 samples(4, 4, 4);  // their values are not used
   const formats::AxisTables tables(formats::BrickLayout{.sample_count = samples});
-  const render::wide::MaximumField field{.source = {nullptr, tables, samples},
+  const render::wide::MaximumField field{.source = {formats::ElementType::U8, nullptr, tables, samples},
                                          .type = {},
                                          .sample_bytes = 1,
                                          .leaf_count = {},

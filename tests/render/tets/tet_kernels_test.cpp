@@ -168,7 +168,7 @@ TEST(TetFirstCrossing, names_the_cell_of_the_source_and_its_gradient) {
     std::array<Vec3, 4> p;
     for (std::size_t i = 0; i < 4; ++i) p[i] = to_vec3(mesh.points[cell[i]]);
     const Vec3 q = ray.at(hit.t);
-    const auto dataset = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
       return (b - a).cross(c - a).dot(d - a);
     };
     const double all = volume(p[0], p[1], p[2], p[3]);

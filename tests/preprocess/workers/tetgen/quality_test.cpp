@@ -44,7 +44,7 @@ TEST(Quality, counts_the_cells_and_the_volume_above_a_ratio) {
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -10}};
   mesh.cells = {{0, 1, 2, 3}, {0, 2, 1, 4}};
   EXPECT_DOUBLE_EQ(share_above(mesh, 0.9).of_cells, 0.5);
-  EXPECT_DOUBLE_EQ(share_above(mesh, 0.9).of_dataset, 10.0 / 11);
+  EXPECT_DOUBLE_EQ(share_above(mesh, 0.9).of_volume, 10.0 / 11);
   EXPECT_EQ(share_above(mesh, 0.8).of_cells, 1);
   EXPECT_EQ(share_above(mesh, 5.1).of_cells, 0) << "the tall one has sqrt(102)/2 = 5.05";
   EXPECT_EQ(share_above(mesh, 5.0).of_cells, 0.5);
@@ -57,7 +57,7 @@ TEST(Quality, needles_of_a_scanned_surface_are_kept_and_the_inside_is_made_well_
   const NeutralSurface surface = sphere_with_needles(40);
   const NeutralMesh mesh = tetrahedralize(surface, {.time_limit_s = 60});
   EXPECT_THAT(mesh.notes, Contains(HasSubstr("the surface's triangles were kept as they are; ")));
-  EXPECT_LT(share_above(mesh, preprocess::usual_quality).of_dataset, 0.1);
+  EXPECT_LT(share_above(mesh, preprocess::usual_quality).of_volume, 0.1);
   EXPECT_LT(mesh.points.size(), 4 * surface.points.size());
   // Asked for it, TetGen splits them; these needles alone then take several times the surface's points.
   const NeutralMesh split = tetrahedralize(surface, {.quality = preprocess::usual_quality, .tetgen = "S5000"});
@@ -71,8 +71,8 @@ TEST(Quality, the_coarse_triangles_of_a_slender_part_are_split) {
   const NeutralSurface bar = box({0, 0, 0}, {1, 1, 20});
   const NeutralMesh mesh = tetrahedralize(bar);
   EXPECT_THAT(mesh.notes, Contains(HasSubstr("the surface's triangles were split; ")));
-  EXPECT_LT(share_above(mesh, preprocess::usual_quality).of_dataset, 0.1);
-  EXPECT_GT(share_above(tetrahedralize(bar, {.tetgen = "Y"}), preprocess::usual_quality).of_dataset, 0.1)
+  EXPECT_LT(share_above(mesh, preprocess::usual_quality).of_volume, 0.1);
+  EXPECT_GT(share_above(tetrahedralize(bar, {.tetgen = "Y"}), preprocess::usual_quality).of_volume, 0.1)
       << "kept would do as well: is this bar still slender?";
 }
 
