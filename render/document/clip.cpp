@@ -37,17 +37,6 @@ ValueKind<std::vector<HalfSpace>> half_spaces_value() {
 
 }  // namespace
 
-ValueKind<Vec3> direction_value() {
-  ValueKind<Vec3> kind = vector_value();
-  kind.expected = "three numbers [x, y, z], not all 0";
-  kind.read = [read = kind.read, expected = kind.expected](const Json& json, const Reading& at) {
-    const Vec3 direction = read(json, at);
-    if (direction == Vec3(0, 0, 0)) at.place.refuse(json, expected);
-    return direction;
-  };
-  return kind;
-}
-
 const std::vector<Row<HalfSpace>>& half_space_rows() {
   static const std::vector<Row<HalfSpace>> rows{
       required(row("point", &HalfSpace::point, vector_value(), "A point of the plane, in world units")),

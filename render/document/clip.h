@@ -15,8 +15,6 @@ namespace rhoray::render {
 const std::vector<Row<ClipSpec>>& clip_rows();
 const std::vector<Row<HalfSpace>>& half_space_rows();
 
-/// A vector that is not 0.
-ValueKind<Vec3> direction_value();
 /// The requested region. Refuses one that has neither a box nor planes.
 /// @param place  of the region in its document; of a command line without a document
 std::optional<Clip> choose_clip(const std::optional<ClipSpec>& spec, const Place& place);

@@ -1,5 +1,4 @@
 #include "render/document/slices.h"
-#include "render/scene_words.h"
 
 #include <optional>
 #include <string>
@@ -7,8 +6,8 @@
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
-#include "render/document/clip.h"
 #include "render/document/material.h"
+#include "render/scene_words.h"
 
 namespace rhoray::render {
 

@@ -362,6 +362,17 @@ ValueKind<std::vector<std::string>> isovalues_value() {
           }};
 }
 
+ValueKind<Vec3> direction_value() {
+  ValueKind<Vec3> kind = vector_value();
+  kind.expected = "three numbers [x, y, z], not all 0";
+  kind.read = [read = kind.read, expected = kind.expected](const Json& json, const Reading& at) {
+    const Vec3 direction = read(json, at);
+    if (direction == Vec3(0, 0, 0)) at.place.refuse(json, expected);
+    return direction;
+  };
+  return kind;
+}
+
 ValueKind<std::string> method_value() {
   ValueKind<std::string> kind = text_value();
   kind.expected = "a method name, as for --method";

@@ -63,6 +63,8 @@ ValueKind<int> whole_number_within(const Interval<int>& limits);
 ValueKind<bool> yes_or_no();
 ValueKind<std::string> text_value();
 ValueKind<Vec3> vector_value();
+/// A vector that is not 0.
+ValueKind<Vec3> direction_value();
 ValueKind<Interval<double>> interval_value();
 ValueKind<Color> color_value();
 ValueKind<PictureSize> size_value();

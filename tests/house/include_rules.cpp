@@ -126,7 +126,7 @@ const Library libraries[] = {
     {"Embree", std::regex("embree3/.*"), {"tools/lab"}},
     {"Teem", std::regex("teem/.*"), {"preprocess/import"}},
     {"netCDF", std::regex("netcdf\\.h"), {"preprocess/import"}},
-    {"zlib, bzip2, minizip", std::regex("(zlib|bzlib|minizip/\\w+)\\.h"), {"preprocess/import"}},
+    {"zlib, bzip2, LZ4, XZ, minizip", std::regex("(zlib|bzlib|lz4|lzma|minizip/\\w+)\\.h"), {"preprocess/import"}},
     {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
     {"oneTBB", std::regex("tbb/.*"), {"render/frame", "tools/lab"}},
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
