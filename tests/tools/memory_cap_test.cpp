@@ -259,15 +259,19 @@ TEST_F(MemoryCapOfPack, changes_no_byte) {
 /// The operating system enforces the limit, so it stops a reader that does not stream.
 TEST_F(MemoryCapOfPack, stops_a_reader_that_needs_more) {
   RHORAY_NEEDS_PLAIN_MEMORY();
-  // Compressed so that only VTK reads it, which holds all of it.
-  constexpr std::uint64_t bytes = 200 * mebibyte;
+  // A block is unpacked as a whole, and each of these has 50 MiB.
+  constexpr std::uint64_t blocks = 4, block_bytes = 50 * mebibyte, packed_bytes = mebibyte;
   const std::string head =
       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
       "compressor=\"vtkLZ4DataCompressor\"><ImageData WholeExtent=\"0 1023 0 1023 0 199\" Origin=\"0 0 0\" "
       "Spacing=\"1 1 1\"><Piece Extent=\"0 1023 0 1023 0 199\"><PointData><DataArray type=\"UInt8\" Name=\"a\" "
       "format=\"appended\" offset=\"0\"/></PointData></Piece></ImageData><AppendedData encoding=\"raw\">_";
-  write_file(bench_ / "a.vti", head);
-  fs::resize_file(bench_ / "a.vti", bytes);
+  std::string sizes;
+  for (const std::uint64_t size :
+       {blocks, block_bytes, std::uint64_t{0}, packed_bytes, packed_bytes, packed_bytes, packed_bytes})
+    sizes.append(reinterpret_cast<const char*>(&size), sizeof size);
+  write_file(bench_ / "a.vti", head + sizes);
+  fs::resize_file(bench_ / "a.vti", head.size() + sizes.size() + blocks * packed_bytes);
   const RunResult refused = bench_.rhoray({"pack", "a.vti", "-o", "a.rho", "--memory", concat(cap / mebibyte, "M")});
   EXPECT_EQ(refused.exit_code, 5) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("a.vti"));
