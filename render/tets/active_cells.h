@@ -34,15 +34,17 @@ void for_each_leaf(const TetData& view, double isovalue, int level, const Index3
 /// in increasing order.
 template <class Act>
 void for_each_cluster(const TetData& view, double isovalue, int level, std::uint64_t block, Act&& act) {
-  const auto ranges = view.cluster_ranges(level, block);
-  for (std::size_t e = 0; e < formats::ClusterShape::width; ++e) {
-    if (!(ranges.lo[e] < isovalue && isovalue <= ranges.hi[e])) continue;
-    const std::uint64_t entry = block * formats::ClusterShape::width + e;
-    if (level == 0)
-      act(entry);
-    else
-      for_each_cluster(view, isovalue, level - 1, entry, act);
-  }
+  view.with_cluster_ranges(level, block, [&](const auto& ranges) {
+    for (std::size_t e = 0; e < formats::ClusterShape::width; ++e) {
+      const double lo = static_cast<double>(ranges.lo[e]), hi = static_cast<double>(ranges.hi[e]);
+      if (!(lo < isovalue && isovalue <= hi)) continue;
+      const std::uint64_t entry = block * formats::ClusterShape::width + e;
+      if (level == 0)
+        act(entry);
+      else
+        for_each_cluster(view, isovalue, level - 1, entry, act);
+    }
+  });
 }
 
 /// Candidates of a mesh with clusters; a word of bits holds one cluster or several.

@@ -55,14 +55,13 @@ class TetData {
 
   // Only with clusters.
   const formats::CellClustersView& clusters() const { return mesh_.clusters(); }
-  RHORAY_INLINE formats::RangeBlock<double> cluster_ranges(int level, std::uint64_t block) const {
+  /// Calls act(the ranges of values of a block of clusters) where they are stored, as floats or
+  /// doubles, and returns its result.
+  template <class Act>
+  RHORAY_INLINE auto with_cluster_ranges(int level, std::uint64_t block, Act&& act) const {
     const void* ranges = stored_cluster_ranges(level);
-    if (!is_float_) return static_cast<const formats::RangeBlock<double>*>(ranges)[block];
-    const auto& floats = static_cast<const formats::RangeBlock<float>*>(ranges)[block];
-    formats::RangeBlock<double> doubles;
-    for (std::size_t e = 0; e < formats::ClusterShape::width; ++e)
-      doubles.lo[e] = static_cast<double>(floats.lo[e]), doubles.hi[e] = static_cast<double>(floats.hi[e]);
-    return doubles;
+    return is_float_ ? act(static_cast<const formats::RangeBlock<float>*>(ranges)[block])
+                     : act(static_cast<const formats::RangeBlock<double>*>(ranges)[block]);
   }
 
   // Only with leaf lists.
@@ -87,7 +86,8 @@ class TetData {
                      : static_cast<const double*>(values_)[point];
   }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {
-    return {value_at(v[0]), value_at(v[1]), value_at(v[2]), value_at(v[3])};
+    return is_float_ ? values_in(static_cast<const float*>(values_), v)
+                     : values_in(static_cast<const double*>(values_), v);
   }
 
   RHORAY_INLINE std::array<std::array<double, 3>, 4> points_at(const std::array<std::uint32_t, 4>& v) const {
@@ -98,6 +98,12 @@ class TetData {
   RHORAY_INLINE std::uint64_t cell_id(std::uint32_t cell) const { return mesh_.cell_id(cell); }
 
  private:
+  template <class T>
+  RHORAY_INLINE static std::array<double, 4> values_in(const T* values, const std::array<std::uint32_t, 4>& v) {
+    return {static_cast<double>(values[v[0]]), static_cast<double>(values[v[1]]), static_cast<double>(values[v[2]]),
+            static_cast<double>(values[v[3]])};
+  }
+
   template <class T>
   void read(std::size_t field) {
     values_ = mesh_.values<T>(field).data();

@@ -95,12 +95,14 @@ struct ClusterVisit {
 template <class View, class MayHold, class Meets>
 RHORAY_INLINE void meet_block(const View& view, const BoxRay& ray, int level, std::uint64_t block, MayHold&& may_hold,
                               Meets&& meets) {
-  const auto ranges = view.cluster_ranges(level, block);
-  unsigned wanted = 0;
-  for (std::size_t e = 0; e < BoxRay::width; ++e)
-    wanted |= static_cast<unsigned>(
-                  may_hold(Interval<double>{static_cast<double>(ranges.lo[e]), static_cast<double>(ranges.hi[e])}))
-              << e;
+  const unsigned wanted = view.with_cluster_ranges(level, block, [&](const auto& ranges) {
+    unsigned entries = 0;
+    for (std::size_t e = 0; e < BoxRay::width; ++e)
+      entries |= static_cast<unsigned>(
+                     may_hold(Interval<double>{static_cast<double>(ranges.lo[e]), static_cast<double>(ranges.hi[e])}))
+                 << e;
+    return entries;
+  });
   if (wanted == 0) return;
   const BoxRay::Parts parts = ray.meet(view.clusters().boxes[static_cast<std::size_t>(level)][block]);
   for (std::size_t e = 0; e < BoxRay::width; ++e)

@@ -107,10 +107,12 @@ void search_clusters(const View& view, const RayQuery& query, const Ray& ray, Ke
   KernelCounters& counters = scratch.counters;
   const auto put_block = [&](int level, std::uint64_t block) {
     ++counters.macrocells_visited;
-    const auto ranges = view.cluster_ranges(level, block);
     const auto has_values = [](const Interval<double>& range) { return !range.is_empty(); };
     meet_block(view, box_ray, level, block, has_values, [&](const ClusterVisit& visit) {
-      const MaximumQueue::Entry region{.bound = ranges.hi[visit.entry % BoxRay::width],
+      const double largest_in_entry = view.with_cluster_ranges(level, block, [&](const auto& ranges) {
+        return static_cast<double>(ranges.hi[visit.entry % BoxRay::width]);
+      });
+      const MaximumQueue::Entry region{.bound = largest_in_entry,
                                        .t_in = visit.part.t_in,
                                        .t_out = visit.part.t_out,
                                        .cell = {0, 0, 0},

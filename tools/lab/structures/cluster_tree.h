@@ -15,8 +15,9 @@ class ClusterTree {
   ClusterTree(const PlainMesh& mesh, std::uint64_t cluster_size);
 
   const formats::CellClustersView& clusters() const { return view_; }
-  const formats::RangeBlock<float>& cluster_ranges(int level, std::uint64_t block) const {
-    return range_views_[static_cast<std::size_t>(level)][block];
+  template <class Act>
+  auto with_cluster_ranges(int level, std::uint64_t block, Act&& act) const {
+    return act(range_views_[static_cast<std::size_t>(level)][block]);
   }
 
   std::uint64_t bytes() const;

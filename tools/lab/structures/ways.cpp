@@ -143,7 +143,10 @@ struct TreeView {
   const Tree& tree;
 
   const formats::CellClustersView& clusters() const { return tree.clusters(); }
-  auto cluster_ranges(int level, std::uint64_t block) const { return tree.cluster_ranges(level, block); }
+  template <class Act>
+  RHORAY_INLINE auto with_cluster_ranges(int level, std::uint64_t block, Act&& act) const {
+    return tree.with_cluster_ranges(level, block, act);
+  }
   RHORAY_INLINE auto sorted_vertices(std::uint32_t cell) const { return mesh.sorted_vertices(cell); }
   template <class Vertices>
   RHORAY_INLINE std::array<double, 4> values_at(const Vertices& v) const {
