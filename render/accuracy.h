@@ -25,18 +25,20 @@ struct SelfCheckOptions {
 struct CheckedPixels {
   std::uint64_t pixels = 0, missed = 0, false_hits = 0;
   std::uint64_t shown = 0;  ///< of these: pixels that show something, or should
-  /// Of those: missed, false, or off by more than the limit for 99 % of them.
+  /// Number of shown pixels that are missed, false, or off by more than the limit.
   std::uint64_t beyond_limit = 0;
-  /// Off by more than the picture's error channel allows, if it has one.
+  /// Number of pixels whose error exceeds the bound in the picture's error channel, if it has one.
   std::uint64_t beyond_bound = 0;
-  /// In cells along the ray; for largest values the field's unit.
+  /// The error that 99 % of the shown pixels do not exceed: in cells along the ray; for largest values
+  /// in the field's unit.
   double kept_by_99 = 0;
-  double largest = 0;              ///< of pixels that are neither missed nor false
+  double largest = 0;              ///< largest error of pixels that are neither missed nor false
   double largest_value_error = 0;  ///< in the field's unit
 };
 
 struct SelfCheck {
-  /// Of all pixels; of those whose neighbour shows something else, or is far behind.
+  /// Random pixels of the whole picture, and random pixels at edges: a neighbour shows something
+  /// else, or is far behind.
   CheckedPixels random{}, edges{};
   std::uint64_t seed = 1;
   std::string unit{};    ///< of the errors

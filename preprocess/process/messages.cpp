@@ -248,7 +248,7 @@ void describe_surface(Message& message, Surface& surface) {
   }
 }
 
-/// What a volume has beside its samples and their frame.
+/// Reads or writes the names, axes and notes of a volume.
 template <class Message, class Volume>
 void describe_names(Message& message, Volume& volume) {
   message.text(volume.length_unit);

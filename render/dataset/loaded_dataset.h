@@ -33,11 +33,11 @@ struct LoadedDataset {
   Affine world_from_data;
   Box3 bounds_data;  ///< of all cells, data frame
   DataView view;
-  /// Of the field of a grid.
+  /// Occupied blocks of the isovalues used last. Used by grids only.
   std::unique_ptr<OccupancyCache> occupancies = std::make_unique<OccupancyCache>();
-  /// Of the field of a mesh, or of a surface; null for grids.
+  /// Facets of the isovalues used last, or the triangles of a surface. Null for grids.
   std::shared_ptr<FacetsCache> facets{};
-  std::shared_ptr<PointGradientsCache> point_gradients{};  ///< of the field of a mesh
+  std::shared_ptr<PointGradientsCache> point_gradients{};  ///< null if not a mesh
 };
 
 }  // namespace rhoray::render

@@ -80,14 +80,14 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   }
 
  private:
-  /// Of the innermost value that is open.
+  /// Returns the place of the innermost object or array that has not ended.
   Place here() const {
     Place place{name_, {}};
     for (std::size_t level = 0; level + 1 < open_.size(); ++level)
       place = open_[level]->is_array() ? place.at(open_[level]->size() - 1) : place.at(keys_[level]);
     return place;
   }
-  /// Of the value that comes next.
+  /// Returns the place of the next value.
   Place next() const {
     if (open_.empty()) return {name_, {}};
     return open_.back()->is_array() ? here().at(open_.back()->size()) : here().at(keys_.back());

@@ -42,7 +42,7 @@ HalfSpace plane_of(const LayerSpec& spec, const Vec3& middle) {
   return plane;
 }
 
-/// The axis of the world along which a vector points; nothing for other directions.
+/// Returns the world axis that a vector is parallel to, or nothing.
 std::optional<int> axis_of(const Vec3& normal) {
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 rest = normal;

@@ -44,7 +44,7 @@ class SlicePlane {
   const LoadedDataset& dataset_;
   Vec3 point_, normal_;            ///< world axes
   Vec3 point_data_, normal_data_;  ///< the normal transformed as a gradient
-  /// Error of the plane's position along each axis of the data's frame.
+  /// Bounds the error of the plane's position, along each axis of the data's frame.
   Vec3 slack_;
   Interval<double> threshold_;
   PlaceLookup lookup_;

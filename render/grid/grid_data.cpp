@@ -31,7 +31,7 @@ TrilinearCell fetch_in_bricks(const GridData& grid, const Index3& cell) {
   return corners_of(source, cell, [&](std::uint64_t address) { return sample_in_brick<T>(source, address); });
 }
 
-/// Of a grid that stores only some bricks; NaN in the others.
+/// The source of a grid that stores only some bricks. Samples of the others are NaN.
 template <class T>
 SampleSource source_in_bricks(const formats::BrickGrid& grid, const T* samples) {
   static constexpr T no_data[] = {std::numeric_limits<T>::quiet_NaN()};

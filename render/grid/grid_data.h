@@ -69,7 +69,7 @@ class GridData {
   /// Reads the values at the corners of a cell.
   using FetchCell = TrilinearCell (*)(const GridData& grid, const Index3& cell);
 
-  /// What a grid of any format consists of.
+  /// The parts of a grid, whatever its file format.
   struct Parts {
     formats::MacroRanges ranges;
     FetchCell fetch_cell;

@@ -18,7 +18,7 @@ namespace rhoray::render {
 ///     s < stored_count    samples[s * stride + (a & (2^shift - 1))]
 ///     else                values[s - stored_count]; beyond the last value: the last value
 struct SampleSource {
-  /// Of a grid that stores only some bricks. The others hold one value each.
+  /// The bricks of a grid that stores only some of them. The others hold one value each.
   struct Bricks {
     const std::uint32_t* slots = nullptr;  ///< null: a dense grid
     int shift = 0;                         ///< a brick has 2^shift samples

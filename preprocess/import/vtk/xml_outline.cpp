@@ -87,6 +87,8 @@ class Parser {
         if (!skip_behind("?>")) return false;
       } else if (is_at("<!--")) {
         if (!skip_behind("-->")) return false;
+      } else if (is_at("<!DOCTYPE") && text_.find('[', at_) > text_.find('>', at_)) {
+        if (!skip_behind(">")) return false;  // declares nothing
       } else {
         return !is_at("<!");
       }

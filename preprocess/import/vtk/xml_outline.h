@@ -24,8 +24,7 @@ struct XmlElement {
 
 /// The root element of a text, parsed up to the start of an element named `last`, if there is one.
 /// The content of that element then runs to the end of the text and is not parsed. Nothing for text
-/// that is not well-formed, or uses features that data files do not (document types, CDATA, custom
-/// entities).
+/// that is not well-formed, or uses features that data files do not (declarations, CDATA).
 /// @param end  receives the byte at which parsing ended
 std::optional<XmlElement> xml_outline(std::string_view text, std::string_view last, std::size_t& end);
 

@@ -262,6 +262,12 @@ TEST(XmlOutline, keeps_names_attributes_and_nesting) {
   EXPECT_EQ(root->child("x"), nullptr);
 }
 
+TEST(XmlOutline, skips_a_document_type_that_declares_nothing) {
+  const auto root = outline("<?xml version='1.0'?><!DOCTYPE a><a b='1'/>");
+  ASSERT_TRUE(root);
+  EXPECT_EQ(root->attribute("b"), "1");
+}
+
 TEST(XmlOutline, does_not_look_behind_the_last_element) {
   const auto root = outline("<a><b/><data kind='raw'>_<<<\0\xff", "data");
   ASSERT_TRUE(root);
@@ -270,9 +276,10 @@ TEST(XmlOutline, does_not_look_behind_the_last_element) {
 }
 
 TEST(XmlOutline, says_nothing_about_what_is_not_well_formed) {
-  for (const char* text : {"", "a", "<", "<a", "<a>", "<a></b>", "<a b></a>", "<a b=1></a>", "<a b='1></a>", "</a>",
-                           "<a b='1' b='2'/>", "<a b='&other;'/>", "<a b='&#;'/>", "<a b='&#x110000;'/>",
-                           "<a b='&#12'/>", "<a><![CDATA[x]]></a>", "<!DOCTYPE a><a/>", "<!-- "})
+  for (const char* text :
+       {"", "a", "<", "<a", "<a>", "<a></b>", "<a b></a>", "<a b=1></a>", "<a b='1></a>", "</a>", "<a b='1' b='2'/>",
+        "<a b='&other;'/>", "<a b='&#;'/>", "<a b='&#x110000;'/>", "<a b='&#12'/>", "<a><![CDATA[x]]></a>",
+        "<!DOCTYPE a [<!ENTITY b 'c'>]><a/>", "<!DOCTYPE a", "<!-- "})
     EXPECT_FALSE(outline(text)) << text;
   std::string deep;
   for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
