@@ -1,21 +1,20 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <utility>
 
 #include "formats/base/checks.h"
 
 namespace rhoray {
 
-/// Sorts four numbers in increasing order with five comparisons, the minimum possible.
+/// Sorts four numbers in increasing order with five comparisons, the minimum possible. Written so
+/// that compilers make no branches, which random numbers would mispredict.
 template <class T>
-RHORAY_INLINE std::array<T, 4> rising(std::array<T, 4> v) {
-  if (v[1] < v[0]) std::swap(v[0], v[1]);
-  if (v[3] < v[2]) std::swap(v[2], v[3]);
-  if (v[2] < v[0]) std::swap(v[0], v[2]);
-  if (v[3] < v[1]) std::swap(v[1], v[3]);
-  if (v[2] < v[1]) std::swap(v[1], v[2]);
-  return v;
+RHORAY_INLINE std::array<T, 4> rising(const std::array<T, 4>& v) {
+  const T low_01 = std::min(v[0], v[1]), high_01 = std::max(v[0], v[1]);
+  const T low_23 = std::min(v[2], v[3]), high_23 = std::max(v[2], v[3]);
+  const T second = std::max(low_01, low_23), third = std::min(high_01, high_23);
+  return {std::min(low_01, low_23), std::min(second, third), std::max(second, third), std::max(high_01, high_23)};
 }
 
 }  // namespace rhoray

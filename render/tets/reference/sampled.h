@@ -80,58 +80,66 @@ class TetSampler {
   std::optional<Found> find(double t) const {
     const Vec3 p = ray_.at(t);
     std::optional<Found> found;
-    const auto look_into = [&](std::uint32_t tet) {
-      if (found && !is_preferred(view_, tet, found->tet)) return;
-      if (const auto value = value_in(tet, p)) found = {tet, *value};
-    };
     if (view_.has_clusters()) {
-      look_around(p, view_.clusters().shape.top_level(), 0, look_into);
+      const double unit = view_.clusters().box_unit;
+      look_around({p[0] / unit, p[1] / unit, p[2] / unit}, view_.clusters().shape.top_level(), 0, p, found);
     } else {
       const Vec3 p_lattice = ray_lattice_.at(t);
       Index3 leaf;
       for (int a = 0; a < 3; ++a)
         leaf[a] = static_cast<std::int64_t>(
             std::clamp(std::floor(p_lattice[a]), 0.0, static_cast<double>(lattice().leaf_count[a] - 1)));
-      for (const std::uint32_t tet : view_.tetrahedra_at(leaf)) look_into(tet);
+      for (const std::uint32_t tet : view_.tetrahedra_at(leaf)) look_into(tet, p, found);
     }
     return found;
   }
 
   /// Searches the cells of the clusters below a block whose boxes contain the point, or nearly. A
   /// point with weights of at least -slack may be up to three slacks of the box outside it.
-  template <class Look>
-  void look_around(const Vec3& p, int level, std::uint64_t block, Look& look_into) const {
+  /// @param p_box  the point, in units of the boxes
+  void look_around(const std::array<double, 3>& p_box, int level, std::uint64_t block, const Vec3& p,
+                   std::optional<Found>& found) const {
     const formats::CellClustersView& clusters = view_.clusters();
     const formats::BoxBlock& boxes = clusters.boxes[static_cast<std::size_t>(level)][block];
-    for (std::size_t e = 0; e < BoxRay::width; ++e) {
-      bool holds = true;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double x = p[static_cast<int>(axis)] / clusters.box_unit;
+    std::array<bool, BoxRay::width> holds;
+    holds.fill(true);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t e = 0; e < BoxRay::width; ++e) {
         const double lo = static_cast<double>(boxes.lo[axis][e]), hi = static_cast<double>(boxes.hi[axis][e]);
         const double beside = 4 * default_tet_slack * (hi - lo);
-        holds = holds && lo - beside <= x && x <= hi + beside;
+        holds[e] &= (lo - beside <= p_box[axis]) & (p_box[axis] <= hi + beside);
       }
-      if (!holds) continue;
+    for (std::size_t e = 0; e < BoxRay::width; ++e) {
+      if (!holds[e]) continue;
       const std::uint64_t entry = block * BoxRay::width + e;
       if (level > 0)
-        look_around(p, level - 1, entry, look_into);
+        look_around(p_box, level - 1, entry, p, found);
       else
         for (std::uint64_t tet = clusters.first_cell(entry); tet < clusters.end_cell(entry); ++tet)
-          look_into(static_cast<std::uint32_t>(tet));
+          look_into(static_cast<std::uint32_t>(tet), p, found);
     }
   }
 
-  /// Nothing when the tetrahedron does not contain the point or has no data.
-  std::optional<double> value_in(std::uint32_t tet, const Vec3& p) const {
-    const auto vertices = view_.sorted_vertices(tet);
-    const TetValues values = view_.values_at(vertices);
-    const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
-    // Written so that a NaN fails too: the weights of a flat tetrahedron are NaN.
-    if (!(std::min({w[0], w[1], w[2], w[3]}) >= -default_tet_slack) || !has_data(values)) return std::nullopt;
-    return w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3];
+  RHORAY_INLINE void look_into(std::uint32_t tet, const Vec3& p, std::optional<Found>& found) const {
+    if (found && !is_preferred(view_, tet, found->tet)) return;
+    if (double value; find_value_in(tet, p, value)) found = {tet, value};
   }
 
-  static std::array<double, 4> barycentric(const TetPoints& points, const Vec3& p) {
+  /// False when the tetrahedron does not contain the point or has no data.
+  RHORAY_INLINE bool find_value_in(std::uint32_t tet, const Vec3& p, double& value) const {
+    const auto vertices = view_.sorted_vertices(tet);
+    const std::array<double, 4> w = barycentric(view_.points_at(vertices), p);
+    // Written so that a NaN fails too: the weights of a flat tetrahedron are NaN. One decision is
+    // faster than four that are hard to predict.
+    const auto is_inside = [](double weight) { return static_cast<int>(weight >= -default_tet_slack); };
+    if (!(is_inside(w[0]) & is_inside(w[1]) & is_inside(w[2]) & is_inside(w[3]))) return false;
+    const TetValues values = view_.values_at(vertices);
+    if (!has_data(values)) return false;
+    value = w[0] * values[0] + w[1] * values[1] + w[2] * values[2] + w[3] * values[3];
+    return true;
+  }
+
+  RHORAY_INLINE static std::array<double, 4> barycentric(const TetPoints& points, const Vec3& p) {
     const auto corner = [&](std::size_t i) { return Vec3(points[i][0], points[i][1], points[i][2]); };
     const Vec3 a = corner(1) - corner(0), b = corner(2) - corner(0), c = corner(3) - corner(0), q = p - corner(0);
     const double volume = a.dot(b.cross(c));
