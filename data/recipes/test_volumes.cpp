@@ -34,7 +34,7 @@ struct AxisTable {
 };
 
 /// In [-8, 8]; depends only on the sample's index.
-float noise(std::uint64_t sample) {
+float sample_noise(std::uint64_t sample) {
   const std::uint64_t bits = (sample + 1) * 0x9e3779b97f4a7c15u;
   return static_cast<float>(((bits ^ bits >> 29) >> 8) % 17) - 8;
 }
@@ -58,7 +58,7 @@ void smooth_row(const AxisTable& axis, std::int64_t j, std::int64_t k, std::span
     const float inside = step(8 * (depth - 0.15F));
     const float gyroid =
         axis.sine[i] * at(axis.cosine, j) + at(axis.sine, j) * at(axis.cosine, k) + at(axis.sine, k) * axis.cosine[i];
-    const float value = 10 + 1190 * body + 1600 * inside * step(0.5F * gyroid) + noise(first + i);
+    const float value = 10 + 1190 * body + 1600 * inside * step(0.5F * gyroid) + sample_noise(first + i);
     row[i] = static_cast<std::uint16_t>(std::clamp(value, 0.0F, 65535.0F) + 0.5F);
   }
 }

@@ -10,10 +10,9 @@ namespace rhoray::tests {
 namespace {
 
 using study::CellCase;
-using study::Dice;
 
 /// Chooses a chord between opposite faces of the cell, along a random axis.
-void choose_chord(Dice& dice, CellCase& made) {
+void choose_chord(study::Dice& dice, CellCase& made) {
   const int axis = dice.below(3);
   made.p0 = {dice.unit(), dice.unit(), dice.unit()};
   made.p1 = {dice.unit(), dice.unit(), dice.unit()};
@@ -23,7 +22,7 @@ void choose_chord(Dice& dice, CellCase& made) {
 
 /// corner (i, j, k) = a + b i + c j + d k + e i j + f j k + g i k + h i j k; h alone makes the
 /// cubic term.
-CellCase from_terms(Dice& dice, const std::array<double, 8>& terms) {
+CellCase from_terms(study::Dice& dice, const std::array<double, 8>& terms) {
   CellCase made;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const bool i = corner & 1, j = corner & 2, k = corner & 4;
@@ -37,14 +36,14 @@ CellCase from_terms(Dice& dice, const std::array<double, 8>& terms) {
 }
 
 /// Sets the isovalue to the field's value at a random point of the chord.
-void meet_the_chord(Dice& dice, CellCase& made) {
+void meet_the_chord(study::Dice& dice, CellCase& made) {
   const double s = dice.unit();
   made.isovalue = made.cell.at((1 - s) * made.p0 + s * made.p1);
 }
 
 /// A cubic term between one unit of rounding and a thousandth of the others, or none. Half of them
 /// also lack or nearly lack quadratic terms.
-CellCase hardly_cubic(Dice& dice) {
+CellCase hardly_cubic(study::Dice& dice) {
   std::array<double, 8> terms;
   for (double& t : terms) t = dice.between(-1, 1);
   terms[7] = dice.below(4) == 0 ? 0 : terms[7] * std::exp2(dice.between(-53, -10));
@@ -57,7 +56,7 @@ CellCase hardly_cubic(Dice& dice) {
 
 /// (s - r)^3 along the diagonal, as (x - r)(y - r)(z - r). The isovalue is 0, or differs from it by
 /// one unit of rounding or more.
-CellCase triple_root(Dice& dice) {
+CellCase triple_root(study::Dice& dice) {
   CellCase made;
   const double r = dice.coin() ? std::exp2(-1 - dice.below(20)) : dice.between(0.01, 0.99);
   const double scale = std::exp2(dice.below(41) - 20);
@@ -74,7 +73,7 @@ CellCase triple_root(Dice& dice) {
 
 /// All corners have one value, except some that differ by up to three units in the last place. The
 /// isovalue is one of these values.
-CellCase flat(Dice& dice) {
+CellCase flat(study::Dice& dice) {
   CellCase made;
   const double base = dice.between(-1, 1) * std::exp2(dice.below(41) - 20);
   for (double& f : made.cell.corner) {
@@ -89,7 +88,7 @@ CellCase flat(Dice& dice) {
 
 /// The isovalue is the value at an end of the chord, or differs from it by one unit in the last
 /// place. At either end, the change of side has hardly begun or hardly ended.
-CellCase one_ulp_bracket(Dice& dice) {
+CellCase one_ulp_bracket(study::Dice& dice) {
   CellCase made;
   for (double& f : made.cell.corner) f = dice.between(-1, 1);
   choose_chord(dice, made);

@@ -13,13 +13,12 @@ namespace {
 using render::Ray;
 using study::Aim;
 using study::ClosedScene;
-using study::Dice;
 
 constexpr std::size_t square = 64;
 
 /// Adds rays from one eye, or parallel rays, at edges that are close together in the scene's list,
 /// hence neighbours.
-void add_square(const ClosedScene& scene, Aim aim, Dice& dice, std::vector<Ray>& rays) {
+void add_square(const ClosedScene& scene, Aim aim, study::Dice& dice, std::vector<Ray>& rays) {
   const auto edge_count = static_cast<int>(scene.edges.size());
   const int first = dice.below(edge_count);
   const auto edge = [&](std::size_t i) {
@@ -54,7 +53,7 @@ class InsidePoints {
 
   /// Returns a point on an edge, at an end of one, or so close to one that the field cannot have
   /// reached the isovalue. The field is nowhere 16 times as steep as the steepest edge.
-  Vec3 any(Aim aim, Dice& dice) const {
+  Vec3 any(Aim aim, study::Dice& dice) const {
     const auto& edge = edges_[static_cast<std::size_t>(dice.below(static_cast<int>(edges_.size())))];
     const Vec3 a = scene_.vertices[edge[0]], b = scene_.vertices[edge[1]];
     if (aim == Aim::at_vertices) return a;
@@ -73,7 +72,7 @@ class InsidePoints {
   std::vector<std::array<std::uint32_t, 2>> edges_;
 };
 
-Ray ray_from_inside(const ClosedScene& scene, const InsidePoints& points, Aim aim, Dice& dice) {
+Ray ray_from_inside(const ClosedScene& scene, const InsidePoints& points, Aim aim, study::Dice& dice) {
   const Vec3 origin = points.any(aim, dice), target = target_of(scene, aim, dice);
   const bool is_aimed = aim != Aim::anywhere && (target - origin).length() > 0;
   return {.origin = origin, .direction = is_aimed ? target - origin : study::any_direction(dice)};
@@ -81,7 +80,7 @@ Ray ray_from_inside(const ClosedScene& scene, const InsidePoints& points, Aim ai
 
 /// Adds rays in planes that have all cells of the surface on one side; some of these planes are
 /// close to the surface.
-void add_rays_past(const ClosedScene& scene, Dice& dice, std::vector<Ray>& rays) {
+void add_rays_past(const ClosedScene& scene, study::Dice& dice, std::vector<Ray>& rays) {
   const Vec3 normal = study::any_direction(dice);
   Vec3 last = scene.vertices[scene.edges.front()[0]];
   for (const auto& edge : scene.edges)
@@ -103,7 +102,7 @@ void add_rays_past(const ClosedScene& scene, Dice& dice, std::vector<Ray>& rays)
 
 }  // namespace
 
-WatertightRays watertight_rays(const ClosedScene& scene, Aim aim, std::size_t count, Dice& dice) {
+WatertightRays watertight_rays(const ClosedScene& scene, Aim aim, std::size_t count, study::Dice& dice) {
   RHORAY_CHECK(count % 256 == 0);
   const std::size_t through = 5 * count / 8, from_inside = 2 * count / 8, past = count / 8;
   const InsidePoints points(scene);

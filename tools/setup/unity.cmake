@@ -1,32 +1,81 @@
-# Compiles several sources of a library as one unit. Headers and templates take most of a compiler's
-# time, and the sources of a library share them. With RHORAY_UNITY=OFF each source is a unit of its
+# Compiles several sources of a library or program as one unit. Headers and templates take most of a
+# compiler's time, and the sources of a library share them. With RHORAY_UNITY=OFF each source is a unit of its
 # own: a full build then takes longer, a build after a small change less time.
 option(RHORAY_UNITY "Compile several sources as one unit" ON)
 
-# The names that a source defines in the first column, where clang-format puts what is in a namespace.
-function(rhoray_names_defined source result)
-  set(names)
-  file(STRINGS ${source} lines REGEX "^(#define|[A-Za-z])")
-  foreach(line IN LISTS lines)
-    if(line MATCHES "^(namespace|using namespace|template|static_assert|(TYPED_)?TEST|INSTANTIATE)")
-      continue()
-    endif()
-    if(line MATCHES "^(struct|class|union|enum|enum class|using|#define|concept) ([A-Za-z0-9_]+)( |;|\\(|$)")
-      list(APPEND names ${CMAKE_MATCH_2})
-    elseif(line MATCHES "^[^(={;]*( |\\*|&)([A-Za-z0-9_]+\\((const )?[A-Z][A-Za-z0-9]*)&")
-      list(APPEND names ${CMAKE_MATCH_2})
-    elseif(line MATCHES "^[^(={;]*( |\\*|&)([A-Za-z0-9_]+)(\\(|\\[|{|;| =)")
-      list(APPEND names ${CMAKE_MATCH_2})
-    elseif(line MATCHES "^([A-Za-z0-9_]+)\\(")  # its type is in the line before
-      list(APPEND names ${CMAKE_MATCH_1})
-    endif()
-  endforeach()
+# The names that a source or header defines in the first column, where clang-format puts what is in a
+# namespace.
+function(rhoray_names_defined file result)
+  get_property(is_known GLOBAL PROPERTY rhoray_names_of_${file} SET)
+  if(NOT is_known)
+    set(names)
+    file(STRINGS ${file} lines REGEX "^(#define|[A-Za-z])")
+    foreach(line IN LISTS lines)
+      if(line MATCHES "^(namespace|using namespace|template|static_assert|(TYPED_)?TEST|INSTANTIATE)")
+        continue()
+      endif()
+      if(line MATCHES "^(struct|class|union|enum|enum class|using|#define|concept) ([A-Za-z0-9_]+)( |;|\\(|$)")
+        list(APPEND names ${CMAKE_MATCH_2})
+      elseif(line MATCHES "^[^(={;]*( |\\*|&)([A-Za-z0-9_]+\\((const )?[A-Z][A-Za-z0-9]*)&")
+        list(APPEND names ${CMAKE_MATCH_2})
+      elseif(line MATCHES "^[^(={;]*( |\\*|&)([A-Za-z0-9_]+)(\\(|\\[|{|;| =)")
+        list(APPEND names ${CMAKE_MATCH_2})
+      elseif(line MATCHES "^([A-Za-z0-9_]+)\\(")  # its type is in the line before
+        list(APPEND names ${CMAKE_MATCH_1})
+      endif()
+    endforeach()
+    set_property(GLOBAL PROPERTY rhoray_names_of_${file} "${names}")
+  endif()
+  get_property(names GLOBAL PROPERTY rhoray_names_of_${file})
   set(${result} "${names}" PARENT_SCOPE)
 endfunction()
 
-# Makes units of about so many bytes of a target's sources. Sources that define a name in common are
-# never in one unit, so that a name in an anonymous namespace neither collides with one of another
-# source nor overloads it. Functions of one name may differ in the class that they take first.
+# The names that a source takes from elsewhere: by `using`, and from headers.
+# @param declared  the names that headers define which it includes itself
+function(rhoray_names_included file result declared)
+  get_property(is_known GLOBAL PROPERTY rhoray_included_by_${file} SET)
+  if(NOT is_known)
+    set(all)
+    set(near)
+    file(STRINGS ${file} lines REGEX "^(using [A-Za-z0-9_:]*::[A-Za-z0-9_]+;|#include \")")
+    foreach(line IN LISTS lines)
+      if(line MATCHES "^using .*::([A-Za-z0-9_]+);")
+        list(APPEND all ${CMAKE_MATCH_1})
+      else()
+        string(REGEX REPLACE "^#include \"(.*)\".*" "${PROJECT_SOURCE_DIR}/\\1" header "${line}")
+        if(EXISTS ${header})
+          rhoray_names_defined(${header} names)
+          rhoray_names_included(${header} further ignored)
+          list(APPEND near ${names})
+          list(APPEND all ${names} ${further})
+        endif()
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES all)
+    set_property(GLOBAL PROPERTY rhoray_included_by_${file} "${all}")
+    set_property(GLOBAL PROPERTY rhoray_declared_by_${file} "${near}")
+  endif()
+  get_property(all GLOBAL PROPERTY rhoray_included_by_${file})
+  get_property(near GLOBAL PROPERTY rhoray_declared_by_${file})
+  set(${result} "${all}" PARENT_SCOPE)
+  set(${declared} "${near}" PARENT_SCOPE)
+endfunction()
+
+# TRUE if two lists have an element in common.
+function(rhoray_have_common list other result)
+  set(rest ${list})
+  list(REMOVE_ITEM rest "" ${other})
+  if("${rest}" STREQUAL "${list}")
+    set(${result} FALSE PARENT_SCOPE)
+  else()
+    set(${result} TRUE PARENT_SCOPE)
+  endif()
+endfunction()
+
+# Makes units of about so many bytes of a target's sources. What a source defines and does not declare
+# in a header that it includes is its own: it is taken to be in an anonymous namespace. Another source
+# that has the same name, of its own or from a header, is never in the same unit: one would hide,
+# overload or redefine the other. Functions of one name may differ in the class that they take first.
 # Sources with options or definitions of their own stay apart.
 function(rhoray_unite_sources target unit_bytes)
   get_target_property(folder ${target} SOURCE_DIR)
@@ -60,13 +109,15 @@ function(rhoray_unite_sources target unit_bytes)
   endforeach()
   foreach(path IN LISTS together)
     rhoray_names_defined(${path} names)
+    rhoray_names_included(${path} included declared)
+    list(REMOVE_ITEM names "" ${declared})
     file(SIZE ${path} bytes)
     # The first unit that is not full, else the shortest; only of those without a name in common.
     set(chosen ${unit_count})
     foreach(unit RANGE ${unit_count})
-      set(others ${names})
-      list(REMOVE_ITEM others "" ${names_of_${unit}})
-      if(NOT "${others}" STREQUAL "${names}" OR unit EQUAL unit_count)
+      rhoray_have_common("${names}" "${names_of_${unit}};${included_by_${unit}}" is_taken)
+      rhoray_have_common("${included}" "${names_of_${unit}}" takes)
+      if(is_taken OR takes OR unit EQUAL unit_count)
         continue()
       endif()
       if(bytes_of_${unit} LESS full)
@@ -81,19 +132,22 @@ function(rhoray_unite_sources target unit_bytes)
       set(bytes_of_${unit_count} 0)
     endif()
     list(APPEND names_of_${chosen} ${names})
+    list(APPEND included_by_${chosen} ${included})
+    list(REMOVE_DUPLICATES included_by_${chosen})
     math(EXPR bytes_of_${chosen} "${bytes_of_${chosen}} + ${bytes}")
     set_source_files_properties(${path} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${chosen})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# Unites the sources of each of these libraries that is built.
+# Unites the sources of these libraries and programs at the end of configuring, so that their
+# sources and the properties of these are complete.
 function(rhoray_unite)
-  foreach(target IN LISTS ARGN)
-    if(RHORAY_UNITY AND TARGET ${target})
-      rhoray_unite_sources(${target} 80000)
-    endif()
-  endforeach()
+  if(RHORAY_UNITY)
+    foreach(target IN LISTS ARGN)
+      cmake_language(EVAL CODE "cmake_language(DEFER DIRECTORY ${PROJECT_SOURCE_DIR} CALL rhoray_unite_sources ${target} 80000)")
+    endforeach()
+  endif()
 endfunction()
 
 # gcc would warn in units of what no source does: a header's type that holds one of an anonymous

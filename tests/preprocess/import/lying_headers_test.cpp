@@ -150,6 +150,15 @@ std::vector<Lie> lies_in_bytes(const std::string& content, std::size_t at, std::
   return lies;
 }
 
+/// Some of them, spread evenly; all when the environment asks.
+std::vector<Lie> some_of(std::vector<Lie> lies) {
+  constexpr std::size_t most = 60;
+  if (lies.size() <= most || std::getenv("RHORAY_ALL_LIES") != nullptr) return lies;
+  std::vector<Lie> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(lies[i * lies.size() / most]));
+  return some;
+}
+
 /// Reads each lie; returns how many were read or refused.
 int check_lies(const Sample& sample, const std::vector<Lie>& lies) {
   const TemporaryFolder folder;
@@ -426,15 +435,6 @@ std::vector<Lie> lies_in_words(const std::string& content) {
   return lies;
 }
 
-/// Some of them, spread evenly; all when the environment asks.
-std::vector<Lie> some_of(std::vector<Lie> lies) {
-  constexpr std::size_t most = 150;
-  if (lies.size() <= most || std::getenv("RHORAY_ALL_LIES") != nullptr) return lies;
-  std::vector<Lie> some;
-  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(lies[i * lies.size() / most]));
-  return some;
-}
-
 class LyingSeeds : public testing::TestWithParam<SeedFormat> {};
 
 TEST_P(LyingSeeds, are_read_or_refused_at_little_cost) {
@@ -481,17 +481,20 @@ TEST(LyingHeaders, of_packed_files_are_read_or_refused_at_little_cost) {
       for (Lie& lie : lies_in_bytes(content, content.size() - 64 + at, 8)) lies.push_back(std::move(lie));
     tests::Envelope parts = tests::open_envelope(content);
     const std::string json = parts.json;
-    for (const Lie& lie : lies_in_text(json, json.size())) {
+    std::vector<Lie> lies_in_json = lies_in_text(json, json.size());
+    std::erase_if(lies_in_json, [&](const Lie& lie) {
       // Bins of histograms are many, and nothing is sized by them: the first one stands for all. Arrays of padding too.
       const std::size_t at = std::stoul(lie.description.substr(5));
       const std::size_t list = json.rfind('[', at), name_end = json.rfind("\":{", at);
       const bool in_list = list != std::string::npos && json.find(']', list) > at;
-      if (in_list && list > 12 && json.compare(list - 12, 9, "histogram") == 0 && at != list + 1) continue;
-      if (json.compare(json.rfind('"', name_end - 1) + 1, 5, "_pad.") == 0) continue;
+      if (in_list && list > 12 && json.compare(list - 12, 9, "histogram") == 0 && at != list + 1) return true;
+      return json.compare(json.rfind('"', name_end - 1) + 1, 5, "_pad.") == 0;
+    });
+    for (const Lie& lie : some_of(std::move(lies_in_json))) {
       parts.json = lie.content;
       lies.push_back({tests::seal_again(parts), lie.description});
     }
-    EXPECT_GT(check_lies(sample, lies), 200) << name;
+    EXPECT_GT(check_lies(sample, lies), 90) << name;
   }
 }
 

@@ -228,7 +228,7 @@ render::SceneSpec plain_scene(const render::SceneSpec& asked) {
 }
 
 /// A row's picture and its cost, round after round.
-struct Measured {
+struct TimedEffect {
   const EffectRow* row;
   std::size_t over = 0;  ///< index of the row that it is compared with
   render::ResolvedScene plan;
@@ -258,7 +258,7 @@ struct Measured {
 /// twice: the first frame finds the caches as the previous row left them (after ambient occlusion
 /// the torso's plain picture takes 2.6 % longer) and is not timed.
 /// @return  wall time of the row's frame
-double measure_after(Measured& over, Measured& measured) {
+double measure_after(TimedEffect& over, TimedEffect& measured) {
   over.trace();
   measured.over_cpu_s.push_back(over.trace());
   measured.cpu_s.push_back(measured.trace());
@@ -314,14 +314,14 @@ render::ResolvedScene planned(const render::SceneSpec& scene_spec, const Asked& 
   return plan;
 }
 
-std::vector<Measured> rows_of(const Asked& asked, unsigned threads) {
-  std::vector<Measured> rows;
+std::vector<TimedEffect> rows_of(const Asked& asked, unsigned threads) {
+  std::vector<TimedEffect> rows;
   for (const EffectRow& row : effect_rows_measured) {
     render::SceneSpec scene = plain_scene(asked.scene_spec);
     if (!row.switch_on(scene, asked)) continue;
     rows.push_back({.row = &row, .plan = planned(scene, asked, threads)});
     rows.back().over = static_cast<std::size_t>(
-        std::find_if(rows.begin(), rows.end(), [&](const Measured& m) { return m.row->name == row.over; }) -
+        std::find_if(rows.begin(), rows.end(), [&](const TimedEffect& m) { return m.row->name == row.over; }) -
         rows.begin());
   }
   return rows;
@@ -345,9 +345,9 @@ Json context_of(const BenchOptions& options, const Asked& asked) {
   return json;
 }
 
-Table effects_table(const std::vector<Measured>& rows, const Json& context) {
+Table effects_table(const std::vector<TimedEffect>& rows, const Json& context) {
   Table table{"effects", "Cost of each effect: CPU time compared with the same picture without it", context, {}};
-  for (const Measured& measured : rows) {
+  for (const TimedEffect& measured : rows) {
     const render::FrameStatistics& counts = measured.statistics;
     Json row{{"effect", measured.row->name}, {"over", measured.row->over}};
     add_spread(row, "ratio", spread_of(ratios(measured.cpu_s, measured.over_cpu_s)));
@@ -389,10 +389,10 @@ constexpr PaperFrames paper_frames[] = {{"no shadows, no texture", 15.9, lit},
                                         {"no shadows, texture", 12.6, "texture"},
                                         {"shadows, texture", 7.5, "texture, hard shadows"}};
 
-Table paper_table_4(const std::vector<Measured>& rows, const Json& context) {
+Table paper_table_4(const std::vector<TimedEffect>& rows, const Json& context) {
   Table table{"table_4", "The paper's Table 4: frames per second of CPU time with shadows and texture", context, {}};
   const auto fps_of = [&](const char* name) -> std::optional<double> {
-    for (const Measured& row : rows)
+    for (const TimedEffect& row : rows)
       if (row.row->name == std::string_view(name)) return 1 / spread_of(row.cpu_s).median;
     return std::nullopt;
   };
@@ -418,12 +418,12 @@ Json shares(const char* who, const std::string& shows, double traversal, double 
           {"fps", fps}};
 }
 
-Table paper_table_1(std::vector<Measured>& rows, int repeat, const Json& context) {
+Table paper_table_1(std::vector<TimedEffect>& rows, int repeat, const Json& context) {
   Table table{"table_1", "The paper's Table 1: where the time goes, and frames per second", context, {}};
   constexpr const char* authors = "Parker et al. 1999, 64 processors";
   table.rows.push_back(shares(authors, "skin of the Visible Woman", 55, 22, 23, "7-15"));
   table.rows.push_back(shares(authors, "bone of the Visible Woman", 66, 21, 13, "6-15"));
-  for (Measured& measured : rows) {
+  for (TimedEffect& measured : rows) {
     render::FrameStatistics::Phases sum;
     measured.plan.frame.time_phases = true;
     std::vector<double> wall_s;
@@ -446,12 +446,12 @@ std::vector<Table> effects_tables(const BenchOptions& options, const Step& step)
   const Asked asked = asked_of(options);
   if (!has_surface(asked))
     throw Error(ErrorCode::invalid, concat(options.input.string(), ": shows no surface; table 'effects' needs one"));
-  std::vector<Measured> rows = rows_of(asked, options.threads);
+  std::vector<TimedEffect> rows = rows_of(asked, options.threads);
   interleaved(rows.size(), options.repeat, [&](std::size_t row) {
     step(rows[row].row->name);
     return measure_after(rows[rows[row].over], rows[row]);
   });
-  for (Measured& row : rows)  // what was not timed
+  for (TimedEffect& row : rows)  // what was not timed
     for (std::vector<double>* seconds : {&row.over_cpu_s, &row.cpu_s, &row.wall_s}) seconds->erase(seconds->begin());
   const Json context = context_of(options, asked);
   std::vector<Table> tables{effects_table(rows, context), paper_table_4(rows, context)};

@@ -46,7 +46,7 @@ DrawnFrame drawn_frame(int frame, const render::Sweep& sweep, const Drawn& drawn
   return of;
 }
 
-Json json_of(const DrawnFrame& frame) {
+Json frame_json(const DrawnFrame& frame) {
   Json json{{"frame", frame.frame}, {"time", frame.time}, {"picture", frame.picture.string()}};
   if (frame.isovalue) json["isovalue"] = *frame.isovalue;
   json["statistics"] = statistics_json(frame.statistics);
@@ -72,7 +72,7 @@ void report_frames(const RenderCommand& command, const render::ResolvedScene& pl
               {"frames_per_second", rate},
               {"range_proof", proof_json(range_proof)},
               {"frames", Json::array()}};
-    for (const DrawnFrame& frame : frames) json["frames"].push_back(json_of(frame));
+    for (const DrawnFrame& frame : frames) json["frames"].push_back(frame_json(frame));
     std::puts(dump(json).c_str());
   } else if (command.statistics) {
     std::puts("  frame       time   isovalue         rays         hits  prepared s  traced s");

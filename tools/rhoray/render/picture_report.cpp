@@ -66,7 +66,7 @@ void report_json(const Drawn& drawn) {
   std::puts(dump(json).c_str());
 }
 
-Json json_of(const render::Explanation& explanation) {
+Json explanation_json(const render::Explanation& explanation) {
   Json json{{"layers", Json::array()}, {"lights", explanation.lights}, {"left_out", explanation.left_out}};
   json["antialiasing"] = explanation.antialiasing;
   for (std::size_t i = 0; i < explanation.layers.size(); ++i) {
@@ -162,7 +162,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
 void explain(const RenderCommand& command, const render::SceneSpec& scene_spec, const render::ResolvedScene& plan) {
   const render::Explanation explanation = render::explain(scene_spec, plan);
   if (command.common.json)
-    std::puts(dump(json_of(explanation)).c_str());
+    std::puts(dump(explanation_json(explanation)).c_str());
   else
     for (const std::string& line : lines_of(explanation)) std::puts(line.c_str());
 }
