@@ -150,9 +150,10 @@ function(rhoray_unite)
   endif()
 endfunction()
 
-# gcc would warn in units of what no source does: a header's type that holds one of an anonymous
+# Compilers would warn in units of what no source does: a header's type that holds one of an anonymous
 # namespace, and a local name that is also that of a function or constant of another source.
 if(RHORAY_UNITY)
   target_compile_options(rhoray_flags INTERFACE
-                         $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-shadow;-Wshadow=local>)
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-shadow;-Wshadow=local>
+                         $<$<CXX_COMPILER_ID:Clang>:-Wno-shadow>)
 endif()

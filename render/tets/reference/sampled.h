@@ -107,7 +107,7 @@ class TetSampler {
       for (std::size_t e = 0; e < BoxRay::width; ++e) {
         const double lo = static_cast<double>(boxes.lo[axis][e]), hi = static_cast<double>(boxes.hi[axis][e]);
         const double beside = 4 * default_tet_slack * (hi - lo);
-        holds[e] &= (lo - beside <= p_box[axis]) & (p_box[axis] <= hi + beside);
+        holds[e] = holds[e] && lo - beside <= p_box[axis] && p_box[axis] <= hi + beside;
       }
     for (std::size_t e = 0; e < BoxRay::width; ++e) {
       if (!holds[e]) continue;
