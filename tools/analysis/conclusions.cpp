@@ -106,15 +106,17 @@ void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::str
     // Times extrapolated from some rays are not compared with those of pictures.
     const std::string time =
         half->measured->wall_ms.empty()
-            ? std::string("were too slow for a picture in the time given")
-            : concat("take ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method, "`");
-    const std::string within =
+            ? std::string("was too slow for a picture in the time given")
+            : concat("takes ", times_text(half->cpu_ms / own->cpu_ms), " the time of `", own->measured->method, "`");
+    const std::string own_error = concat(short_number(own->kept.value_or(0), 2), " ", error_unit(layer));
+    const std::string found =
         std::isfinite(half->kept.value_or(0))
-            ? concat("99 % of the pixels are within ", short_number(half->kept.value_or(0), 2), " ", error_unit(layer))
-            : std::string("more than 1 % of the pixels are false negatives or false positives");
-    out.push_back(concat("Samples every half cell, as in many renderers (`", half->measured->method, "`), ", time, "; ",
-                         within, ", of `", own->measured->method, "` within ", short_number(own->kept.value_or(0), 2),
-                         "; ", wrong_text(*half), "."));
+            ? concat("Its error is within ", short_number(half->kept.value_or(0), 2), " ", error_unit(layer),
+                     " in 99 % of the pixels, that of `", own->measured->method, "` within ", own_error)
+            : concat("More than 1 % of its pixels are false negatives or false positives; the error of `",
+                     own->measured->method, "` is within ", own_error, " in 99 % of the pixels");
+    out.push_back(concat("Sampling every half cell (`", half->measured->method, "`), as many renderers do, ", time,
+                         ". ", found, ". Sampling: ", wrong_text(*half), "."));
   }
 }
 

@@ -53,7 +53,7 @@ struct Variant {
 
 // Names of groups that reports use.
 inline constexpr const char* group_levels = "level";
-inline constexpr const char* group_published = "published";
+inline constexpr const char* group_published = "published methods";
 inline constexpr const char* group_linear = "sampled, linear";
 inline constexpr const char* group_bisect = "sampled, bisection";
 inline constexpr const char* group_samples = "sampled";
