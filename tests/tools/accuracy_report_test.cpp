@@ -230,7 +230,9 @@ TEST(AccuracyReport, measures_what_is_too_slow_for_pictures_on_random_pixels) {
   run_well(bench, "ball.rho --iso 60 -o out --size 320x240 --repeat 1 -q --time-limit 3");
   const json results = results_of(bench, "out"), fine = row_named(results, "sampled:0.015625+linear");
   EXPECT_THAT(fine.at("note").get<std::string>(), HasSubstr("too slow for a picture"));
-  EXPECT_LT(fine.at("judged_pixels"), results.at("layers")[0].at("judged_pixels"));
+  EXPECT_LT(fine.at("judged_pixels"), 320 * 240);
+  // A busy machine has no time for the exact answer of all pixels either.
+  EXPECT_LE(fine.at("judged_pixels"), results.at("layers")[0].at("judged_pixels"));
   EXPECT_GT(fine.at("judged_pixels"), 0);
   EXPECT_LT(fine.at("missed_ppm_low"), fine.at("missed_ppm_high")) << "a sample leaves something open";
   EXPECT_GT(fine.at("cpu_ms"), 0);
