@@ -7,8 +7,8 @@
 
 namespace rhoray {
 
-/// Sorts four numbers in increasing order with five comparisons, the minimum possible. Written so
-/// that compilers make no branches, which random numbers would mispredict.
+/// Sorts four numbers in increasing order with five comparisons, the minimum possible. Minima
+/// and maxima need no branches, which a processor could not predict for random numbers.
 template <class T>
 RHORAY_INLINE std::array<T, 4> rising(const std::array<T, 4>& v) {
   const T low_01 = std::min(v[0], v[1]), high_01 = std::max(v[0], v[1]);

@@ -44,7 +44,7 @@ class SlicePlane {
   const LoadedDataset& dataset_;
   Vec3 point_, normal_;            ///< world axes
   Vec3 point_data_, normal_data_;  ///< the normal transformed as a gradient
-  /// Bounds the error of the plane's position, along each axis of the data's frame.
+  /// Largest possible rounding error of a point of the plane, on each axis of the data frame.
   Vec3 slack_;
   Interval<double> threshold_;
   PlaceLookup lookup_;

@@ -1,10 +1,10 @@
 # Compiles several sources of a library or program as one unit. Headers and templates take most of a
-# compiler's time, and the sources of a library share them. With RHORAY_UNITY=OFF each source is a unit of its
-# own: a full build then takes longer, a build after a small change less time.
+# compiler's time, and sources in one unit share them. With RHORAY_UNITY=OFF each source is a unit
+# of its own: a full build then takes longer, a build after a small change less time.
 option(RHORAY_UNITY "Compile several sources as one unit" ON)
 
-# The names that a source or header defines in the first column, where clang-format puts what is in a
-# namespace.
+# The names that a source or header defines in the first column, where clang-format puts what is in
+# a namespace.
 function(rhoray_names_defined file result)
   get_property(is_known GLOBAL PROPERTY rhoray_names_of_${file} SET)
   if(NOT is_known)
@@ -72,11 +72,11 @@ function(rhoray_have_common list other result)
   endif()
 endfunction()
 
-# Makes units of about so many bytes of a target's sources. What a source defines and does not declare
-# in a header that it includes is its own: it is taken to be in an anonymous namespace. Another source
-# that has the same name, of its own or from a header, is never in the same unit: one would hide,
-# overload or redefine the other. Functions of one name may differ in the class that they take first.
-# Sources with options or definitions of their own stay apart.
+# Makes units of about so many bytes of a target's sources. What a source defines and does not
+# declare in a header that it includes is its own: it is taken to be in an anonymous namespace.
+# Another source that has the same name, of its own or from a header, is never in the same unit: one
+# would hide, overload or redefine the other. Functions of one name may differ in the class that
+# they take first. Sources with options or definitions of their own stay apart.
 function(rhoray_unite_sources target unit_bytes)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(sources ${target} SOURCES)
@@ -150,8 +150,9 @@ function(rhoray_unite)
   endif()
 endfunction()
 
-# Compilers would warn in units of what no source does: a header's type that holds one of an anonymous
-# namespace, and a local name that is also that of a function or constant of another source.
+# Compilers would warn in units of what no source does: a header's type that holds one of an
+# anonymous namespace, and a local name that is also that of a function or constant of another
+# source.
 if(RHORAY_UNITY)
   target_compile_options(rhoray_flags INTERFACE
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-shadow;-Wshadow=local>

@@ -38,13 +38,12 @@ RHORAY_INLINE bool is_preferred(const View& view, std::uint32_t tet, std::uint32
 template <class View, class Look, class IsNew>
 RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint32_t tet, KernelCounters& counters,
                              Look&& look, IsNew&& is_new) {
-  const auto stored = view.vertices(tet);
-  const TetValues unsorted = view.values_at(stored);
+  const TetValues unsorted = view.values_at(view.vertices(tet));
   const double lo = std::min(std::min(unsorted[0], unsorted[1]), std::min(unsorted[2], unsorted[3]));
   const double hi = std::max(std::max(unsorted[0], unsorted[1]), std::max(unsorted[2], unsorted[3]));
   if (!(lo < query.isovalue && query.isovalue <= hi) || !has_data(unsorted) || !is_new(tet)) return;
   ++counters.cells_solved;
-  const auto vertices = rising(stored);
+  const auto vertices = view.sorted_vertices(tet);
   look(tet, LocalTet{view.points_at(vertices), view.values_at(vertices)});
 }
 

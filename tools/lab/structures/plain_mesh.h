@@ -31,6 +31,8 @@ class PlainMesh {
   std::span<const float> values() const { return values_; }
   std::uint64_t cell_id(std::uint32_t cell) const { return ids_[cell]; }
 
+  /// Point indices of a cell, as stored.
+  RHORAY_INLINE const std::array<std::uint32_t, 4>& vertices(std::uint32_t cell) const { return cells_[cell]; }
   /// Point indices of a cell, ascending.
   RHORAY_INLINE std::array<std::uint32_t, 4> sorted_vertices(std::uint32_t cell) const { return rising(cells_[cell]); }
   RHORAY_INLINE std::array<double, 4> values_at(const std::array<std::uint32_t, 4>& v) const {

@@ -23,6 +23,7 @@ class ClusteredCells {
     std::uint64_t cluster;
     std::array<std::uint64_t, 4> entry;
   };
+  RHORAY_INLINE Vertices vertices(std::uint32_t cell) const { return sorted_vertices(cell); }
   RHORAY_INLINE Vertices sorted_vertices(std::uint32_t cell) const {
     const formats::CellClustersView& clusters = packed_.clusters();
     const std::array<std::uint8_t, 4> v = rising(clusters.corners[cell]);

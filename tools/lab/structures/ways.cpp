@@ -147,6 +147,7 @@ struct TreeView {
   RHORAY_INLINE auto with_cluster_ranges(int level, std::uint64_t block, Act&& act) const {
     return tree.with_cluster_ranges(level, block, act);
   }
+  RHORAY_INLINE auto vertices(std::uint32_t cell) const { return mesh.vertices(cell); }
   RHORAY_INLINE auto sorted_vertices(std::uint32_t cell) const { return mesh.sorted_vertices(cell); }
   template <class Vertices>
   RHORAY_INLINE std::array<double, 4> values_at(const Vertices& v) const {
