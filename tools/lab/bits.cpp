@@ -27,8 +27,6 @@ namespace rhoray::study {
 
 namespace {
 
-using tools::Json;
-
 constexpr const char* table_name = "bits";
 constexpr const char* depth_figure = "bits_depth";
 constexpr const char* normal_figure = "bits_normal";
@@ -69,7 +67,7 @@ class Forms {
   void add(const Storage& storage, const preprocess::NeutralVolume& grid, const Interval<double>& range) {
     const std::optional<StoredSamples> stored = stored_as(storage, grid, range);
     if (!stored) return;
-    add(storage.name, storage.bits, stored->dataset);
+    add(storage.name, storage.bits, stored->volume);
     all_.back().is_whole = storage.is_whole;
     all_.back().scale = stored->scale;
     all_.back().offset = stored->offset;

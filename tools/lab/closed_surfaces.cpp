@@ -20,8 +20,6 @@
 namespace rhoray::study {
 namespace {
 
-using tools::Json;
-
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();

@@ -29,7 +29,6 @@ bool ContestSettings::wants(const std::string& system) const {
 
 namespace {
 
-using tools::Json;
 using Tell = std::function<void(const std::string&)>;
 
 std::string listed(const std::vector<std::string>& words) {
@@ -279,7 +278,7 @@ void prepare_contest(const ContestSettings& settings, const std::vector<std::str
 Subject::Subject(const ContestSettings& settings, const PeerData& given, double unit_length,
                  const std::string& unit_word)
     : data(given),
-      volume(render::Dataset::load(data.packed_file, data.field)),
+      dataset(render::Dataset::load(data.packed_file, data.field)),
       unit(unit_length),
       unit_name(unit_word) {
   data.bounds = dataset.bounds();

@@ -52,7 +52,7 @@ struct Subject {
   std::vector<tools::StudyView> views;
   double unit;            ///< unit of errors along the ray, in world units
   std::string unit_name;  ///< "voxel"
-  tools::Json about;      ///< for the tables' context
+  Json about;      ///< for the tables' context
 
   /// @param data  without its bounds and range, which the packed file provides
   Subject(const ContestSettings& settings, const PeerData& data, double unit, const std::string& unit_name);
@@ -61,7 +61,7 @@ struct Subject {
 /// The systems that answer one query, and those that cannot run here, with the reason.
 struct Contest {
   std::vector<PeerPointer> peers;
-  tools::Json left_out = tools::Json::object();
+  Json left_out = Json::object();
 
   void add(PeerPointer peer) { peers.push_back(std::move(peer)); }
 };

@@ -26,8 +26,6 @@ namespace rhoray::study {
 
 namespace {
 
-using tools::Json;
-
 constexpr const char* shadow_table = "epsilon_shadows";
 constexpr const char* step_table = "epsilon_steps";
 

@@ -26,8 +26,6 @@ namespace rhoray::study {
 
 namespace {
 
-using tools::Json;
-
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path input;

@@ -20,8 +20,6 @@
 namespace rhoray::study {
 namespace {
 
-using tools::Json;
-
 /// The arithmetic that decided an answer. Certified methods try them in this order.
 enum class Decider { single, float64, judge };
 constexpr std::array<const char*, 3> decider_names{"float", "double", "judge"};

@@ -9,8 +9,6 @@ namespace rhoray::study {
 
 namespace {
 
-using tools::Json;
-
 /// A hit farther away than this is on another part of the surface.
 constexpr float elsewhere_cells = 1;
 

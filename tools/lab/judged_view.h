@@ -52,9 +52,9 @@ class ExactView {
   ///   - errors of depth in cells and in the world's unit, without those at the border;
   ///   - in a grid, also errors of the value at the found position against the isovalue, as
   ///     fractions of the field's range.
-  tools::Json ray_errors(const Shown& shown) const;
+  Json ray_errors(const Shown& shown) const;
   /// Columns: angles between normals, and differences of the pictures.
-  tools::Json picture_errors(const Shown& shown) const;
+  Json picture_errors(const Shown& shown) const;
 
   /// Draws the picture on one thread, for timing.
   void draw(const Shown& shown);

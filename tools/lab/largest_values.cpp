@@ -27,7 +27,6 @@ namespace {
 
 using render::Hit;
 using render::Method;
-using tools::Json;
 
 struct Settings {
   tools::CommonOptions common;

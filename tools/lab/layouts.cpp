@@ -34,7 +34,6 @@ namespace {
 using formats::ElementType;
 using preprocess::PackVolumeOptions;
 using preprocess::SampleOrder;
-using tools::Json;
 
 /// The settings of a picture; the same for every layout.
 struct Shown {

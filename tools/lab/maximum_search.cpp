@@ -14,8 +14,6 @@
 namespace rhoray::study {
 namespace {
 
-using tools::Json;
-
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path file;

@@ -27,8 +27,6 @@ namespace rhoray::study {
 
 namespace {
 
-using tools::Json;
-
 struct Settings {
   tools::CommonOptions common;
   std::vector<std::string> cell_counts{"100000", "1000000", "10000000"};

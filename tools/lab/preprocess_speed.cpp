@@ -35,8 +35,6 @@
 namespace rhoray::study {
 namespace {
 
-using tools::Json;
-
 struct Settings {
   tools::CommonOptions common;
   std::filesystem::path scratch = std::filesystem::temp_directory_path();

@@ -31,7 +31,6 @@ namespace rhoray::study {
 namespace {
 
 using tools::DataForm;
-using tools::Json;
 
 constexpr const char* table_name = "resample_or_direct";
 constexpr const char* error_figure = "resample_or_direct_error";

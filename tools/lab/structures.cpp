@@ -35,7 +35,6 @@ namespace {
 using preprocess::NeutralMesh;
 using render::Hit;
 using render::Ray;
-using tools::Json;
 
 struct Settings {
   tools::CommonOptions common;

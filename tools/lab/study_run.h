@@ -14,9 +14,9 @@
 namespace rhoray::study {
 
 /// Machine, version and compiler, and the context of this study alone.
-inline tools::Json context_with(const tools::Json& peculiar) {
+inline Json context_with(const Json& peculiar) {
   const tools::Machine machine = tools::this_machine();
-  tools::Json context{{"processor", machine.processor}, {"cores", machine.core_count}, {"system", machine.system},
+  Json context{{"processor", machine.processor}, {"cores", machine.core_count}, {"system", machine.system},
                       {"version", tools::version()},    {"commit", tools::commit()},   {"compiler", tools::compiler()}};
   context.update(peculiar);
   return context;
