@@ -73,6 +73,7 @@ GridDescription read_description(const PackedFile& file) {
   if (requires_feature(file, sparse_bricks_feature)) read_sparse(reader, description.layout);
   description.world_from_grid = details::read_affine(reader);
   description.length_unit = reader.text("length_unit");
+  description.space = details::read_space(reader);
   read_one_field(reader.object("field"), description);
   if (reader.has("more_fields"))
     for (const details::Reader& field : reader.objects("more_fields")) read_one_field(field, description);
@@ -141,6 +142,7 @@ Json grid_field_json(const GridDescription& description, std::size_t field) {
 
 /// The first minor version with all features that the file uses.
 int first_minor_version(const GridDescription& description, const FileDescription& file) {
+  if (description.space != Space::unknown) return 6;
   for (const auto& [field, certificate] : description.certificates)
     if (certificate.coverage || certificate.requested_error) return 5;
   const bool is_of_version_1_0 =
@@ -248,6 +250,7 @@ FileDescription describe(const GridDescription& description) {
             {"provenance", details::provenance_json(description.provenance)}};
   for (std::size_t field = 1; field < description.fields.size(); ++field)
     json["more_fields"].push_back(grid_field_json(description, field));
+  if (description.space != Space::unknown) json["space"] = space_word(description.space);
   FileDescription file{.kind = std::string(grid_kind)};
   if (description.is_rectilinear()) file.required.emplace_back(axis_tables_feature);
   if (layout.is_sparse) {

@@ -18,6 +18,7 @@
 #include "formats/macro_levels.h"
 #include "formats/packed_file.h"
 #include "formats/provenance.h"
+#include "formats/space.h"
 
 namespace rhoray::formats {
 
@@ -60,6 +61,7 @@ struct GridDescription {
   /// ...
   std::array<std::vector<double>, 3> axes;
   std::string length_unit;  ///< of world coordinates; empty: not given by the source
+  Space space = Space::unknown;  ///< of world coordinates
   /// at least one, with distinct names; a sparse layout holds only F32 and F64
   std::vector<FieldSummary> fields;
   std::map<std::size_t, Certificate> certificates;  ///< key: field index; only fields with one

@@ -19,6 +19,7 @@ ColorGridDescription read_description(const PackedFile& file) {
   grid.layout = details::read_layout(reader, 1);
   grid.world_from_grid = details::read_affine(reader);
   grid.length_unit = reader.text("length_unit");
+  grid.space = details::read_space(reader);
   grid.component_count = static_cast<int>(reader.count("component_count", 3, 4));
   grid.provenance = details::read_provenance(reader.object("provenance"));
   return grid;
@@ -57,14 +58,16 @@ std::vector<ArraySpec> color_grid_arrays(const ColorGridDescription& grid) {
 }
 
 FileDescription describe(const ColorGridDescription& grid) {
-  const Json json{{"sample_count", details::index_json(grid.layout.sample_count)},
+  Json json{{"sample_count", details::index_json(grid.layout.sample_count)},
                   {"brick_edge", grid.layout.brick_edge},
                   {"superbrick_edge", details::index_json(grid.layout.superbrick_edge)},
                   {"world_from_grid", details::affine_json(grid.world_from_grid)},
                   {"length_unit", grid.length_unit},
                   {"component_count", grid.component_count},
                   {"provenance", details::provenance_json(grid.provenance)}};
-  return {.kind = ColorGrid::kind, .required = {}, .details = details::dump(json), .minor_version = 4};
+  const bool has_space = grid.space != Space::unknown;
+  if (has_space) json["space"] = space_word(grid.space);
+  return {.kind = ColorGrid::kind, .required = {}, .details = details::dump(json), .minor_version = has_space ? 6 : 4};
 }
 
 }  // namespace rhoray::formats

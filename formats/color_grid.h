@@ -10,6 +10,7 @@
 #include "formats/brick_grid.h"
 #include "formats/brick_layout.h"
 #include "formats/packed_file.h"
+#include "formats/space.h"
 
 namespace rhoray::formats {
 
@@ -20,6 +21,7 @@ struct ColorGridDescription {
   BrickLayout layout;  ///< not sparse; an axis may have a single texel
   Affine world_from_grid;
   std::string length_unit;  ///< of world coordinates; empty: not given by the source
+  Space space = Space::unknown;  ///< of world coordinates
   int component_count = 3;  ///< 3: red, green, blue; 4: with alpha
   Provenance provenance;
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "formats/file_description.h"
@@ -74,6 +75,16 @@ class PackedFile {
   std::shared_ptr<const Mapping> mapping_;
 };
 
+/// Where a packed file goes: under a name, or into an open descriptor, such as that of a file in
+/// memory or of a file that is sent to another process.
+struct Destination {
+  std::filesystem::path path{};
+  int descriptor = -1;  ///< when not -1, nothing gets a name
+
+  Destination(std::filesystem::path name) : path(std::move(name)) {}
+  explicit Destination(int open_descriptor) : descriptor(open_descriptor) {}
+};
+
 /// Writes a packed file. The whole layout is declared first and its space reserved, so that a full
 /// disk fails early. Arrays are filled in any order and from any thread. `commit` adds checksums
 /// and seal and gives the file its name. Without `commit` (an error, an interrupt, a kill) nothing
@@ -83,14 +94,13 @@ class PackedFileWriter {
   struct Options {
     bool replace_existing = false;  ///< false: an existing file is refused (ErrorCode::usage)
   };
-  PackedFileWriter(std::filesystem::path path, FileDescription description, std::vector<ArraySpec> arrays,
-                   Options options);
-  PackedFileWriter(std::filesystem::path path, FileDescription description, std::vector<ArraySpec> arrays)
-      : PackedFileWriter(std::move(path), std::move(description), std::move(arrays), Options{}) {}
-
-  /// Writes into an open descriptor instead of a named file: an anonymous file that is sent to
-  /// another process.
-  PackedFileWriter(int descriptor, FileDescription description, std::vector<ArraySpec> arrays);
+  PackedFileWriter(const Destination& destination, const FileDescription& description,
+                   const std::vector<ArraySpec>& arrays, Options options);
+  PackedFileWriter(const Destination& destination, const FileDescription& description,
+                   const std::vector<ArraySpec>& arrays)
+      : PackedFileWriter(destination, description, arrays, Options{}) {}
+  PackedFileWriter(int descriptor, const FileDescription& description, const std::vector<ArraySpec>& arrays)
+      : PackedFileWriter(Destination(descriptor), description, arrays) {}
 
   PackedFileWriter(PackedFileWriter&&) noexcept;
   PackedFileWriter& operator=(PackedFileWriter&&) noexcept;

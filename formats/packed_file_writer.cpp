@@ -77,14 +77,14 @@ struct PackedFileWriter::State {
   std::atomic<bool> failed{false};
 };
 
-PackedFileWriter::PackedFileWriter(std::filesystem::path path, FileDescription description,
-                                   std::vector<ArraySpec> arrays, Options options)
+PackedFileWriter::PackedFileWriter(const Destination& destination, const FileDescription& description,
+                                   const std::vector<ArraySpec>& arrays, Options options)
     : state_(std::make_unique<State>(
-          std::make_unique<PendingFile>(path, PendingFile::Options{.replace_existing = options.replace_existing}),
+          destination.descriptor >= 0
+              ? std::make_unique<PendingFile>(destination.descriptor)
+              : std::make_unique<PendingFile>(destination.path,
+                                              PendingFile::Options{.replace_existing = options.replace_existing}),
           description, arrays)) {}
-
-PackedFileWriter::PackedFileWriter(int descriptor, FileDescription description, std::vector<ArraySpec> arrays)
-    : state_(std::make_unique<State>(std::make_unique<PendingFile>(descriptor), description, arrays)) {}
 
 PackedFileWriter::PackedFileWriter(PackedFileWriter&&) noexcept = default;
 PackedFileWriter& PackedFileWriter::operator=(PackedFileWriter&&) noexcept = default;

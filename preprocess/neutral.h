@@ -10,6 +10,8 @@
 
 #include "formats/base/affine.h"
 #include "formats/packed_file.h"
+#include "formats/space.h"
+#include "preprocess/source_file.h"
 
 namespace rhoray::preprocess {
 
@@ -47,12 +49,14 @@ struct NeutralVolume {
   /// at 0, 1, 2, ...
   std::array<std::vector<double>, 3> axes;
   std::string length_unit;
+  formats::Space space = formats::Space::unknown;  ///< of world coordinates
   std::string field_name;
   std::string field_unit;
   /// names of further scalar fields in the file, as `--field` takes them
   std::vector<std::string> other_fields;
   std::vector<VectorArray> vectors;  ///< `--field` takes one component of these, or the length
   std::vector<std::string> notes;    ///< what reading changed or left out, one sentence each
+  std::vector<SourceFile> sources;   ///< the files that were read or looked for
 };
 
 /// Values at points or in cells: `component_count` numbers for each, interleaved.
@@ -110,6 +114,7 @@ struct CellMesh {
   std::vector<NeutralField> cell_fields;
   std::string length_unit;
   std::vector<std::string> notes;
+  std::vector<SourceFile> sources;  ///< as in NeutralVolume
 };
 
 /// An unstructured mesh of tetrahedra, read as such or made from cells of other kinds.
@@ -122,6 +127,7 @@ struct NeutralMesh {
   std::vector<NeutralField> cell_fields;
   std::string length_unit;
   std::vector<std::string> notes;
+  std::vector<SourceFile> sources;  ///< as in NeutralVolume
 };
 
 /// Polygons in space, to be filled with tetrahedra.
@@ -148,6 +154,7 @@ struct NeutralSurface {
   Array<std::array<double, 3>> holes;  ///< a point inside each cavity
   std::vector<Region> regions;
   std::vector<std::string> notes;
+  std::vector<SourceFile> sources;  ///< as in NeutralVolume
 };
 
 }  // namespace rhoray::preprocess

@@ -127,13 +127,15 @@ void check_numbers(const PackOptions& options) {
       throw Error(ErrorCode::usage, concat(name, ": found ", value, "; expected a number from ", lo, " to ", hi));
 }
 
-/// The folder for large arrays under a memory cap: that of the packed file. Empty without a cap.
-fs::path scratch_folder(const fs::path& output, const PackOptions& options) {
+/// The folder for large arrays under a memory cap: that of the packed file, or of temporary files if
+/// it has no name. Empty without a cap.
+fs::path scratch_folder(const formats::Destination& output, const PackOptions& options) {
   if (options.memory_limit_bytes == 0) return {};
-  return output.has_parent_path() ? output.parent_path() : fs::path(".");
+  if (output.descriptor >= 0) return fs::temp_directory_path();
+  return output.path.has_parent_path() ? output.path.parent_path() : fs::path(".");
 }
 
-ImportVolumeOptions import_options(const fs::path& output, const PackOptions& options, const Progress& progress) {
+ImportVolumeOptions import_options(const formats::Destination& output, const PackOptions& options, const Progress& progress) {
   ImportVolumeOptions import;
   if (!options.raw.empty()) import.raw = parse_raw_volume(options.raw);
   import.colors = options.color;
@@ -167,13 +169,19 @@ std::vector<std::string> notes_of(const std::vector<NeutralVolume>& fields) {
   return notes;
 }
 
+std::vector<SourceFile> sources_of(const std::vector<NeutralVolume>& fields) {
+  std::vector<SourceFile> sources;
+  for (const NeutralVolume& field : fields) sources.insert(sources.end(), field.sources.begin(), field.sources.end());
+  return sources;
+}
+
 std::uint64_t bytes_of(const std::vector<formats::FieldSummary>& fields) {
   std::uint64_t bytes = 0;
   for (const formats::FieldSummary& field : fields) bytes += formats::element_bytes(field.type);
   return bytes;
 }
 
-PackReport pack_volume_file(const fs::path& input, const fs::path& output, const PackOptions& options,
+PackReport pack_volume_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                             const Progress& progress) {
   const std::vector<NeutralVolume> fields = import_fields(input, options, import_options(output, options, progress));
   const PackVolumeReport packed = pack_grid(fields, output,
@@ -189,11 +197,12 @@ PackReport pack_volume_file(const fs::path& input, const fs::path& output, const
   const formats::GridDescription& grid = packed.description;
   return {.description = grid,
           .notes = notes_of(fields),
+          .sources = sources_of(fields),
           .raw_bytes = static_cast<std::uint64_t>(volume(grid.layout.sample_count)) * bytes_of(grid.fields),
           .file_bytes = packed.file_bytes};
 }
 
-PackReport pack_color_file(const fs::path& input, const fs::path& output, const PackOptions& options,
+PackReport pack_color_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                            const Progress& progress) {
   const std::vector<NeutralVolume> fields = import_fields(input, options, import_options(output, options, progress));
   PackColorsOptions pack{.is_linear = options.layout == SampleOrder::linear,
@@ -205,12 +214,13 @@ PackReport pack_color_file(const fs::path& input, const fs::path& output, const 
   const formats::ColorGridDescription& grid = packed.description;
   return {.description = grid,
           .notes = fields.front().notes,
+          .sources = fields.front().sources,
           .raw_bytes = static_cast<std::uint64_t>(volume(grid.layout.sample_count)) *
                        static_cast<std::uint64_t>(grid.component_count),
           .file_bytes = packed.file_bytes};
 }
 
-PackReport pack_mesh_file(const fs::path& input, const fs::path& output, const PackOptions& options,
+PackReport pack_mesh_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                           const Progress& progress) {
   PackMeshOptions pack{.fields = options.fields,
                        .cells_to_points = options.cell_data,
@@ -233,6 +243,7 @@ PackReport pack_mesh_file(const fs::path& input, const fs::path& output, const P
   const formats::TetMeshDescription& tets = packed.description;
   PackReport report{.description = tets,
                     .notes = mesh.notes,
+                    .sources = mesh.sources,
                     .raw_bytes = (3 * sizeof(double) + bytes_of(tets.fields)) * tets.point_count +
                                  4 * sizeof(std::uint32_t) * tets.cell_count,
                     .file_bytes = packed.file_bytes};
@@ -240,7 +251,7 @@ PackReport pack_mesh_file(const fs::path& input, const fs::path& output, const P
   return report;
 }
 
-PackReport pack_surface_file(const fs::path& input, const fs::path& output, const PackOptions& options,
+PackReport pack_surface_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                              const Progress& progress) {
   const NeutralSurface surface = import_surface(input, {}, {.memory_limit_bytes = options.memory_limit_bytes});
   const PackSurfaceReport packed = pack_surface(surface, output,
@@ -251,6 +262,7 @@ PackReport pack_surface_file(const fs::path& input, const fs::path& output, cons
   const formats::TriangleMeshDescription& triangles = packed.description;
   PackReport report{.description = triangles,
                     .notes = surface.notes,
+                    .sources = surface.sources,
                     .raw_bytes = 3 * formats::element_bytes(triangles.point_type) * triangles.point_count +
                                  3 * sizeof(std::uint32_t) * triangles.triangle_count,
                     .file_bytes = packed.file_bytes};
@@ -270,7 +282,7 @@ void check_pack(const fs::path& input, const PackOptions& options) {
   check_numbers(options);
 }
 
-PackReport pack(const fs::path& input, const fs::path& output, const PackOptions& options, const Progress& progress) {
+PackReport pack(const fs::path& input, const formats::Destination& output, const PackOptions& options, const Progress& progress) {
   check_pack(input, options);
   const ForeignKind kind = kind_of(input, options);
   const fs::path scratch = scratch_folder(output, options);

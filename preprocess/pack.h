@@ -40,7 +40,7 @@ struct PackOptions {
   std::optional<double> leaf_ratio{};        ///< leaf cells per tetrahedron; only for leaf lists
 
   /// Cap on anonymous memory in this process and in the reading process; 0 = none. Larger data use
-  /// nameless files in the output's folder. Only one call at a time may have a cap.
+  /// nameless files in the output's folder, or that of temporary files. Only one call at a time may have a cap.
   std::uint64_t memory_limit_bytes = 0;
   std::string command{};  ///< stored in the file
   bool replace_existing = false;
@@ -50,7 +50,8 @@ struct PackReport {
   std::variant<formats::GridDescription, formats::ColorGridDescription, formats::TetMeshDescription,
                formats::TriangleMeshDescription>
       description;
-  std::vector<std::string> notes;  ///< of reading and of packing, one sentence each
+  std::vector<std::string> notes;   ///< of reading and of packing, one sentence each
+  std::vector<SourceFile> sources;  ///< the files that were read or looked for; may hold a file twice
   /// samples; or points, cells (triangles) and fields, as the packed file holds them
   std::uint64_t raw_bytes = 0;
   std::uint64_t file_bytes = 0;
@@ -63,7 +64,7 @@ void check_pack(const std::filesystem::path& input, const PackOptions& options);
 /// Reads a volume, colours, a mesh or a surface, and packs it. A mesh that has only cell fields
 /// gets these averaged to its points; one without a varying field gets fields of its positions. The
 /// file does not depend on the number of threads or on the cap. Refuses what check_pack refuses.
-PackReport pack(const std::filesystem::path& input, const std::filesystem::path& output,
+PackReport pack(const std::filesystem::path& input, const formats::Destination& output,
                 const PackOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

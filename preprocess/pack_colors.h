@@ -26,7 +26,7 @@ struct PackColorsReport {
 /// Sorts colours into bricks and writes them as a packed file for textures. Runs on all threads;
 /// the file does not depend on the number of threads. Refuses anything but colours of 3 or 4
 /// components of 8 bits on a uniform lattice.
-PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem::path& path,
+PackColorsReport pack_colors(const NeutralVolume& colors, const formats::Destination& destination,
                              const PackColorsOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

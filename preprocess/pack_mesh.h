@@ -45,7 +45,7 @@ struct PackMeshReport {
 /// Cleans a tetrahedral mesh, orders its cells so that neighbours are stored close together, builds
 /// the structure and writes a packed mesh. Runs on all threads; the file does not depend on the
 /// number of threads. Refuses a mesh without cells or without fields, and an index out of range.
-PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path,
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const formats::Destination& destination,
                          const PackMeshOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

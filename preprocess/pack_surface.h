@@ -27,7 +27,7 @@ struct PackSurfaceReport {
 /// between their own corners. They are cut by ear clipping, projected along the largest component
 /// of their mean normal. Points are stored as F32 where that keeps every bit, else as F64. Refuses
 /// a surface without triangles. Refuses faces made of several outlines (ErrorCode::unsupported).
-PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
+PackSurfaceReport pack_surface(const NeutralSurface& surface, const formats::Destination& destination,
                                const PackSurfaceOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

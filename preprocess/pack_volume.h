@@ -44,13 +44,13 @@ struct PackVolumeReport {
 ///
 /// Positions of samples (NeutralVolume::axes) are kept. An axis whose positions are exactly first +
 /// i * step becomes part of world_from_grid instead.
-PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,
+PackVolumeReport pack_volume(const NeutralVolume& volume, const formats::Destination& destination,
                              const PackVolumeOptions& options = {}, const Progress& progress = {});
 
 /// As pack_volume, for several fields on one lattice; the first is shown by default. Refuses fields
 /// whose lattices differ (ErrorCode::invalid), and two fields of the same name.
 /// @param fields  at least one
-PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const formats::Destination& destination,
                            const PackVolumeOptions& options = {}, const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

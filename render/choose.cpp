@@ -16,7 +16,8 @@ namespace {
 /// A kind of data that can be rendered.
 struct Kind {
   std::string_view name;  ///< in the packed file
-  std::shared_ptr<const LoadedDataset> (*load)(const formats::PackedFile& file, const std::string& field);
+  std::shared_ptr<const LoadedDataset> (*load)(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world);
   Intersectors (*intersectors)(const LoadedDataset& dataset, const RayQuery& query, Machine machine);
 };
 constexpr std::array kinds{Kind{"grid", load_grid, grid::intersectors}, Kind{"tets", load_tets, tets::intersectors},
@@ -31,9 +32,10 @@ const Kind* kind_of(const formats::PackedFile& file) {
 
 }  // namespace
 
-std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world) {
   const Kind* kind = kind_of(file);
-  return kind == nullptr ? nullptr : kind->load(file, field);
+  return kind == nullptr ? nullptr : kind->load(file, field, world);
 }
 
 Intersectors choose_intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {

@@ -4,14 +4,21 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/color_map_tables.h"
+
 namespace rhoray::render {
 
 namespace {
 
-constexpr NamedColorMap named_maps[] = {{"viridis", ColorMap::viridis},
-                                        {"cubehelix", ColorMap::cubehelix},
-                                        {"gray", ColorMap::gray},
-                                        {"coolwarm", ColorMap::coolwarm}};
+constexpr NamedColorMap named_maps[] = {{"viridis", ColorMap::viridis}, {"viridis_r", {ColorMap::viridis, true}},
+                                        {"magma", ColorMap::magma}, {"magma_r", {ColorMap::magma, true}},
+                                        {"inferno", ColorMap::inferno}, {"inferno_r", {ColorMap::inferno, true}},
+                                        {"plasma", ColorMap::plasma}, {"plasma_r", {ColorMap::plasma, true}},
+                                        {"cividis", ColorMap::cividis}, {"cividis_r", {ColorMap::cividis, true}},
+                                        {"gray", ColorMap::gray}, {"gray_r", {ColorMap::gray, true}},
+                                        {"cubehelix", ColorMap::cubehelix}, {"cubehelix_r", {ColorMap::cubehelix, true}},
+                                        {"turbo", ColorMap::turbo}, {"turbo_r", {ColorMap::turbo, true}},
+                                        {"coolwarm", ColorMap::coolwarm}, {"coolwarm_r", {ColorMap::coolwarm, true}}};
 
 /// IEC 61966-2-1.
 double linear_from_srgb(double encoded) {
@@ -26,15 +33,22 @@ Vec3 within_unit(const Vec3& color) {
   return {std::clamp(color.x, 0.0, 1.0), std::clamp(color.y, 0.0, 1.0), std::clamp(color.z, 0.0, 1.0)};
 }
 
-Vec3 viridis(double share) {
-  static const Vec3 srgb[5] = {{0.267, 0.005, 0.329},
-                               {0.230, 0.322, 0.546},
-                               {0.128, 0.567, 0.551},
-                               {0.369, 0.789, 0.383},
-                               {0.993, 0.906, 0.144}};
-  const double place = 4 * share;
-  const int before = std::min(3, static_cast<int>(place));
-  return linear_from_srgb(srgb[before] + (srgb[before + 1] - srgb[before]) * (place - before));
+/// A number of two hexadecimal digits, 0 to 255.
+int hex_pair(const char* digits) {
+  const auto digit = [](char letter) { return letter <= '9' ? letter - '0' : letter - 'a' + 10; };
+  return 16 * digit(digits[0]) + digit(digits[1]);
+}
+
+/// sRGB, interpolated between the colours of a table (color_map_tables.h).
+Vec3 color_in(const char* table, double share) {
+  constexpr int last = 255, digits = 6;
+  const double place = last * share;
+  const int before = std::min(last - 1, static_cast<int>(place));
+  const auto color = [&](int at) {
+    const char* const text = table + digits * at;
+    return Vec3(hex_pair(text), hex_pair(text + 2), hex_pair(text + 4)) / 255.0;
+  };
+  return color(before) + (color(before + 1) - color(before)) * (place - before);
 }
 
 /// Equation 2 of the paper with its defaults: start 0.5, -1.5 rotations, hue 1, gamma 1. Its
@@ -106,9 +120,20 @@ std::span<const NamedColorMap> color_maps() {
 
 Vec3 color_of(ColorMap map, double share) {
   share = std::clamp(share, 0.0, 1.0);
-  switch (map) {
+  if (map.is_reversed) share = 1 - share;
+  switch (map.base) {
     case ColorMap::viridis:
-      return viridis(share);
+      return linear_from_srgb(color_in(viridis_table, share));
+    case ColorMap::magma:
+      return linear_from_srgb(color_in(magma_table, share));
+    case ColorMap::inferno:
+      return linear_from_srgb(color_in(inferno_table, share));
+    case ColorMap::plasma:
+      return linear_from_srgb(color_in(plasma_table, share));
+    case ColorMap::cividis:
+      return linear_from_srgb(color_in(cividis_table, share));
+    case ColorMap::turbo:
+      return linear_from_srgb(color_in(turbo_table, share));
     case ColorMap::cubehelix:
       return cubehelix(share);
     case ColorMap::coolwarm:

@@ -7,22 +7,37 @@
 
 namespace rhoray::render {
 
-/// Colour maps for numbers. Lightness increases monotonically along the first three; coolwarm is
-/// lightest in its middle.
-enum class ColorMap {
-  /// Dark violet to yellow (S. van der Walt and N. Smith), interpolated from five of its colours.
-  viridis,
-  cubehelix,  ///< black to white through all hues (D. A. Green, Bull. Astr. Soc. India 39, 2011)
-  gray,       ///< black to white in even steps of the sRGB code
-  /// Blue to red through white, for data with a centre value (K. Moreland, Proc. ISVC 2009).
-  coolwarm
+/// Colour maps for numbers.
+struct ColorMap {
+  enum Base {
+    // From dark to light; equal steps of the number look like equal steps of colour.
+    viridis,  ///< dark violet over green to yellow
+    magma,    ///< black over purple to a light yellow
+    inferno,  ///< black over red to a light yellow
+    plasma,   ///< blue over red to yellow
+    cividis,  ///< dark blue to yellow; looks nearly the same to readers who cannot tell red from green
+    gray,     ///< black to white in even steps of the sRGB code
+    cubehelix,  ///< black to white through all hues (D. A. Green, Bull. Astr. Soc. India 39, 2011)
+    /// Dark blue over green to dark red, lightest in its middle. Shows more steps than the others, but
+    /// not which of two colours stands for the larger number.
+    turbo,
+    /// Blue to red through white, for data with a centre value (K. Moreland, Proc. ISVC 2009).
+    coolwarm
+  };
+
+  Base base = viridis;
+  bool is_reversed = false;
+
+  constexpr ColorMap() = default;
+  constexpr ColorMap(Base map, bool reversed = false) : base(map), is_reversed(reversed) {}
+  bool operator==(const ColorMap&) const = default;
 };
 
 struct NamedColorMap {
   std::string_view name;
   ColorMap map;
 };
-/// Returns all colour maps, in the order of the enumeration.
+/// All colour maps: each in the order of the enumeration, with its reverse after it.
 std::span<const NamedColorMap> color_maps();
 
 /// Returns the colour at a position in [0, 1] as linear RGB in [0, 1]; positions outside get the

@@ -29,6 +29,11 @@ bool is_scene_document(const std::filesystem::path& input);
 ///               are then relative to the working folder
 SceneDocument read_scene(const std::filesystem::path& input);
 
+/// The same of a document's text.
+/// @param name    of what holds the text, for messages
+/// @param folder  that file names are relative to
+SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+
 /// The document that says the same, as JSON on one line.
 /// @param folder  that file names are made relative to; empty: as they are
 std::string scene_text(const SceneSpec& scene_spec, const std::filesystem::path& folder = {});
@@ -39,7 +44,8 @@ std::string scene_schema_text();
 /// Every key of every kind of object, as Markdown tables.
 std::string scene_reference();
 
-using OpenData = std::function<Dataset(const DataSpec&)>;
+/// Opens data with world coordinates in this space, where the file says which is its own.
+using OpenData = std::function<Dataset(const DataSpec&, formats::Space world)>;
 
 /// Opens the data of visible layers and resolves everything but the camera. A layer whose isovalue
 /// is outside its field's range is left out with a note if anything else is shown. Refuses

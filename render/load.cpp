@@ -105,14 +105,14 @@ struct Dataset::ProofState {
 Dataset::Dataset(std::shared_ptr<const LoadedDataset> implementation)
     : implementation_(std::move(implementation)), proof_(std::make_shared<ProofState>()) {}
 
-Dataset Dataset::load(const std::filesystem::path& path, const std::string& field) {
+Dataset Dataset::load(const std::filesystem::path& path, const std::string& field, formats::Space world) {
   const DefaultFloatingPoint default_floating_point;
-  return load(formats::PackedFile::open(path), field);
+  return load(formats::PackedFile::open(path), field, world);
 }
 
-Dataset Dataset::load(const formats::PackedFile& file, const std::string& field) {
+Dataset Dataset::load(const formats::PackedFile& file, const std::string& field, formats::Space world) {
   const DefaultFloatingPoint default_floating_point;
-  if (auto implementation = load_view(file, field)) return Dataset(std::move(implementation));
+  if (auto implementation = load_view(file, field, world)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
@@ -134,6 +134,9 @@ std::optional<formats::FieldSummary> Dataset::field(const std::string& name) con
   for (const formats::FieldSummary& summary : implementation_->fields)
     if (summary.name == name) return summary;
   return std::nullopt;
+}
+formats::Space Dataset::space() const {
+  return implementation_->space;
 }
 const std::string& Dataset::length_unit() const {
   return implementation_->length_unit;

@@ -10,6 +10,7 @@
 #include "formats/base/vector.h"
 #include "formats/field_summary.h"
 #include "formats/packed_file.h"
+#include "formats/space.h"
 
 namespace rhoray::render {
 
@@ -37,10 +38,14 @@ class Dataset {
   /// rendered.
   /// @param field  name; empty takes the first. An unknown name is refused with a list of the names
   ///   that exist (ErrorCode::usage).
-  static Dataset load(const std::filesystem::path& path, const std::string& field = {});
+  /// @param world  the space that world coordinates are converted to where the file says which is
+  ///   its own; unknown: they stay the file's
+  static Dataset load(const std::filesystem::path& path, const std::string& field = {},
+                      formats::Space world = formats::Space::unknown);
 
   /// As above, for a file that is already open; also accepts the kind "vdb" (formats/vdb_grid.h).
-  static Dataset load(const formats::PackedFile& file, const std::string& field = {});
+  static Dataset load(const formats::PackedFile& file, const std::string& field = {},
+                      formats::Space world = formats::Space::unknown);
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;  ///< of a surface: without a name and values
@@ -49,6 +54,7 @@ class Dataset {
   /// field, or when it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
+  formats::Space space() const;  ///< of world coordinates
   bool is_mesh() const;  ///< true for tetrahedra
   /// True for triangles, which are shown as they are (Mode::triangles) and have no field.
   bool is_surface() const;

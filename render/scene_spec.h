@@ -155,6 +155,7 @@ struct SceneSpec {
   PictureSpec image{};
   AnnotationsSpec annotations{};
   std::string accuracy{};  ///< of layers that name none; empty = default_method
+  std::string space{};     ///< a word: of the picture's world, where files say which is theirs; empty = ras
   std::string document{};  ///< what the scene was read from; empty: the command line
 };
 

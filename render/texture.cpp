@@ -18,32 +18,32 @@ Box3 around(const Box3& box, const Affine& map) {
   return out;
 }
 
-Box3 in_texels(const Box3& box_world, const formats::ColorGrid& grid) {
-  return around(box_world, grid.description().world_from_grid.inverse());
-}
-
 }  // namespace
 
-Texture Texture::load(const std::filesystem::path& path) {
+Texture Texture::load(const std::filesystem::path& path, formats::Space world) {
   const DefaultFloatingPoint default_floating_point;
-  return load(formats::PackedFile::open(path));
+  return load(formats::PackedFile::open(path), world);
 }
 
-Texture Texture::load(const formats::PackedFile& file) {
+Texture Texture::load(const formats::PackedFile& file, formats::Space world) {
   const DefaultFloatingPoint default_floating_point;
-  return Texture(std::make_shared<const formats::ColorGrid>(file));
+  auto grid = std::make_shared<const formats::ColorGrid>(file);
+  const formats::ColorGridDescription& texels = grid->description();
+  const Affine world_from_texels = formats::in_space(texels.world_from_grid, texels.space, world);
+  return Texture(std::move(grid), world_from_texels);
 }
 
 bool Texture::may_overlap(const Box3& box_world) const {
   const DefaultFloatingPoint default_floating_point;
   if (box_world.isEmpty()) return false;
-  const formats::ColorGridDescription& texels = grid_->description();
-  return texels.bounds().intersects(box_world) && texels.box_grid().intersects(in_texels(box_world, *grid_));
+  const Box3 texels = grid_->description().box_grid();
+  return around(texels, world_from_texels_).intersects(box_world) &&
+         texels.intersects(around(box_world, world_from_texels_.inverse()));
 }
 
 bool Texture::contains(const Box3& box_world) const {
   const DefaultFloatingPoint default_floating_point;
-  const Box3 texels = grid_->description().box_grid(), box = in_texels(box_world, *grid_);
+  const Box3 texels = grid_->description().box_grid(), box = around(box_world, world_from_texels_.inverse());
   return texels.intersects(box.min) && texels.intersects(box.max);
 }
 

@@ -5,6 +5,7 @@
 
 #include "formats/color_grid.h"
 #include "formats/packed_file.h"
+#include "formats/space.h"
 
 namespace rhoray::render {
 
@@ -14,11 +15,14 @@ class Texture {
  public:
   /// Opens a packed file of colours. Block checksums are left to the caller, as with datasets.
   /// Refuses other files.
-  static Texture load(const std::filesystem::path& path);
-  static Texture load(const formats::PackedFile& file);  ///< for a file that is already open
+  /// @param world  as for Dataset::load
+  static Texture load(const std::filesystem::path& path, formats::Space world = formats::Space::unknown);
+  /// For a file that is already open.
+  static Texture load(const formats::PackedFile& file, formats::Space world = formats::Space::unknown);
 
   const formats::PackedFile& file() const { return grid_->file(); }
   const formats::ColorGrid& grid() const { return *grid_; }
+  const Affine& world_from_texels() const { return world_from_texels_; }
 
   /// False when a plane separates the texels from the box. Only planes along the axes of the world
   /// and of the texels are tested.
@@ -26,8 +30,11 @@ class Texture {
   bool contains(const Box3& box_world) const;
 
  private:
-  explicit Texture(std::shared_ptr<const formats::ColorGrid> grid) : grid_(std::move(grid)) {}
+  Texture(std::shared_ptr<const formats::ColorGrid> grid, const Affine& world_from_texels)
+      : grid_(std::move(grid)), world_from_texels_(world_from_texels) {}
+
   std::shared_ptr<const formats::ColorGrid> grid_;
+  Affine world_from_texels_;
 };
 
 }  // namespace rhoray::render

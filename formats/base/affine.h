@@ -37,4 +37,9 @@ struct Affine {
   friend bool operator==(const Affine&, const Affine&) = default;
 };
 
+/// p -> a(b(p)).
+inline Affine composed(const Affine& a, const Affine& b) {
+  return {a.vector(b.x_axis), a.vector(b.y_axis), a.vector(b.z_axis), a.point(b.origin)};
+}
+
 }  // namespace rhoray

@@ -39,4 +39,11 @@ Json affine_json(const Affine& affine) {
           {"origin", vector_json(affine.origin, what)}};
 }
 
+Space read_space(const Reader& reader) {
+  if (!reader.has("space")) return Space::unknown;
+  const std::optional<Space> space = space_named(reader.text("space"));
+  if (!space) reader.refuse_value("space", "RAS or LPS");
+  return *space;
+}
+
 }  // namespace rhoray::formats::details

@@ -3,6 +3,7 @@
 #include "formats/base/affine.h"
 #include "formats/brick_layout.h"
 #include "formats/details/details.h"
+#include "formats/space.h"
 
 /// Shared by grids of values and of colours: reading and writing their details.
 namespace rhoray::formats::details {
@@ -16,5 +17,8 @@ BrickLayout read_layout(const Reader& reader, std::int64_t least_count);
 Affine read_affine(const Reader& reader);
 
 Json affine_json(const Affine& affine);
+
+/// Reads `space`; unknown where the key is missing.
+Space read_space(const Reader& reader);
 
 }  // namespace rhoray::formats::details

@@ -8,6 +8,7 @@
 #include "preprocess/import/reading/foreign_names.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/input_file.h"
+#include "preprocess/process/foreign_file.h"
 #include "preprocess/subdivide.h"
 
 namespace rhoray::preprocess {
@@ -145,7 +146,7 @@ NeutralSurface read_surface(const std::filesystem::path& path, const std::filesy
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".mtr");
   if (!sizes.empty())
     surface.point_sizes = read_tetgen_sizes(sizes, surface.points.size());
-  else if (std::filesystem::exists(beside))
+  else if (is_there(beside))
     surface.point_sizes = read_tetgen_sizes(beside, surface.points.size());
   return surface;
 }

@@ -5,6 +5,7 @@
 #include "preprocess/import/volume/image_slices.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/process/child_process.h"
+#include "preprocess/process/foreign_file.h"
 #include "preprocess/process/messages.h"
 
 // A separate program: OpenImageIO takes longer to load than most imports take.
@@ -16,6 +17,9 @@ int main(int count, char** words) {
     if (arguments.size() < 3 || (arguments[0] != "volume" && arguments[0] != "colors"))
       throw Error(ErrorCode::usage, "found arguments that no verb has; expected volume or colors, PATH FIELD");
     const VolumeRequest request = volume_request(arguments);
-    send(request.colors ? read_color_slices(arguments[1]) : read_image_slices(arguments[1], request.field), output);
+    NeutralVolume slices =
+        request.colors ? read_color_slices(arguments[1]) : read_image_slices(arguments[1], request.field);
+    slices.sources = noted_sources();
+    send(slices, output);
   });
 }

@@ -10,6 +10,7 @@
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/process/child_process.h"
 #include "preprocess/process/counts.h"
+#include "preprocess/process/foreign_file.h"
 #include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 
@@ -44,14 +45,20 @@ double isovalue_of(const std::string& text) {
   return *value;
 }
 
+template <class Read>
+Read with_sources(Read read) {
+  read.sources = noted_sources();
+  return read;
+}
+
 void act(const std::vector<std::string>& arguments, int input, int output) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
   if ((verb == "volume" || verb == "volume-or-length" || verb == "colors") && arguments.size() >= 3)
-    send(read_volume(arguments[1], volume_request(arguments)), output);
+    send(with_sources(read_volume(arguments[1], volume_request(arguments))), output);
   else if (verb == "cells" && arguments.size() == 3)
-    send(read_cells(arguments[1], {.time = arguments[2]}), output);
+    send(with_sources(read_cells(arguments[1], {.time = arguments[2]})), output);
   else if (verb == "surface" && arguments.size() == 3)
-    send(read_surface(arguments[1], arguments[2]), output);
+    send(with_sources(read_surface(arguments[1], arguments[2])), output);
   else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)
     send(write_and_read_back(receive_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]), output);
   else if (verb == "write-stl" && arguments.size() == 5)

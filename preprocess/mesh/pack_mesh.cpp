@@ -181,7 +181,7 @@ void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& value
 
 namespace {
 
-PackMeshReport write_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
+PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& destination, const PackMeshOptions& options,
                           const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
   check_cluster_size(options);
@@ -201,7 +201,7 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const std::filesystem::path& 
 
   const Structure structure = build_structure(clean, options, progress, packed);
   const std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
-  formats::PackedFileWriter file(path, formats::describe(packed), arrays,
+  formats::PackedFileWriter file(destination, formats::describe(packed), arrays,
                                  {.replace_existing = options.replace_existing});
   MeteredWriter writer(file, progress, bytes_of(arrays));
   writer.write<std::array<double, 3>>("points", clean.points);
@@ -219,10 +219,10 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const std::filesystem::path& 
 
 }  // namespace
 
-PackMeshReport pack_mesh(const NeutralMesh& mesh, const std::filesystem::path& path, const PackMeshOptions& options,
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const formats::Destination& destination, const PackMeshOptions& options,
                          const Progress& progress) {
   const DefaultFloatingPoint default_floating_point;
-  return write_mesh(mesh, path, options, progress);
+  return write_mesh(mesh, destination, options, progress);
 }
 
 }  // namespace rhoray::preprocess

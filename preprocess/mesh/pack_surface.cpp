@@ -101,7 +101,7 @@ Array<std::array<float, 3>> as_floats(const Array<std::array<double, 3>>& points
 
 }  // namespace
 
-PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesystem::path& path,
+PackSurfaceReport pack_surface(const NeutralSurface& surface, const formats::Destination& destination,
                                const PackSurfaceOptions& options, const Progress& progress) {
   const DefaultFloatingPoint default_floating_point;
   const std::string source_name = options.source_name.empty() ? "surface" : options.source_name;
@@ -154,7 +154,7 @@ PackSurfaceReport pack_surface(const NeutralSurface& surface, const std::filesys
   note(report.notes, packed.unused_point_count, "point", "points", "without a triangle dropped");
 
   if (progress) progress("writing", 0, 0);
-  formats::PackedFileWriter writer(path, formats::describe(packed), formats::triangle_mesh_arrays(packed),
+  formats::PackedFileWriter writer(destination, formats::describe(packed), formats::triangle_mesh_arrays(packed),
                                    {.replace_existing = options.replace_existing});
   if (single)
     write(writer, "points", as_floats(points));

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <map>
+#include <mutex>
 
 #include "formats/base/mapped_file.h"
 #include "formats/base/regular_file.h"
@@ -14,7 +16,37 @@
 
 namespace rhoray::preprocess {
 
+namespace {
+
+std::mutex noting;
+std::map<std::filesystem::path, SourceFile>& notes() {
+  static std::map<std::filesystem::path, SourceFile> all;
+  return all;
+}
+
+}  // namespace
+
+void note_source(const std::filesystem::path& path) {
+  const SourceFile source = source_file(path);
+  const std::lock_guard lock(noting);
+  notes().try_emplace(source.path, source);
+}
+
+bool is_there(const std::filesystem::path& path) {
+  note_source(path);
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+std::vector<SourceFile> noted_sources() {
+  const std::lock_guard lock(noting);
+  std::vector<SourceFile> sources;
+  for (const auto& [path, source] : notes()) sources.push_back(source);
+  return sources;
+}
+
 ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
+  note_source(path);
   struct Closing {
     int descriptor;
     ~Closing() { ::close(descriptor); }

@@ -5,8 +5,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "formats/base/error.h"
+#include "preprocess/source_file.h"
 
 namespace rhoray::preprocess {
 
@@ -26,6 +28,16 @@ class ForeignFile {
   std::shared_ptr<const void> start_;
   std::size_t size_ = 0;
 };
+
+/// Notes that this file is about to be read, or that it was looked for. ForeignFile does so itself;
+/// whoever lets a library open a file calls it first. Thread-safe.
+void note_source(const std::filesystem::path& path);
+
+/// Whether there is such a file or folder; notes that it was looked for.
+bool is_there(const std::filesystem::path& path);
+
+/// All files noted so far by this process, each once, as it stood when it was first noted.
+std::vector<SourceFile> noted_sources();
 
 /// Throws a message such as `bone.mhd, key DimSize: found 0; expected at least 1`.
 [[noreturn]] void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,

@@ -66,6 +66,14 @@ class MessageWriter {
   void rest_of_texts(const std::vector<std::string>& texts) {
     for (const std::string& each : texts) text(each);
   }
+  /// One text each: four numbers, whether it exists, and its path.
+  void sources(const std::vector<SourceFile>& sources) {
+    std::vector<std::string> texts;
+    for (const SourceFile& s : sources)
+      texts.push_back(concat(s.device, ' ', s.inode, ' ', s.bytes, ' ', s.changed_ns, ' ', s.exists ? 1 : 0, ' ',
+                             s.path.string()));
+    counted_texts(texts);
+  }
   void counted_texts(const std::vector<std::string>& texts) {
     text(concat(texts.size()));
     rest_of_texts(texts);
@@ -145,6 +153,25 @@ class MessageReader {
   void counted_texts(std::vector<std::string>& texts) {
     for (std::size_t count = next_count(); count != 0; --count) texts.push_back(next_text());
   }
+  void sources(std::vector<SourceFile>& sources) {
+    std::vector<std::string> texts;
+    counted_texts(texts);
+    for (const std::string& text : texts) {
+      SourceFile& source = sources.emplace_back();
+      int exists = 0;
+      const char* at = text.data();
+      const char* const end = at + text.size();
+      const auto number = [&](auto& value) {
+        const auto read = std::from_chars(at, end, value);
+        expect(read.ec == std::errc() && read.ptr != end && *read.ptr == ' ', "array 'texts'", "no file that was read",
+               "five numbers and a path");
+        at = read.ptr + 1;
+      };
+      number(source.device), number(source.inode), number(source.bytes), number(source.changed_ns), number(exists);
+      source.exists = exists != 0;
+      source.path = std::string(at, end);
+    }
+  }
   void rest_of_texts(std::vector<std::string>& texts) {
     texts.assign(texts_.begin() + static_cast<std::ptrdiff_t>(next_), texts_.end());
     next_ = texts_.size();
@@ -203,6 +230,7 @@ void describe_fields(Message& message, Mesh& mesh, std::uint64_t cell_count) {
   message.text(mesh.length_unit);
   message.fields("point_fields", mesh.point_fields, mesh.points.size());
   message.fields("cell_fields", mesh.cell_fields, cell_count);
+  message.sources(mesh.sources);
   message.rest_of_texts(mesh.notes);
 }
 
@@ -241,6 +269,7 @@ void describe_surface(Message& message, Surface& surface) {
   }
   message.copy("opening_faces", faces);
   message.copy("opening_seeds", seeds);
+  message.sources(surface.sources);
   message.rest_of_texts(surface.notes);
   if constexpr (!std::is_const_v<Surface>) {
     message.expect(faces.size() == seeds.size(), "array 'opening_faces'", "another size", "one for each seed");
@@ -252,6 +281,8 @@ void describe_surface(Message& message, Surface& surface) {
 template <class Message, class Volume>
 void describe_names(Message& message, Volume& volume) {
   message.text(volume.length_unit);
+  std::string space(formats::space_word(volume.space));
+  message.text(space);
   message.text(volume.field_name);
   message.text(volume.field_unit);
   message.counted_texts(volume.other_fields);
@@ -264,8 +295,12 @@ void describe_names(Message& message, Volume& volume) {
   message.counted_texts(names);
   message.copy("vectors", component_counts);
   for (std::size_t axis = 0; axis < 3; ++axis) message.array(concat("axis.", axis), volume.axes[axis]);
+  message.sources(volume.sources);
   message.rest_of_texts(volume.notes);
   if constexpr (!std::is_const_v<Volume>) {
+    const std::optional<formats::Space> known = formats::space_named(space);
+    message.expect(known.has_value(), "array 'texts'", concat("the space '", space, "'"), "RAS, LPS or none");
+    volume.space = *known;
     message.expect(names.size() == component_counts.size(), "array 'vectors'", "another number",
                    "one for each array of several components");
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -3,7 +3,8 @@
 
 namespace rhoray::render {
 
-std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world) {
   const formats::BrickGrid grid(file);
   const formats::GridDescription& description = grid.description();
   std::vector<std::string> names;
@@ -17,13 +18,15 @@ std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, 
     bounds.extendBy(
         Vec3(description.position(0, sample.x), description.position(1, sample.y), description.position(2, sample.z)));
   const bool is_rectilinear = description.is_rectilinear();
+  const bool is_placed = description.space != formats::Space::unknown;
   return std::make_shared<LoadedDataset>(LoadedDataset{
       .file = file,
       .field = summary,
       .fields = description.fields,
       .field_names = names,
       .length_unit = description.length_unit,
-      .world_from_data = description.world_from_grid,
+      .space = is_placed && world != formats::Space::unknown ? world : description.space,
+      .world_from_data = formats::in_space(description.world_from_grid, description.space, world),
       .bounds_data = bounds,
       .view = is_rectilinear ? DataView(RectilinearGrid(grid, chosen)) : DataView(UniformGrid(grid, chosen))});
 }

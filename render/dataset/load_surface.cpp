@@ -9,7 +9,8 @@
 
 namespace rhoray::render {
 
-std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
+                                                  formats::Space) {
   const formats::TriangleMesh mesh(file);
   if (!field.empty())
     throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));

@@ -5,7 +5,8 @@
 
 namespace rhoray::render {
 
-std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field) {
+std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space) {
   const formats::TetMesh mesh(file);
   const formats::TetMeshDescription& description = mesh.description();
   std::vector<std::string> names;

@@ -5,18 +5,25 @@
 #include <vector>
 
 #include "formats/packed_file.h"
+#include "formats/space.h"
 
 namespace rhoray::render {
 
 struct LoadedDataset;
 
-std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, const std::string& field);
-std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field);
-std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, const std::string& field);
-std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field);
+std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world);
+std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world);
+std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, const std::string& field,
+                                              formats::Space world);
+std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
+                                                  formats::Space world);
 
 /// By the loader of the file's kind; null where the kind cannot be rendered.
-std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field);
+/// @param world  as for Dataset::load; only grids know their space
+std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field,
+                                               formats::Space world);
 
 /// Refuses a name that is neither empty nor among `names`, and lists these.
 void check_field_name(const formats::PackedFile& file, const std::string& field, const std::vector<std::string>& names);

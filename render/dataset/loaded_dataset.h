@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/base/affine.h"
+#include "formats/space.h"
 #include "render/grid/grid_data.h"
 #include "render/grid/occupancy.h"
 #include "render/tets/tet_data.h"
@@ -26,6 +27,7 @@ struct LoadedDataset {
   std::vector<formats::FieldSummary> fields{};  ///< all whose summary the file holds
   std::vector<std::string> field_names;
   std::string length_unit;
+  formats::Space space = formats::Space::unknown;  ///< of world coordinates
   /// The values are distances to a surface, which lies where they are 0.
   bool is_level_set = false;
   std::vector<std::string> notes{};  ///< what loading changed, one sentence each

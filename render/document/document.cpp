@@ -145,11 +145,13 @@ bool is_scene_document(const std::filesystem::path& input) {
 }
 
 SceneDocument read_scene(const std::filesystem::path& input) {
-  const bool is_text = begins_with_brace(input.string());
-  const std::string name = is_text ? "scene" : input.string();
-  const Json json = read_json(is_text ? input.string() : document_text(input), name);
+  if (begins_with_brace(input.string())) return read_scene(input.string(), "scene", {});
+  return read_scene(document_text(input), input.string(), input.parent_path());
+}
+
+SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  const Json json = read_json(text, name);
   SceneDocument document;
-  const std::filesystem::path folder = is_text ? std::filesystem::path() : input.parent_path();
   document.scene_spec = read_object(json, Reading{{name, {}}, folder, document.warnings}, scene_rows());
   document.scene_spec.document = name;
   return document;

@@ -57,15 +57,22 @@ formats::FieldSummary color_field(const LayerSpec& spec, const Dataset& dataset,
   return *field;
 }
 
-FieldColors choose_field_colors(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
-  const formats::FieldSummary field = color_field(spec, dataset, layer);
+}  // namespace
+
+FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& field) {
+  // Integers are codes of an instrument: a zero among them is not the middle of anything.
+  const bool is_measured = field.type == formats::ElementType::F32 || field.type == formats::ElementType::F64;
+  const bool has_center = is_measured && field.range.lo < 0 && field.range.hi > 0;
   FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
+  if (spec.colormap.empty() && has_center) {
+    colors.map = ColorMap::coolwarm;
+    const double end = std::max(-field.range.lo, field.range.hi);
+    if (!spec.range) colors.range = {-end, end};
+  }
   for (const NamedColorMap& named : color_maps())
     if (spec.colormap == named.name) colors.map = named.map;
   return colors;
 }
-
-}  // namespace
 
 Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
   Material surface;
@@ -76,7 +83,7 @@ Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Pl
   surface.opacity = spec.opacity.value_or(surface.opacity);
   surface.normals = choose_normals(spec, dataset, layer);
   if (!spec.color_by.empty()) {
-    surface.color_by = choose_field_colors(spec, dataset, layer);
+    surface.color_by = field_colors(spec, color_field(spec, dataset, layer));
     return surface;
   }
   const std::string needs = layer.document.empty() ? "needs --color-by" : "needs \"color_by\"";

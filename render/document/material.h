@@ -10,6 +10,10 @@
 
 namespace rhoray::render {
 
+/// Colours of a field by a layer's map and range. Where they are not given: viridis over the field's
+/// range, or for floating-point fields of both signs coolwarm with 0 in its middle.
+FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& field);
+
 /// Colours, light, normals and opacity of an isosurface of this dataset, or of its triangles.
 /// Refuses normals that the dataset has not, colours by a field that is not there, and a range or
 /// colour map without such a field: of a document with the place (ErrorCode::invalid), of a command

@@ -75,7 +75,7 @@ std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const 
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const Place place = root(scene_spec).at("data").at(data.name).at(data.field.empty() ? "file" : "field");
-  plan.datasets.push_back(at_place(place, [&] { return open(data); }));
+  plan.datasets.push_back(at_place(place, [&] { return open(data, plan.space); }));
   const Dataset& dataset = plan.datasets.back();
   plan.data.push_back(data);
   plan.data.back().field = dataset.field().name;
@@ -88,7 +88,7 @@ std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const 
 
 /// Opens a packed file of colours; refuses others and names the command that packs colours
 /// (ErrorCode::invalid).
-Texture load_texture(const std::filesystem::path& path) {
+Texture load_texture(const std::filesystem::path& path, formats::Space world) {
   require_readable(path);
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
@@ -98,7 +98,7 @@ Texture load_texture(const std::filesystem::path& path) {
   const formats::PackedFile file = formats::PackedFile::open(path);
   const std::string& kind = file.description().kind;
   if (kind != formats::ColorGrid::kind) refuse(concat("holds a ", kind == "tets" ? "mesh" : kind));
-  return Texture::load(file);
+  return Texture::load(file, world);
 }
 
 /// The texture of a layer that names one, opened when it is first asked for.
@@ -119,7 +119,7 @@ std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index
   const std::vector<std::string> names = names_in(plan.texture_data, &DataSpec::name);
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return plan.textures[static_cast<std::size_t>(found - names.begin())];
-  plan.textures.push_back(at_place(key, [&] { return load_texture(data.file); }));
+  plan.textures.push_back(at_place(key, [&] { return load_texture(data.file, plan.space); }));
   plan.texture_data.push_back(data);
   return plan.textures.back();
 }
@@ -185,6 +185,23 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                          dataset.file().name(), ", which holds triangles"));
 }
 
+/// From the 1st to the 99.9th percentile: the few values beyond, such as those of metal in a CT, would
+/// leave little of the scale to all others.
+Interval<double> projected_window(const formats::FieldSummary& field) {
+  const Interval<double> window{formats::percentile(field, 0.01), formats::percentile(field, 0.999)};
+  return window.lo < window.hi ? window : field.range;
+}
+
+/// Notes files that do not say in which space they are beside files that do.
+void note_unknown_spaces(ResolvedScene& plan) {
+  const auto is_known = [](const Dataset& dataset) { return dataset.space() != formats::Space::unknown; };
+  if (std::none_of(plan.datasets.begin(), plan.datasets.end(), is_known)) return;
+  for (const Dataset& dataset : plan.datasets)
+    if (!is_known(dataset))
+      plan.notes.push_back(concat(dataset.file().name(), " does not say in which space it lies (RAS or LPS); it may lie "
+                                                         "elsewhere than the other files"));
+}
+
 /// Whether colours of the picture represent values: of a field, a projection or a heat map.
 bool shows_values(const ResolvedScene& plan) {
   return plan.page || std::any_of(plan.scene.layers.begin(), plan.scene.layers.end(), [](const Layer& layer) {
@@ -195,7 +212,9 @@ bool shows_values(const ResolvedScene& plan) {
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
-  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open) : scene_spec_(scene_spec), open_(open) {}
+  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open) : scene_spec_(scene_spec), open_(open) {
+    if (scene_spec.space == "lps") plan_.space = formats::Space::lps;
+  }
 
   ResolvedScene plan() {
     for (std::size_t index = 0; index < scene_spec_.layers.size(); ++index)
@@ -204,6 +223,7 @@ class LayerPlanner {
     note_invisible_surfaces();
     color_several_surfaces();
     note_textures_elsewhere(plan_);
+    note_unknown_spaces(plan_);
     return std::move(plan_);
   }
 
@@ -281,7 +301,7 @@ class LayerPlanner {
         throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
     });
     put(index, layer, {});
-    plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(field.range);
+    plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(projected_window(field));
   }
 
   void put(std::size_t index, const Layer& layer, const std::string& isovalue_from) {

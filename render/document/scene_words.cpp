@@ -95,6 +95,10 @@ std::vector<std::string> colormap_words() {
   return names_in(color_maps(), &NamedColorMap::name);
 }
 
+std::vector<std::string> space_words() {
+  return {"ras", "lps"};
+}
+
 std::string word_of(ColorMap map) {
   for (const NamedColorMap& named : color_maps())
     if (named.map == map) return std::string(named.name);

@@ -67,7 +67,8 @@ std::vector<Row<LayerSpec>> slice_rows() {
           "With \"normal\", instead of \"axis\": a point of the plane; default the middle of the data"),
       row("normal", &LayerSpec::normal, direction_value(), "Normal of the plane, of either sign and any length"),
       row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
-          "Colour map of the field; default \"viridis\""),
+          "Colour map of the field; default \"viridis\", or \"coolwarm\" with 0 in its middle for floating-point fields "
+          "of both signs"),
       row("range", &LayerSpec::range, interval_value(),
           "Values of the first and last colour; default the field's range"),
       row("threshold", &LayerSpec::threshold, interval_value(),
@@ -85,10 +86,7 @@ void choose_slice(const LayerSpec& spec, const Dataset& dataset, const Place& pl
   layer.mode = Mode::slice;
   layer.plane = plane_of(spec, dataset.bounds().center());
   if (spec.threshold) layer.threshold = *spec.threshold;
-  FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
-  for (const NamedColorMap& named : color_maps())
-    if (spec.colormap == named.name) colors.map = named.map;
-  layer.material.color_by = colors;
+  layer.material.color_by = field_colors(spec, field);
   layer.material.specular = 0;
   layer.material.lit = spec.lit.value_or(false);
   layer.material.opacity = spec.opacity.value_or(1);

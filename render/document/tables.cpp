@@ -50,7 +50,8 @@ Rows rows_of_isosurfaces() {
           row("color_by", &LayerSpec::color_by, text_value(),
               "Field of the same file that colours the surface; where it has no data, \"color\" is used"),
           row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
-              "Colour map of \"color_by\"; default \"viridis\""),
+              "Colour map of \"color_by\"; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
+              "floating-point fields of both signs"),
           row("range", &LayerSpec::range, interval_value(),
               "Values of \"color_by\" with the first and last colour; default the field's range")};
 }
@@ -395,7 +396,10 @@ const std::vector<Row<SceneSpec>>& scene_rows() {
       row("image", &SceneSpec::image, object_value(image_rows()), "Image size, background, channels and frames"),
       row("annotations", &SceneSpec::annotations, object_value(annotation_rows()),
           "Annotations drawn over the finished picture; the channels of an EXR do not change"),
-      row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Accuracy of layers that set none")};
+      row("accuracy", &SceneSpec::accuracy, word_value(accuracy_words()), "Accuracy of layers that set none"),
+      row("space", &SceneSpec::space, word_value(space_words()),
+          "Space of world coordinates, where files say which is theirs. \"ras\": x to the patient's right, y to the "
+          "front, z to the head; \"lps\": x to the left, y to the back, z to the head; default \"ras\"")};
   return rows;
 }
 

@@ -67,6 +67,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     scene_spec.camera.orthographic_height = camera.orthographic_height;
   else
     scene_spec.camera.fov_deg = camera.vertical_fov_deg;
+  if (plan.space != formats::Space::ras) scene_spec.space = "lps";
   scene_spec.annotations = plan.annotations;
   scene_spec.image.size = PictureSize{plan.frame.width, plan.frame.height};
   scene_spec.image.background = Color{plan.scene.background};

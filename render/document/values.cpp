@@ -1,12 +1,16 @@
 #include "render/document/values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 
 #include "formats/base/error.h"
 #include "formats/base/read_value.h"
 #include "formats/base/regular_file.h"
 #include "formats/base/word_list.h"
+#include "render/document/css_colors.h"
 #include "render/method_words.h"
 
 namespace rhoray::render {
@@ -108,6 +112,13 @@ void read_value(const std::string& text, PictureSize& out) {
 }
 
 void read_value(const std::string& text, Color& out) {
+  const auto* const named = std::lower_bound(std::begin(css_colors), std::end(css_colors), text,
+                                             [](const CssColor& a, const std::string& b) { return a.name < b; });
+  if (named != std::end(css_colors) && named->name == text) {
+    char digits[8];
+    std::snprintf(digits, sizeof digits, "#%06x", static_cast<unsigned>(named->srgb));
+    return read_value(std::string(digits), out);
+  }
   if (text.size() == 7 && text[0] == '#') {
     const std::string_view digits(text);
     const auto r = srgb_byte(digits.substr(1, 2)), g = srgb_byte(digits.substr(3, 2)),
@@ -121,7 +132,7 @@ void read_value(const std::string& text, Color& out) {
   const auto part = [&](std::size_t i) { return finite_number(parts[i]).value_or(-1); };
   const auto is_share = [](double value) { return value >= 0 && value <= 1; };
   if (parts.size() != 3 || !is_share(part(0)) || !is_share(part(1)) || !is_share(part(2)))
-    refuse_value(text, "a colour: #rrggbb, or r,g,b (linear) from 0 to 1");
+    refuse_value(text, "a colour: a CSS name such as steelblue, #rrggbb, or r,g,b (linear) from 0 to 1");
   out.linear = {part(0), part(1), part(2)};
 }
 
@@ -234,10 +245,10 @@ ValueKind<Color> color_value() {
   Json parts = numbers_schema(3);
   parts["items"].update(Json{{"minimum", 0}, {"maximum", 1}});
   return parsed<Color>(
-      "a colour: \"#rrggbb\", or linear [r, g, b] from 0 to 1",
-      {{"oneOf", {{{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}}, parts}}},
+      "a colour: a CSS name, \"#rrggbb\", or linear [r, g, b] from 0 to 1",
+      {{"oneOf", {{{"type", "string"}, {"pattern", "^(#[0-9a-fA-F]{6}|[a-z]+)$"}}, parts}}},
       [](const Json& json) -> std::optional<Color> {
-        if (json.is_string() && json.get_ref<const std::string&>().starts_with("#")) return value_of<Color>(json);
+        if (json.is_string()) return value_of<Color>(json);
         const auto numbers = numbers_in(json, 3);
         if (!numbers) return std::nullopt;
         for (const double part : *numbers)

@@ -161,8 +161,9 @@ std::shared_ptr<const HitLookup> choose_lookup(const Dataset& dataset, const Lay
 
 std::shared_ptr<const TextureLookup> choose_texture(const Dataset& dataset, const Layer& layer) {
   if (!effects_called_for(layer).texture) return nullptr;
-  return std::make_shared<const TextureLookup>(layer.material.texture->grid(),
-                                               dataset.implementation().world_from_data);
+  const Texture& texture = *layer.material.texture;
+  return std::make_shared<const TextureLookup>(
+      texture.grid(), composed(texture.world_from_texels().inverse(), dataset.implementation().world_from_data));
 }
 
 /// True if a layer may occlude light that some layer's effects trace.

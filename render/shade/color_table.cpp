@@ -17,7 +17,7 @@ const ColorTable& ColorTable::of(ColorMap map) {
     for (const NamedColorMap& named : color_maps()) all.emplace_back(named.map);
     return all;
   }();
-  return tables[static_cast<std::size_t>(map)];
+  return tables[2 * static_cast<std::size_t>(map.base) + map.is_reversed];
 }
 
 }  // namespace rhoray::render

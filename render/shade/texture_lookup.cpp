@@ -109,14 +109,9 @@ RHORAY_INLINE void look_up(const View& view, const RayBatch& rays, const HitBatc
   }
 }
 
-/// a * b: maps from b's source to a's target.
-Affine composed(const Affine& a, const Affine& b) {
-  return {a.vector(b.x_axis), a.vector(b.y_axis), a.vector(b.z_axis), a.point(b.origin)};
-}
-
 }  // namespace
 
-TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_data, Machine machine) {
+TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& grid_from_data, Machine machine) {
   static const std::array<float, 256> linear = srgb_decoded();
   const formats::ColorGridDescription& description = grid.description();
   const formats::AxisTables& tables = grid.tables();
@@ -127,7 +122,7 @@ TextureLookup::TextureLookup(const formats::ColorGrid& grid, const Affine& world
       .y = tables.y.data(),
       .z = tables.z.data(),
       .last = {static_cast<std::int32_t>(last.x), static_cast<std::int32_t>(last.y), static_cast<std::int32_t>(last.z)},
-      .grid_from_data = composed(description.world_from_grid.inverse(), world_from_data),
+      .grid_from_data = grid_from_data,
       .linear = linear.data()};
   look_up_ = description.has_alpha() ? compiled_for<look_up<4>>(machine) : compiled_for<look_up<3>>(machine);
 }

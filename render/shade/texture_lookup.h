@@ -23,8 +23,8 @@ struct alignas(64) CoveringColors {
 /// are used. Outside the grid nothing is covered.
 class TextureLookup {
  public:
-  /// @param world_from_data  of the dataset that the hits belong to
-  TextureLookup(const formats::ColorGrid& grid, const Affine& world_from_data, Machine machine = chosen_machine());
+  /// @param grid_from_data  from the frame of the dataset that the hits belong to
+  TextureLookup(const formats::ColorGrid& grid, const Affine& grid_from_data, Machine machine = chosen_machine());
 
   /// Handles the group of hits that begins at `first`. Reads texels only for shown hits inside the
   /// grid. The numbers are the same on every machine.

@@ -82,6 +82,7 @@ const Layer layers[] = {
     {"preprocess/grid/bricks", {"formats", "preprocess", "preprocess/values"}},
     {"preprocess/grid/resample",
      {"formats", "preprocess", "preprocess/values", "preprocess/mesh/inspect", "preprocess/mesh/leaf_lists"}},
+    {"preprocess/cache", {"formats", "preprocess"}},
     {"preprocess/export", {"formats", "preprocess", "preprocess/process"}},
     {"preprocess/import/reading", {"formats", "preprocess", "preprocess/process"}},
     {"preprocess/import/volume", {"formats", "preprocess", "preprocess/process", "preprocess/import/reading"}},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,6 +18,12 @@ namespace rhoray::tests {
 /// A folder with small inputs in which the real programs are run.
 class Workbench {
  public:
+  /// Packed copies of this process's programs are kept apart from the user's.
+  Workbench() {
+    static const TemporaryFolder cache;
+    ::setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+  }
+
   const std::filesystem::path& path() const { return folder_.path(); }
   std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
 

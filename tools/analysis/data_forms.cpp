@@ -55,6 +55,7 @@ preprocess::NeutralVolume quantized(const formats::BrickGrid& grid, std::size_t 
   copy.world_from_grid = description.world_from_grid;
   copy.axes = description.axes;
   copy.length_unit = description.length_unit;
+  copy.space = description.space;
   copy.field_name = description.fields[field].name;
   copy.owned_samples.resize(static_cast<std::size_t>(volume(copy.sample_count)) * sizeof(T));
   std::byte* out = copy.owned_samples.data();
@@ -128,7 +129,7 @@ FormedData DataForms::quantize_grid(int bits, const FormOptions& options) const 
                                                    : quantized<std::uint16_t>(grid, position, made, options);
   const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
   preprocess::pack_volume(copy, path, {.replace_existing = true}, options.progress);
-  made.dataset = render::Dataset::load(path);
+  made.dataset = render::Dataset::load(path, {}, dataset_.space());
   made.preprocess_s = watch.seconds();
   made.file_bytes = made.dataset.file().file_bytes();
   return made;
@@ -166,7 +167,7 @@ FormedData DataForms::quantize_mesh(int bits, const FormOptions& options) {
   for (double& value : copy.point_fields[0].values) value = std::round(made.own(value));
   const std::filesystem::path path = options.folder / concat("bits", bits, ".rho");
   preprocess::pack_mesh(copy, path, {.replace_existing = true}, options.progress);
-  made.dataset = render::Dataset::load(path);
+  made.dataset = render::Dataset::load(path, {}, dataset_.space());
   made.preprocess_s = watch.seconds();
   made.file_bytes = made.dataset.file().file_bytes();
   return made;
@@ -197,7 +198,7 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   std::filesystem::path path = grid;
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
   FormedData made{
-      .dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {})) : render::Dataset::load(path),
+      .dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {})) : render::Dataset::load(path, {}, dataset_.space()),
       .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
   // An OpenVDB file contains the same samples as the grid.

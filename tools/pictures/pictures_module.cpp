@@ -280,7 +280,10 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_pict
     if (!file) return OIIO::geterror();
     const OIIO::ImageSpec spec = file->spec();
     if (spec.depth != 1) return "it has several layers of pixels";
-    picture = {.width = spec.width, .height = spec.height, .channels = spec.channelnames, .numbers = {}};
+    picture = {.width = spec.width, .height = spec.height, .channels = spec.channelnames, .numbers = {}, .texts = {}};
+    for (const OIIO::ParamValue& attribute : spec.extra_attribs)
+      if (attribute.type() == OIIO::TypeString)
+        picture.texts.push_back({attribute.name().string(), attribute.get_string()});
     picture.numbers.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
     if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.numbers.data()))
       return file->geterror();

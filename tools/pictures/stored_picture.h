@@ -12,12 +12,16 @@ struct PictureText {
   std::string value;
 };
 
+/// The text that holds the scene of a picture, with file names relative to the picture's folder.
+inline constexpr const char* scene_text_name = "rhoray:scene";
+
 /// A picture as stored in its file: rows from the top, pixels from the left, channels interleaved.
 struct StoredPicture {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
   /// As stored; integers are divided by the largest value of their type.
   std::vector<float> numbers;
+  std::vector<PictureText> texts;  ///< all that the file holds
 };
 
 }  // namespace rhoray::tools

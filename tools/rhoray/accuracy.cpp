@@ -55,7 +55,7 @@ render::SceneSpec spec_of(const AccuracyCommand& command) {
     for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
     scene_spec = with_options(document.scene_spec, command.picture);
   } else {
-    scene_spec = spec_of(command.picture, command.input);
+    scene_spec = spec_of(command.picture, {command.input});
   }
   if (!scene_spec.image.size) scene_spec.image.size = default_size;
   scene_spec.image.channels.reset();
@@ -298,7 +298,7 @@ int run(AccuracyCommand& command) {
   const ThreadLimit limit(command.common.threads);
   ProgressDisplay display(command.common);
   display.show(concat("opening ", scene_spec.data[0].file.string()));
-  render::ResolvedScene plan = resolve_layers(scene_spec);
+  render::ResolvedScene plan = resolve_layers(scene_spec, access_for(command.common, display));
   aim_camera(scene_spec, plan);
   refuse_damage(plan, command.common.threads);
   require_results_folder(command.common.output, command.common.force);

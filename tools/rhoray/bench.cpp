@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include "formats/base/error.h"
@@ -13,6 +14,7 @@
 #include "tools/rhoray/bench/tables.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
@@ -20,9 +22,9 @@ namespace rhoray::tools {
 namespace {
 
 enum class Takes {
-  packed,           ///< a packed file
-  packed_or_scene,  ///< or a scene document
-  unpacked          ///< a file that is to be packed
+  data,           ///< any file that can be rendered
+  data_or_scene,  ///< or a scene document
+  unpacked        ///< a file that is to be packed
 };
 
 struct TableRow {
@@ -37,21 +39,20 @@ std::vector<Table> only(const BenchOptions& options, const Step& step) {
   return {table(options, step)};
 }
 
-const TableRow table_rows[] = {{"phases", Takes::packed, only<phases_table>},
-                               {"threads", Takes::packed, only<threads_table>},
-                               {"views", Takes::packed, only<views_table>},
-                               {"isovalue", Takes::packed, only<isovalue_table>},
-                               {"effects", Takes::packed_or_scene, effects_tables, {"table_4", "table_1"}},
-                               {"memory", Takes::packed, only<memory_table>},
-                               {"open", Takes::packed, only<open_table>},
+const TableRow table_rows[] = {{"phases", Takes::data, only<phases_table>},
+                               {"threads", Takes::data, only<threads_table>},
+                               {"views", Takes::data, only<views_table>},
+                               {"isovalue", Takes::data, only<isovalue_table>},
+                               {"effects", Takes::data_or_scene, effects_tables, {"table_4", "table_1"}},
+                               {"memory", Takes::data, only<memory_table>},
+                               {"open", Takes::data, only<open_table>},
                                {"pack", Takes::unpacked, only<pack_table>}};
 
-/// Refuses a file that a table does not take.
-void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_packed, bool is_scene) {
-  if (table.takes == Takes::unpacked || is_packed || (is_scene && table.takes == Takes::packed_or_scene)) return;
-  throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file",
-                                         table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
-                                         table.name, "' needs"));
+/// Refuses a scene where a table does not take it.
+void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_scene) {
+  if (!is_scene || table.takes == Takes::data_or_scene) return;
+  throw Error(ErrorCode::invalid,
+              concat(input.string(), ": is a scene; table '", table.name, "' needs a file with data"));
 }
 
 struct BenchCommand {
@@ -82,12 +83,17 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
   const bool is_scene = !is_packed && render::is_scene_document(command.bench.input);
   const auto suits = [&](Takes takes) {
-    if (is_scene) return takes == Takes::packed_or_scene;
-    return is_packed == (takes != Takes::unpacked);
+    if (is_scene) return takes == Takes::data_or_scene;
+    return !is_packed || takes != Takes::unpacked;
   };
   for (const TableRow& row : table_rows)
     if (command.words.size() == 1 && suits(row.takes)) chosen.push_back(row);
-  require_kind(chosen.front(), command.bench.input, is_packed, is_scene);
+  require_kind(chosen.front(), command.bench.input, is_scene);
+  const auto reads_a_copy = [](const TableRow& row) { return row.takes != Takes::unpacked; };
+  if (!is_scene && std::any_of(chosen.begin(), chosen.end(), reads_a_copy)) {
+    ProgressDisplay display(command.common);
+    command.bench.packed = packed_path(command.bench.input, command.bench.field, access_for(command.common, display));
+  }
   return chosen;
 }
 
@@ -169,8 +175,8 @@ Subcommand bench_subcommand() {
                                 {"pack", "packing, compared with reading and writing once"}}}},
       .options = all_options(
           {in_group("Input", {files_option("[TABLE] FILE",
-                                           "A table, and a packed file, a scene (effects) or a file to pack (pack); "
-                                           "default all tables for the file",
+                                           "A table, and a file with data or a scene (effects); default all tables for "
+                                           "the file",
                                            command->words),
                               value_option("--field", "NAME", "Field; default the first", bench.field)}),
            in_group(

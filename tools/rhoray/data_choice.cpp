@@ -1,11 +1,15 @@
 #include "tools/rhoray/data_choice.h"
 
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
-#include "preprocess/import_mesh.h"
-#include "preprocess/input_file.h"
-#include "preprocess/open_vdb.h"
+#include "formats/base/number_text.h"
+#include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
+#include "tools/rhoray/cli/version.h"
 
 namespace rhoray::tools {
 
@@ -16,47 +20,116 @@ bool varies(const formats::FieldSummary& field) {
 }
 
 /// The first field, or if it is constant the first field that is not.
-render::Dataset load_field_that_varies(const std::filesystem::path& path) {
-  const render::Dataset first = render::Dataset::load(path);
+render::Dataset load_field_that_varies(const formats::PackedFile& file, formats::Space world) {
+  const render::Dataset first = render::Dataset::load(file, {}, world);
   if (varies(first.field())) return first;
   for (const std::string& name : first.field_names()) {
-    const render::Dataset other = render::Dataset::load(path, name);
+    const render::Dataset other = render::Dataset::load(file, name, world);
     if (varies(other.field())) return other;
   }
   return first;
 }
 
+std::uint64_t cache_limit_bytes() {
+  const char* const text = std::getenv("RHORAY_CACHE_SIZE");
+  if (text == nullptr || *text == '\0') return preprocess::PackCache::default_limit_bytes;
+  ByteCount limit;
+  try {
+    read_value(text, limit);
+  } catch (const Error& error) {
+    throw Error(error.code(), concat("RHORAY_CACHE_SIZE: ", error.what()), error.hint());
+  }
+  return limit.bytes;
+}
+
+/// What was packed, and where the copy is.
+std::string packing_text(const std::filesystem::path& path, const preprocess::OpenedData& opened, double seconds) {
+  return concat("packed ", path.string(), " in ", rounded(seconds, 2), " s, ", bytes_text(opened.file.file_bytes()),
+                opened.path.empty() ? ", in memory" : ", kept in the cache",
+                opened.not_kept.empty() ? "" : concat(" (", opened.not_kept, ")"));
+}
+
+preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
+                            const DataAccess& access) {
+  const Stopwatch watch;
+  const preprocess::OpenedData opened = preprocess::open_data(path, {.fields = std::move(fields),
+                                                                     .use_cache = access.use_cache,
+                                                                     .program = concat(version(), " ", commit()),
+                                                                     .cache_limit_bytes = cache_limit_bytes(),
+                                                                     .progress = access.progress});
+  if (opened.was_packed && access.say) access.say(packing_text(path, opened, watch.seconds()));
+  if (access.tell)
+    for (const std::string& note : opened.notes) access.tell(concat("note: ", note));
+  return opened;
+}
+
+std::vector<std::string> names_of(const std::string& field, const std::vector<std::string>& others) {
+  std::vector<std::string> names;
+  if (!field.empty()) names.push_back(field);
+  for (const std::string& other : others)
+    if (!other.empty() && other != field) names.push_back(other);
+  return names;
+}
+
 }  // namespace
 
-render::Dataset load_shown(const std::filesystem::path& path, const std::string& field) {
-  preprocess::require_input(path);
-  if (preprocess::is_vdb(path)) return render::Dataset::load(preprocess::open_vdb(path, field));
-  if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
-    const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
-    throw Error(ErrorCode::invalid, concat(path.string(), ": is not a packed file"),
-                concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
-  }
-  if (field.empty()) return load_field_that_varies(path);
+DataAccess access_for(const CommonOptions& common, ProgressDisplay& display) {
+  return {.use_cache = !common.no_cache,
+          .progress = display.progress(),
+          .say =
+              [&common, &display](const std::string& line) {
+                display.clear();
+                say(common, line);
+              },
+          .tell = [&common](const std::string& line) { tell(common, line); }};
+}
+
+render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access,
+                           const std::vector<std::string>& others, formats::Space world) {
+  const formats::PackedFile file = open(path, names_of(field, others), access).file;
+  if (file.description().kind == "vdb") return render::Dataset::load(file);
+  if (field.empty()) return load_field_that_varies(file, world);
   try {
-    return render::Dataset::load(path, field);
+    return render::Dataset::load(file, field, world);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::usage) throw;
-    const std::string hint = did_you_mean(field, render::Dataset::load(path).field_names());
+    const std::string hint = did_you_mean(field, render::Dataset::load(file).field_names());
     throw Error(error.code(), error.what(), hint.empty() ? error.hint() : hint);
   }
 }
 
-render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field) {
-  const render::Dataset dataset = load_shown(path, field);
+render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field, const DataAccess& access) {
+  const render::Dataset dataset = load_shown(path, field, access);
   if (dataset.is_surface())
     throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("show it: rhoray render ", path.string()));
   return dataset;
 }
 
-render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec) {
-  return render::resolve_layers(scene_spec,
-                                [](const render::DataSpec& data) { return load_shown(data.file, data.field); });
+std::filesystem::path packed_path(const std::filesystem::path& path, const std::string& field,
+                                  const DataAccess& access) {
+  const preprocess::OpenedData opened = open(path, names_of(field, {}), access);
+  if (!opened.path.empty()) return opened.path;
+  if (opened.file.description().kind == "vdb")
+    throw Error(ErrorCode::unsupported, concat(path.string(), ": is an OpenVDB file; expected a packed file"),
+                concat("pack it first: ", shell_line({"rhoray", "pack", path.string()})));
+  throw Error(ErrorCode::resource,
+              concat(path.string(), ": its packed copy could not be kept",
+                     opened.not_kept.empty() ? "" : concat(": ", opened.not_kept)),
+              concat("pack it first: ", shell_line({"rhoray", "pack", path.string()})));
+}
+
+render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access) {
+  return render::resolve_layers(scene_spec, [&](const render::DataSpec& data, formats::Space world) {
+    std::vector<std::string> others;
+    for (const render::LayerSpec& layer : scene_spec.layers)
+      if (layer.data == data.name) others.push_back(layer.color_by);
+    return load_shown(data.file, data.field, access, others, world);
+  });
+}
+
+preprocess::PackCache open_cache() {
+  return preprocess::PackCache(preprocess::PackCache::default_folder(), cache_limit_bytes());
 }
 
 }  // namespace rhoray::tools

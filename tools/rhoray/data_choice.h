@@ -1,22 +1,49 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
+#include "preprocess/open_data.h"
 #include "render/document.h"
 #include "render/load.h"
+#include "tools/rhoray/cli/progress_display.h"
 
 namespace rhoray::tools {
 
-/// Opens a packed file or an OpenVDB file for rendering. Refuses other foreign files and names the
-/// command that packs them; refuses an unknown field and names the nearest one. Without a name it
-/// takes the first field that is not constant, or the first field if all are.
-render::Dataset load_shown(const std::filesystem::path& path, const std::string& field);
+/// How files that are not packed are opened, and who is told of it.
+struct DataAccess {
+  bool use_cache = true;
+  preprocess::Progress progress{};
+  std::function<void(const std::string&)> say{};   ///< one line about packing
+  std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
+};
+/// @param display  must outlive the result
+DataAccess access_for(const CommonOptions& common, ProgressDisplay& display);
+
+/// Opens any file that can be rendered (preprocess/open_data.h); packs files that are not packed,
+/// or takes their copy in the cache. Refuses an unknown field and names the nearest one. Without a
+/// name it takes the first field that is not constant, or the first field if all are.
+/// @param others  fields that are needed besides
+/// @param world   as for render::Dataset::load
+render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access = {},
+                           const std::vector<std::string>& others = {},
+                           formats::Space world = formats::Space::unknown);
 
 /// As above; refuses a surface, which has no fields (ErrorCode::invalid).
-render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field);
+render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,
+                             const DataAccess& access = {});
+
+/// A packed file with the content of any file that load_shown opens. Refuses an OpenVDB file, and a
+/// file whose copy the cache has no room for (ErrorCode::resource).
+std::filesystem::path packed_path(const std::filesystem::path& path, const std::string& field,
+                                  const DataAccess& access = {});
 
 /// Opens the data of a scene by load_shown (render/document.h).
-render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec);
+render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access = {});
+
+/// The cache of packed copies: in the folder of the user, with the limit that RHORAY_CACHE_SIZE
+/// sets.
+preprocess::PackCache open_cache();
 
 }  // namespace rhoray::tools

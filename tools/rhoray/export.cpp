@@ -9,7 +9,6 @@
 #include "formats/triangle_mesh.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
-#include "preprocess/input_file.h"
 #include "render/isovalue.h"
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
@@ -25,6 +24,7 @@ namespace {
 struct ExportCommand {
   CommonOptions common;
   std::filesystem::path input;
+  std::filesystem::path packed;  ///< the input, or its packed copy
   std::string field;
   std::string isovalue;
 };
@@ -59,14 +59,10 @@ struct Content {
   std::vector<formats::FieldSummary> fields;
 };
 
-Content content_in(const std::filesystem::path& input) {
-  preprocess::require_input(input);
-  if (!formats::PackedFile::looks_packed(input))
-    throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file"),
-                concat("pack it first: ", shell_line({"rhoray", "pack", input.string()})));
-  const formats::PackedFile file = formats::PackedFile::open(input);
+Content content_in(const ExportCommand& command) {
+  const formats::PackedFile file = formats::PackedFile::open(command.packed);
   if (file.description().kind == formats::TriangleMesh::kind)
-    throw Error(ErrorCode::unsupported, concat(input.string(), ": holds a surface; expected a grid or a mesh"),
+    throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds a surface; expected a grid or a mesh"),
                 "numpy reads its points and triangles from the packed file: see formats/SPEC.md");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
   return {false, formats::BrickGrid(file).description().fields};
@@ -109,12 +105,12 @@ preprocess::ExportReport write(const ExportCommand& command, const Content& cont
                                           .replace_existing = command.common.force,
                                           .memory_limit_bytes = command.common.memory.bytes};
   const std::string extension = output.extension().string();
-  if (extension == ".vti") return preprocess::export_vti(command.input, output, options, display.progress());
-  if (extension == ".npy") return preprocess::export_npy(command.input, output, options, display.progress());
-  if (extension == ".vtu") return preprocess::export_vtu(command.input, output, options);
-  if (extension != ".stl") return preprocess::export_vdb(command.input, output, options);
-  if (content.is_mesh) return preprocess::export_tets_stl(command.input, isovalue, output, options);
-  return preprocess::export_grid_stl(command.input, *isovalue, output, options);
+  if (extension == ".vti") return preprocess::export_vti(command.packed, output, options, display.progress());
+  if (extension == ".npy") return preprocess::export_npy(command.packed, output, options, display.progress());
+  if (extension == ".vtu") return preprocess::export_vtu(command.packed, output, options);
+  if (extension != ".stl") return preprocess::export_vdb(command.packed, output, options);
+  if (content.is_mesh) return preprocess::export_tets_stl(command.packed, isovalue, output, options);
+  return preprocess::export_grid_stl(command.packed, *isovalue, output, options);
 }
 
 int run(ExportCommand& command) {
@@ -122,7 +118,11 @@ int run(ExportCommand& command) {
   const std::filesystem::path output = command.common.output;
   if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output selects the format");
   const Format& format = format_of(output);
-  const Content content = content_in(command.input);
+  command.packed = [&] {
+    ProgressDisplay display(command.common);
+    return packed_path(command.input, command.field, access_for(command.common, display));
+  }();
+  const Content content = content_in(command);
   check(command, format, content);
   require_writable(command.common, output, command.input);
   const std::optional<double> isovalue = chosen_isovalue(command, content);
@@ -149,12 +149,12 @@ int run(ExportCommand& command) {
 Subcommand export_subcommand() {
   const auto command = std::make_shared<ExportCommand>();
   return {.name = "export",
-          .summary = "Convert a packed file to another format",
+          .summary = "Convert a file to another format",
           .group = "Files",
           .examples = {"rhoray export head.rho -o head.vti", "rhoray export head.rho --iso 500 -o skin.stl",
                        "rhoray export torso.rho -o torso.vtu", "rhoray export head.rho -o head.nvdb"},
           .options = all_options(
-              {{with_details(file_option("FILE", "Packed file", command->input),
+              {{with_details(file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input),
                              "numpy can read it without conversion; see formats/SPEC.md")},
                output_options(command->common,
                               "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),

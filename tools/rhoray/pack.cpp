@@ -50,12 +50,6 @@ void report(const PackCommand& command, const std::filesystem::path& output, con
   std::puts(dump(json).c_str());
 }
 
-std::filesystem::path default_output(const std::filesystem::path& input) {
-  std::filesystem::path output = input;
-  if (output.extension() == ".gz") output.replace_extension();
-  return output.replace_extension(".rho");
-}
-
 /// The command line stored in the file.
 std::string command_line(const PackCommand& command, const std::filesystem::path& output) {
   const preprocess::PackOptions& pack = command.pack;
@@ -105,7 +99,7 @@ int run(PackCommand& command) {
   pack.memory_limit_bytes = command.common.memory.bytes;
   pack.replace_existing = command.common.force;
   const std::filesystem::path output =
-      command.common.output.empty() ? default_output(command.input) : command.common.output;
+      command.common.output.empty() ? default_output(command.input, ".rho") : command.common.output;
   pack.command = command_line(command, output);
   preprocess::check_pack(command.input, pack);
   require_writable(command.common, output, command.input);
@@ -179,7 +173,7 @@ Subcommand pack_subcommand() {
                in_group("Macrocells of volumes and leaves",
                         {value_option("--levels", "N", "Levels of macrocells; default 3", pack.levels),
                          value_option("--factor", "N", "Cells per axis of a macrocell; default 4", pack.factor)})),
-           in_group("Output", output_options(command->common, "Packed file; default the input's name with .rho")),
+           in_group("Output", output_options(command->common, "Packed file; default the input's name with .rho in the working folder")),
            in_group("General", all_options({threads_option(command->common),
                                             {with_details(memory_option(command->common, "Memory cap, such as 512M"),
                                                           "Larger data are streamed through the output's folder")},

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <optional>
 
 #include "formats/base/error.h"
 #include "render/document.h"
@@ -12,24 +13,56 @@
 #include "tools/rhoray/render/frames.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
+#include "tools/rhoray/render/replacements.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {
 
 namespace {
 
-/// The requested scene: a document with the options on top, or a file and options alone.
+/// The text of the scene that made this picture; nothing for other files.
+std::optional<std::string> scene_in_picture(const std::filesystem::path& input) {
+  if (input.extension() != ".png" && input.extension() != ".exr") return std::nullopt;
+  for (const PictureText& text : read_picture(input).texts)
+    if (text.name == scene_text_name) return text.value;
+  return std::nullopt;
+}
+
+/// The scene document, alone or in a picture; nothing where the input is data.
+std::optional<render::SceneDocument> document_in(const std::filesystem::path& input) {
+  if (render::is_scene_document(input)) return render::read_scene(input);
+  const std::optional<std::string> text = scene_in_picture(input);
+  if (!text) return std::nullopt;
+  return render::read_scene(*text, input.string(), input.parent_path());
+}
+
+/// The requested scene: a document with the options on top, or files and options alone.
 render::SceneSpec spec_of(const RenderCommand& command) {
-  if (!render::is_scene_document(command.input)) return spec_of(command.picture, command.input);
-  const render::SceneDocument document = render::read_scene(command.input);
-  for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
-  return with_options(document.scene_spec, command.picture);
+  const std::filesystem::path& input = command.inputs.front();
+  const std::optional<render::SceneDocument> document = document_in(input);
+  if (!document) return spec_of(command.picture, command.inputs);
+  if (command.inputs.size() > 1)
+    throw Error(ErrorCode::usage, concat(command.inputs[1].string(), ": not allowed with the scene ", input.string(),
+                                         ", which names its files"));
+  for (const std::string& warning : document->warnings) say(command.common, concat("warning: ", warning));
+  return with_options(document->scene_spec, command.picture);
+}
+
+/// Whether the picture goes to standard output. Refuses what goes there, too.
+bool goes_to_stdout(const RenderCommand& command) {
+  if (command.common.output != "-") return false;
+  for (const auto& [given, name] : {std::pair{command.common.json, "--json"},
+                                    {command.statistics, "--stats"},
+                                    {!command.picks.empty(), "--pick"},
+                                    {command.self_check.pixels > 0, "--verify"}})
+    if (given) throw Error(ErrorCode::usage, concat("-o -: writes the picture to standard output, as ", name, " does"));
+  return true;
 }
 
 std::filesystem::path output_of(const RenderCommand& command, const render::SceneSpec& scene_spec) {
   if (!command.common.output.empty()) return command.common.output;
-  if (command.input.string() == scene_spec.document || scene_spec.document.empty())
-    return std::filesystem::path(command.input).replace_extension(".png");
+  const std::filesystem::path& input = command.inputs.front();
+  if (scene_spec.document.empty() || scene_spec.document == input.string()) return default_output(input, ".png");
   throw Error(ErrorCode::usage, "a scene on the command line has no file name; name the picture with -o");
 }
 
@@ -59,12 +92,13 @@ int run(RenderCommand& command) {
   const bool draws = !command.explain && !command.print_scene;
   if (draws) {
     drawn.output = output_of(command, scene_spec);
-    require_picture_format(drawn.output,
+    drawn.to_stdout = goes_to_stdout(command);
+    require_picture_format(drawn.to_stdout ? "picture.png" : drawn.output,
                            render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
   }
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const Stopwatch opening;
-  drawn.plan = resolve_layers(scene_spec);
+  drawn.plan = resolve_layers(scene_spec, access_for(command.common, display));
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
   aim_camera(scene_spec, drawn.plan);
@@ -101,10 +135,10 @@ Subcommand render_subcommand() {
   const auto command = std::make_shared<RenderCommand>();
   return {
       .name = "render",
-      .summary = "Render a picture of a packed file or a scene",
+      .summary = "Render a picture of any file or scene",
       .group = "Pictures",
       .examples =
-          {"rhoray render head.rho -o head.png", "rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png",
+          {"rhoray render head.nrrd", "rhoray render head.rho --iso 500 --view -y --size 1080p -o skin.png",
            "rhoray render head.rho --mode mip --range 0,2000 -o mip.png",
            "rhoray render heart.rho --iso 0.3 --normals smooth --color-by pressure --colormap coolwarm -o heart.png",
            "rhoray render head.rho --mode mip --range 0,2000 --channels depth,value -o mip.exr",
@@ -113,8 +147,14 @@ Subcommand render_subcommand() {
            "rhoray render head.rho --iso 500 --texture photographs.rho -o skin.png",
            "rhoray render smoke.vdb --iso 0.5 -o smoke.png", "rhoray render torso.json --size 4k -o torso.png",
            "rhoray render sweep.json --frames 36 -o sweep_%04d.png"},
-      .options = all_options(
-          {{file_option("FILE", "Packed file (.rho), OpenVDB file (.vdb) or scene document (.json)", command->input)},
+      .options = with_replacements(all_options(
+          {{with_details(files_option("FILE",
+                                      "Volume, mesh or surface, packed or not; a scene document (.json); or a picture "
+                                      "that `rhoray` made, which holds its scene",
+                                      command->inputs),
+                         "Files that are not packed are packed first; see `rhoray cache --help`. Further files are "
+                         "shown, too; options of the layer are those of the first file"),
+            cache_option(command->common)},
            picture_options(command->picture),
            in_group("Input",
                     {answer_option("--scene-help", "Print the keys of scene documents", render::scene_reference),
@@ -128,7 +168,8 @@ Subcommand render_subcommand() {
                "Output",
                all_options(
                    {output_options(command->common,
-                                   "Picture: .png, .exr, .tif or .jpg; default the file's name with .png"),
+                                   "Picture: .png, .exr, .tif or .jpg; - is a PNG on standard output; default the "
+                                   "file's name with .png in the working folder"),
                     image_options(command->picture),
                     {value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
                      value_option("--sheet", "COLUMNS",
@@ -144,7 +185,7 @@ Subcommand render_subcommand() {
                         {threads_option(command->common),
                          {memory_option(command->common,
                                         "Refuse pictures that need more memory; default the machine's memory")},
-                         message_options(command->common, "Print choices, statistics and times as JSON to stdout")}))}),
+                         message_options(command->common, "Print choices, statistics and times as JSON to stdout")}))})),
       .run = [command] { return run(*command); }};
 }
 

@@ -145,6 +145,7 @@ Json json_of(const formats::GridDescription& grid) {
           {"cells", volume(grid.macro.leaf_count)},
           {"geometry", json_of(lattice)},
           {"length_unit", grid.length_unit},
+          {"space", formats::space_word(grid.space)},
           {"box", json_of(bounds_of(lattice))},
           {"layout", layout_json(grid.layout)},
           {"macro_levels", {{"count", grid.macro.level_count}, {"factor", grid.macro.factor}}},
@@ -157,6 +158,7 @@ Json json_of(const formats::ColorGridDescription& grid) {
           {"components", grid.has_alpha() ? "RGBA" : "RGB"},
           {"geometry", json_of(grid.world_from_grid)},
           {"length_unit", grid.length_unit},
+          {"space", formats::space_word(grid.space)},
           {"box", json_of(grid.bounds())},
           {"layout", layout_json(grid.layout)},
           {"provenance", json_of(grid.provenance)}};

@@ -20,6 +20,7 @@ Subcommand export_subcommand();
 Subcommand validate_subcommand();
 Subcommand compare_subcommand();
 Subcommand accuracy_subcommand();
+Subcommand cache_subcommand();
 
 /// Those of `rhoray`, in the order of its help.
 std::vector<Subcommand> all_subcommands();

@@ -75,15 +75,16 @@ formats::PackedFile compare(const ValidateCommand& command, const validate::Requ
 int run(ValidateCommand& command) {
   const Stopwatch watch;
   check(command);
-  const render::Dataset dataset = load_dataset(command.input, command.field);
-  if (dataset.file().description().kind == "vdb")
-    throw Error(ErrorCode::unsupported, concat(command.input.string(), ": is an OpenVDB file; expected a packed file"),
-                concat("pack it first: ", shell_line({"rhoray", "pack", command.input.string()})));
+  const std::filesystem::path packed = [&] {
+    ProgressDisplay display(command.common);
+    return packed_path(command.input, command.field, access_for(command.common, display));
+  }();
+  const render::Dataset dataset = load_dataset(packed, command.field);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
   refuse_damage(dataset.file(), command.common.threads);
   const render::RangeProof range_proof = dataset.prove_ranges(command.common.threads);
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
-  validate::Request request{.file = command.input.string(),
+  validate::Request request{.file = packed.string(),
                             .field = dataset.field().name,
                             .isovalue = isovalue.value,
                             .threads = command.common.threads,
@@ -135,7 +136,7 @@ Subcommand validate_subcommand() {
                                  "later)."}},
                     .is_expert = true}},
       .options = all_options(
-          {{file_option("FILE", "Packed file", command->input)},
+          {{file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input)},
            in_group("Surface",
                     {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
                      value_option("--iso", "V", "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold)",

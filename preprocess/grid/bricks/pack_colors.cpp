@@ -47,7 +47,7 @@ void write_texels(const NeutralVolume& colors, const formats::BrickLayout& layou
 
 }  // namespace
 
-PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem::path& path,
+PackColorsReport pack_colors(const NeutralVolume& colors, const formats::Destination& destination,
                              const PackColorsOptions& options, const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "colours" : options.source_name;
   check_colors(colors, source_name);
@@ -57,9 +57,10 @@ PackColorsReport pack_colors(const NeutralVolume& colors, const std::filesystem:
                                   : bricked_layout(colors.sample_count, options.brick_edge, options.largest_superbrick);
   grid.world_from_grid = colors.world_from_grid;
   grid.length_unit = colors.length_unit;
+  grid.space = colors.space;
   grid.component_count = colors.component_count;
   grid.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
-  formats::PackedFileWriter writer(path, formats::describe(grid), formats::color_grid_arrays(grid),
+  formats::PackedFileWriter writer(destination, formats::describe(grid), formats::color_grid_arrays(grid),
                                    {.replace_existing = options.replace_existing});
   ProgressMeter writing(progress, "writing texels (bytes)", colors.samples.size());
   if (grid.has_alpha())

@@ -212,7 +212,7 @@ std::uint64_t sample_bytes(const formats::GridDescription& grid) {
 
 namespace {
 
-PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const formats::Destination& destination,
                               const PackVolumeOptions& options, const Progress& progress) {
   RHORAY_CHECK(!fields.empty());
   const NeutralVolume& first = fields.front();
@@ -227,6 +227,7 @@ PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::
   check_frame(first.world_from_grid, source_name);
   check_frame(grid.world_from_grid, source_name);
   grid.length_unit = first.length_unit;
+  grid.space = first.space;
   grid.macro =
       choose_macro_shape(first.sample_count - Index3(1, 1, 1), options.macro_factor, options.macro_level_count);
   grid.provenance = {.source_name = options.source_name, .source_checksum = {}, .command = options.command};
@@ -243,7 +244,7 @@ PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::
   for (std::size_t f = 0; f < fields.size(); ++f)
     write_levels.push_back(prepare_field(fields[f], stored[f], grid, progress));
 
-  formats::PackedFileWriter writer(path, formats::describe(grid), formats::grid_arrays(grid),
+  formats::PackedFileWriter writer(destination, formats::describe(grid), formats::grid_arrays(grid),
                                    {.replace_existing = options.replace_existing});
   ProgressMeter writing(progress, "writing samples (bytes)", sample_bytes(grid));
   formats::write_axes(grid, writer);
@@ -267,15 +268,15 @@ PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const std::
 
 }  // namespace
 
-PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const std::filesystem::path& path,
+PackVolumeReport pack_grid(std::span<const NeutralVolume> fields, const formats::Destination& destination,
                            const PackVolumeOptions& options, const Progress& progress) {
   const DefaultFloatingPoint default_floating_point;
-  return write_fields(fields, path, options, progress);
+  return write_fields(fields, destination, options, progress);
 }
 
-PackVolumeReport pack_volume(const NeutralVolume& volume, const std::filesystem::path& path,
+PackVolumeReport pack_volume(const NeutralVolume& volume, const formats::Destination& destination,
                              const PackVolumeOptions& options, const Progress& progress) {
-  return pack_grid(std::span(&volume, 1), path, options, progress);
+  return pack_grid(std::span(&volume, 1), destination, options, progress);
 }
 
 }  // namespace rhoray::preprocess

@@ -9,6 +9,7 @@
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/text_reading.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -166,7 +167,7 @@ class MeditReader {
   void read_solutions() {
     for (const char* extension : {".sol", ".solb"}) {
       const auto beside = std::filesystem::path(file_.path()).replace_extension(extension);
-      if (!std::filesystem::exists(beside)) continue;
+      if (!is_there(beside)) continue;
       MeditFile file(beside);
       for (std::string_view word = file.next_section(); !word.empty(); word = file.next_section()) {
         if (word == "Dimension") check_dimension(file);

@@ -169,7 +169,7 @@ std::vector<fs::path> partners_of(const fs::path& path, bool is_solution) {
 std::optional<OpenFile> partner_of(const OpenFile& given, std::string& looked_for) {
   for (const fs::path& path : partners_of(given.file.path(), given.layout.is_solution)) {
     looked_for += concat(looked_for.empty() ? "" : " or ", path.filename().string());
-    if (fs::exists(path)) return OpenFile(path);
+    if (is_there(path)) return OpenFile(path);
   }
   return std::nullopt;
 }

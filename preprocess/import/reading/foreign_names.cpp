@@ -67,6 +67,7 @@ std::string family_of_grid(const fs::path& path) {
 }  // namespace
 
 std::vector<fs::path> files_in(const fs::path& folder) {
+  note_source(folder);
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))

@@ -301,6 +301,7 @@ NeutralVolume read_dicom(const fs::path& path, const std::string& field) {
   place_images(volume, images, path);
   take_samples(volume, images, path);
   volume.length_unit = "mm";
+  volume.space = formats::Space::lps;
   const DicomImage& first = images.front();
   volume.field_name = !field.empty()              ? field
                       : first.description.empty() ? (first.modality.empty() ? stem_of(path) : first.modality)

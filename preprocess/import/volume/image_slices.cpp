@@ -37,6 +37,7 @@ Picture picture_of(const OIIO::ImageSpec& spec) {
 
 std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
   require_regular_file(path);
+  note_source(path);
   OIIO::ImageSpec request;
   request["oiio:UnassociatedAlpha"] = 1;  // colours as stored
   auto input = OIIO::ImageInput::open(path.string(), &request);

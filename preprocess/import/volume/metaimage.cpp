@@ -198,6 +198,9 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
     refuse_input(path, "key ElementType", header.word("ElementType", ""), "MET_UCHAR: colours of 8 bits",
                  ErrorCode::unsupported);
   volume.world_from_grid = world_from_grid(header);
+  // Whoever says how the axes lie in a body writes places as ITK does.
+  if (const std::string axes = header.word("AnatomicalOrientation", "???"); axes != "???")
+    volume.space = formats::Space::lps;
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, channels)
                                      : checked_volume_bytes(path, volume.sample_count, volume.type);

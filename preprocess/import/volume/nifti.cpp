@@ -171,6 +171,8 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
   volume.type = sample_type(header);
   volume.world_from_grid = world_from_grid(header);
   volume.length_unit = length_unit(header);
+  const bool is_placed = header.at<std::int16_t>(sform_code) > 0 || header.at<std::int16_t>(qform_code) > 0;
+  if (is_placed) volume.space = formats::Space::ras;
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
   const double offset = header.real(vox_offset);

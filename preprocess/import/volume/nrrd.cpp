@@ -94,7 +94,7 @@ void require_regular_data_files(const std::filesystem::path& path) {
   const ForeignFile file(path);
   const std::string_view text = file.text().substr(0, longest_header);
   for (const std::string& name : named_files(text.substr(0, end_of_header(text))))
-    if (std::error_code missing; std::filesystem::exists(path.parent_path() / name, missing))
+    if (is_there(path.parent_path() / name))
       require_regular_file(path.parent_path() / name);
 }
 
@@ -263,6 +263,29 @@ Affine world_from_grid(const std::filesystem::path& path, const Nrrd& nrrd, cons
   return {columns[0], columns[1], columns[2], origin};
 }
 
+/// The space of the file where it has one that is known here; world coordinates in "LAS" become
+/// "RAS".
+void set_space(const Nrrd& nrrd, NeutralVolume& volume) {
+  Affine& map = volume.world_from_grid;
+  switch (nrrd.space) {
+    case nrrdSpaceRightAnteriorSuperior:
+    case nrrdSpaceRightAnteriorSuperiorTime:
+      volume.space = formats::Space::ras;
+      return;
+    case nrrdSpaceLeftPosteriorSuperior:
+    case nrrdSpaceLeftPosteriorSuperiorTime:
+      volume.space = formats::Space::lps;
+      return;
+    case nrrdSpaceLeftAnteriorSuperior:
+    case nrrdSpaceLeftAnteriorSuperiorTime:
+      volume.space = formats::Space::ras;
+      for (Vec3* vector : {&map.x_axis, &map.y_axis, &map.z_axis, &map.origin}) vector->x = -vector->x;
+      return;
+    default:
+      return;
+  }
+}
+
 /// The unit of length, if all three axes agree on one.
 std::string length_unit(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
   std::array<std::string, 3> units;
@@ -305,6 +328,7 @@ NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
   volume.type = type_of(path, *header);
   volume.world_from_grid = world_from_grid(path, *header, axes);
   volume.length_unit = length_unit(*header, axes);
+  set_space(*header, volume);
   volume.field_unit = sample_unit(*header);
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)

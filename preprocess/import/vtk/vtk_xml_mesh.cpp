@@ -9,6 +9,7 @@
 #include "preprocess/import/mesh/structured_cells.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/vtk/structured_pieces.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -203,7 +204,7 @@ std::vector<std::filesystem::path> sources_of(const std::filesystem::path& path)
     if (name.empty()) file.refuse(place, "no attribute Source", "the name of a VTU file");
     if (!names.insert(name).second) file.refuse(place, concat("'", name, "' once more"), "each piece once");
     const std::filesystem::path beside = path.parent_path() / name;
-    if (!std::filesystem::exists(beside))
+    if (!is_there(beside))
       file.refuse(place, concat("no file ", beside.string()), "each piece beside it", ErrorCode::unreadable);
     sources.push_back(beside);
   }

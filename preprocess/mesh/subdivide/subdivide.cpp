@@ -429,6 +429,7 @@ NeutralMesh move_over(CellMesh& mesh) {
   result.point_fields = std::move(mesh.point_fields);
   result.length_unit = std::move(mesh.length_unit);
   result.notes = std::move(mesh.notes);
+  result.sources = std::move(mesh.sources);
   return result;
 }
 

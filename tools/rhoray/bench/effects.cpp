@@ -308,7 +308,7 @@ Asked asked_of(const BenchOptions& options) {
 /// Plans a scene with the files that are open already.
 render::ResolvedScene planned(const render::SceneSpec& scene_spec, const Asked& asked, unsigned threads) {
   render::ResolvedScene plan =
-      resolve_layers(scene_spec, [&](const render::DataSpec& data) { return asked.volume(data.name); });
+      resolve_layers(scene_spec, [&](const render::DataSpec& data, formats::Space) { return asked.volume(data.name); });
   aim_camera(scene_spec, plan);
   plan.frame.threads = threads;
   return plan;

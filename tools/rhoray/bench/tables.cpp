@@ -48,7 +48,7 @@ struct Shot {
 };
 
 render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render::Dataset& dataset) {
-  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&) { return dataset; });
+  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
   aim_camera(scene_spec, plan);
   return plan;
 }
@@ -176,7 +176,7 @@ class ChangingPicture {
 }  // namespace
 
 Table phases_table(const BenchOptions& options, const Step& step) {
-  const render::Dataset dataset = load_dataset(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.packed, options.field);
   std::vector<Shot> plain = shots(options, dataset), timed;
   for (const Shot& shot : plain) timed.push_back(shot.another());
   for (Shot& shot : timed) shot.plan.frame.time_phases = true;
@@ -220,7 +220,7 @@ Table phases_table(const BenchOptions& options, const Step& step) {
 }
 
 Table threads_table(const BenchOptions& options, const Step& step) {
-  const render::Dataset dataset = load_dataset(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.packed, options.field);
   const std::vector<unsigned> counts =
       thread_counts(options.threads == 0 ? std::max(1u, this_machine().core_count) : options.threads);
   std::vector<Shot> rows;
@@ -258,7 +258,7 @@ Table threads_table(const BenchOptions& options, const Step& step) {
 }
 
 Table views_table(const BenchOptions& options, const Step& step) {
-  const render::Dataset dataset = load_dataset(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.packed, options.field);
   const double aspect = static_cast<double>(options.size.width) / static_cast<double>(options.size.height);
   struct Row {
     StudyView view;
@@ -305,7 +305,7 @@ Table views_table(const BenchOptions& options, const Step& step) {
 }
 
 Table memory_table(const BenchOptions& options, const Step& step) {
-  const render::Dataset dataset = load_dataset(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.packed, options.field);
   Table table{"memory", "Memory beyond the mapped file", picture_context(options, dataset), {}};
   render::Framebuffer picture;  // one for all rows: memory that is given back would still be counted
   for (Shot& shot : shots(options, dataset)) {
@@ -326,7 +326,7 @@ Table memory_table(const BenchOptions& options, const Step& step) {
 }
 
 Table isovalue_table(const BenchOptions& options, const Step& step) {
-  const render::Dataset dataset = load_dataset(options.input, options.field);
+  const render::Dataset dataset = load_dataset(options.packed, options.field);
   BenchOptions surfaces = options;
   surfaces.mip = false;
   Table table{"isovalue",
@@ -354,13 +354,13 @@ Table isovalue_table(const BenchOptions& options, const Step& step) {
 }
 
 Table open_table(const BenchOptions& options, const Step& step) {
-  const formats::PackedFile file = formats::PackedFile::open(options.input);
+  const formats::PackedFile file = formats::PackedFile::open(options.packed);
   struct Way {
     const char* name;
     std::function<void()> act;
   };
-  const Way ways[] = {{"open", [&] { formats::PackedFile::open(options.input); }},
-                      {"open, ready for the first ray", [&] { load_dataset(options.input, options.field); }},
+  const Way ways[] = {{"open", [&] { formats::PackedFile::open(options.packed); }},
+                      {"open, ready for the first ray", [&] { load_dataset(options.packed, options.field); }},
                       {"checksums, 1 thread", [&] { file.damaged_blocks(1); }},
                       {"checksums, all threads", [&] { file.damaged_blocks(options.threads); }}};
   const auto seconds = interleaved(std::size(ways), options.repeat, [&](std::size_t row) {

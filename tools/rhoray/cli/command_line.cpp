@@ -1,6 +1,7 @@
 #include "tools/rhoray/cli/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <new>
 
@@ -8,6 +9,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/word_list.h"
 #include "tools/rhoray/cli/help.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/version.h"
@@ -40,9 +42,10 @@ std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcomman
     }
     CLI::Option* option = app.add_option(row.names, taken_later, row.help);
     option->type_name(row.value);
-    option->expected(1);
-    if (may_be_repeated(row)) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(false);
-    if (row.kind == Option::Kind::files) option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
+    if (row.kind == Option::Kind::file)
+      option->expected(1);
+    else
+      option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(row.kind == Option::Kind::files);
     added.push_back(option);
   }
   return added;
@@ -55,11 +58,85 @@ std::vector<std::string> long_names(const Subcommand& subcommand) {
   return names;
 }
 
+/// What other programs call an option or a subcommand of ours.
+struct Synonym {
+  std::string_view word;
+  const char* ours;
+};
+constexpr Synonym option_synonyms[] = {{"--isovalue", "--iso"},
+                                       {"--isovalues", "--iso"},
+                                       {"--isosurface", "--iso"},
+                                       {"--threshold", "--iso"},
+                                       {"--contour", "--iso"},
+                                       {"--width", "--size WIDTHxHEIGHT"},
+                                       {"--height", "--size WIDTHxHEIGHT"},
+                                       {"--resolution", "--size WIDTHxHEIGHT"},
+                                       {"--out", "-o"},
+                                       {"--overwrite", "--force"},
+                                       {"--array", "--field"},
+                                       {"--scalars", "--field"},
+                                       {"--variable", "--field"},
+                                       {"--cmap", "--colormap"},
+                                       {"--palette", "--colormap"},
+                                       {"--colour-map", "--colormap"},
+                                       {"--color-map", "--colormap"},
+                                       {"--bg", "--background"},
+                                       {"--bg-color", "--background"},
+                                       {"--background-color", "--background"},
+                                       {"--color", "--surface-color"},
+                                       {"--alpha", "--opacity"},
+                                       {"--scalar-bar", "--colorbar"},
+                                       {"--eye", "--camera-position"},
+                                       {"--samples", "--antialias"},
+                                       {"--jobs", "--threads"},
+                                       {"--clip", "--clip-plane or --clip-box"},
+                                       {"--crop", "--clip-box"}};
+constexpr Synonym subcommand_synonyms[] = {{"convert", "pack, export or import"},
+                                           {"show", "render"},
+                                           {"view", "render"},
+                                           {"draw", "render"},
+                                           {"plot", "render"},
+                                           {"picture", "render"},
+                                           {"isosurface", "render --iso"},
+                                           {"contour", "render --iso"},
+                                           {"mip", "render --mode mip"},
+                                           {"slice", "render --slice"},
+                                           {"inspect", "info"},
+                                           {"stat", "info"},
+                                           {"ls", "info"},
+                                           {"check", "verify"},
+                                           {"benchmark", "bench"},
+                                           {"diff", "compare"},
+                                           {"mesh", "tetrahedralize"},
+                                           {"tetgen", "tetrahedralize"},
+                                           {"voxelize", "resample"},
+                                           {"unpack", "export"}};
+
+/// "--isovalue is --iso here", if the subcommand has that option.
+std::string hint_by_synonym(std::span<const Synonym> synonyms, const std::string& word,
+                            const std::vector<std::string>& known) {
+  for (const Synonym& synonym : synonyms) {
+    if (synonym.word != word) continue;
+    const std::string ours = synonym.ours;
+    const std::string first = ours.substr(0, ours.find_first_of(" ,"));
+    if (first == "-o" || std::find(known.begin(), known.end(), first) != known.end())
+      return concat(word, " is ", ours, " here");
+  }
+  return {};
+}
+
+/// What was probably meant by an unknown word; empty where nothing is near.
+std::string hint_for(std::span<const Synonym> synonyms, const std::string& word,
+                     const std::vector<std::string>& known) {
+  const std::string hint = hint_by_synonym(synonyms, word, known);
+  return hint.empty() ? did_you_mean(word, known) : hint;
+}
+
 [[noreturn]] void refuse_extra(const Subcommand& subcommand, const std::vector<std::string>& extras) {
   for (const std::string& extra : extras)
     if (extra.starts_with("-")) {
       const std::string name = extra.substr(0, extra.find('='));
-      const std::string hint = did_you_mean(name, long_names(subcommand));
+      const std::string hint = hint_for(option_synonyms, name, long_names(subcommand));
       throw Error(ErrorCode::usage, concat("unknown option ", name),
                   hint.empty() ? concat("`rhoray ", subcommand.name, " --help` lists the options") : hint);
     }
@@ -77,20 +154,88 @@ bool answers(const Subcommand& subcommand, std::span<CLI::Option* const> added) 
   return false;
 }
 
-/// Passes the given values to the rows; errors get the option's name as prefix.
-void take_values(const Subcommand& subcommand, std::span<CLI::Option* const> added) {
-  for (std::size_t i = 0; i < added.size(); ++i) {
-    const Option& row = subcommand.options[i];
-    const bool positional = row.kind == Option::Kind::file || row.kind == Option::Kind::files;
-    if (positional && added[i]->count() == 0)
+bool is_positional(const Option& row) {
+  return row.kind == Option::Kind::file || row.kind == Option::Kind::files;
+}
+
+/// "--output" of "-o,--output".
+std::string long_name(const Option& row) {
+  return row.names.substr(row.names.find(',') + 1);
+}
+
+/// An option as it was given.
+struct Given {
+  std::size_t row;
+  std::string text;  ///< empty for one without a value
+};
+
+std::string text_of(const Subcommand& subcommand, const Given& given) {
+  const std::string name = long_name(subcommand.options[given.row]);
+  return given.text.empty() ? name : concat(name, " ", given.text);
+}
+
+/// All that was given, in the order of the command line.
+std::vector<Given> given_in_order(const CLI::App& app, const Subcommand& subcommand,
+                                  std::span<CLI::Option* const> added) {
+  std::vector<std::size_t> taken(added.size(), 0);
+  std::vector<Given> all;
+  for (const CLI::Option* option : app.parse_order()) {
+    const auto row = static_cast<std::size_t>(std::find(added.begin(), added.end(), option) - added.begin());
+    if (row == added.size() || taken[row] == option->results().size()) continue;
+    const std::string& text = option->results()[taken[row]++];
+    all.push_back({row, takes_no_value(subcommand.options[row]) ? std::string() : text});
+  }
+  return all;
+}
+
+/// Whether the later of two options replaces the earlier one.
+/// @param changes  the later one was given before with another value
+bool replaces(const Subcommand& subcommand, const Given& later, const Given& earlier, bool changes) {
+  const Option& row = subcommand.options[later.row];
+  if (later.row == earlier.row) return row.kind == Option::Kind::value && !may_be_repeated(row);
+  const std::string earlier_name = long_name(subcommand.options[earlier.row]);
+  return std::any_of(row.replaces.begin(), row.replaces.end(), [&](const Option::Replaces& which) {
+    return (which.value.empty() || which.value == later.text) && (changes || !which.only_after_another) &&
+           std::find(which.names.begin(), which.names.end(), earlier_name) != which.names.end();
+  });
+}
+
+/// Without those that a later one replaces. Says what was replaced.
+std::vector<Given> without_replaced(const Subcommand& subcommand, const std::vector<Given>& given) {
+  std::vector<Given> kept;
+  std::vector<std::string> replaced;
+  for (const Given& later : given) {
+    const bool changes = std::any_of(kept.begin(), kept.end(), [&](const Given& earlier) {
+      return earlier.row == later.row && earlier.text != later.text;
+    });
+    std::erase_if(kept, [&](const Given& earlier) {
+      if (!replaces(subcommand, later, earlier, changes)) return false;
+      if (earlier.row != later.row || earlier.text != later.text)
+        replaced.push_back(concat(text_of(subcommand, later), " replaces ", text_of(subcommand, earlier)));
+      return true;
+    });
+    kept.push_back(later);
+  }
+  if (!replaced.empty()) std::fputs(concat("note: ", joined(replaced, "; "), "\n").c_str(), stderr);
+  return kept;
+}
+
+/// Passes the given values to the rows, in the order of the rows; errors get the option's name as
+/// prefix.
+void take_values(const Subcommand& subcommand, std::vector<Given> given) {
+  for (const Option& row : subcommand.options) {
+    const bool is_given = std::any_of(given.begin(), given.end(),
+                                      [&](const Given& one) { return &subcommand.options[one.row] == &row; });
+    if (is_positional(row) && !is_given)
       throw Error(ErrorCode::usage, concat("no ", row.names, " given"),
                   concat("`rhoray ", subcommand.name, " --help` starts with examples"));
-    for (const std::string& text : added[i]->results()) try {
-        row.take(takes_no_value(row) ? std::string{} : text);
-      } catch (const Error& error) {
-        throw Error(error.code(), concat(row.names.substr(row.names.find(',') + 1), ": ", error.what()), error.hint());
-      }
   }
+  std::stable_sort(given.begin(), given.end(), [](const Given& a, const Given& b) { return a.row < b.row; });
+  for (const Given& one : given) try {
+      subcommand.options[one.row].take(one.text);
+    } catch (const Error& error) {
+      throw Error(error.code(), concat(long_name(subcommand.options[one.row]), ": ", error.what()), error.hint());
+    }
 }
 
 int run_subcommand(const Subcommand& subcommand, int argc, const char* const* argv) {
@@ -113,7 +258,7 @@ int run_subcommand(const Subcommand& subcommand, int argc, const char* const* ar
   }
   if (!app.remaining().empty()) refuse_extra(subcommand, app.remaining());
   if (answers(subcommand, added)) return 0;
-  take_values(subcommand, added);
+  take_values(subcommand, without_replaced(subcommand, given_in_order(app, subcommand, added)));
   return subcommand.run();
 }
 
@@ -123,7 +268,7 @@ const Subcommand& choose(std::span<const Subcommand> subcommands, const std::str
     if (each.name == word) return each;
     names.push_back(each.name);
   }
-  const std::string hint = did_you_mean(word, names);
+  const std::string hint = hint_for(subcommand_synonyms, word, names);
   throw Error(ErrorCode::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
               hint.empty() ? "`rhoray --help` lists the subcommands" : hint);
 }

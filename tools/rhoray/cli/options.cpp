@@ -100,6 +100,12 @@ std::vector<Option> threads_option(CommonOptions& common) {
   return {value_option("--threads", "N", "Number of threads; default 0 (all cores)", common.threads)};
 }
 
+Option cache_option(CommonOptions& common) {
+  return for_experts(with_details(
+      flag_option("--no-cache", "Pack files that are not packed into memory, and keep no packed copy", common.no_cache),
+      "`rhoray cache --help` says where packed copies are kept"));
+}
+
 Option memory_option(CommonOptions& common, const std::string& help) {
   return value_option("--memory", "SIZE", help, common.memory);
 }
@@ -159,6 +165,13 @@ void require_writable(const CommonOptions& common, const std::filesystem::path& 
     throw Error(ErrorCode::usage, concat(name, ": is the input file; expected another name"));
   if (std::filesystem::exists(output, ignored) && !common.force)
     throw Error(ErrorCode::usage, concat(name, " already exists"), "use --force to overwrite it");
+}
+
+std::filesystem::path default_output(const std::filesystem::path& input, const std::string& extension) {
+  std::filesystem::path name = std::filesystem::absolute(input).lexically_normal();
+  name = name.has_filename() ? name.filename() : name.parent_path().filename();  // a folder may end with a slash
+  if (name.extension() == ".gz") name.replace_extension();
+  return name.replace_extension(extension);
 }
 
 std::string shell_line(const std::vector<std::string>& words) {

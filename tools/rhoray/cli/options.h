@@ -97,11 +97,13 @@ struct CommonOptions {
   bool verbose = false;
   std::string progress = "auto";
   bool json = false;
+  bool no_cache = false;  ///< files that are not packed are packed into memory
 };
 
 /// -o, --force
 std::vector<Option> output_options(CommonOptions& common, const std::string& help, const std::string& value = "FILE");
 std::vector<Option> threads_option(CommonOptions& common);             ///< --threads
+Option cache_option(CommonOptions& common);                            ///< --no-cache
 Option memory_option(CommonOptions& common, const std::string& help);  ///< --memory
 /// --memory of a worker process, for experts.
 Option worker_memory_option(CommonOptions& common, const std::string& worker);
@@ -126,6 +128,10 @@ void tell(const CommonOptions& common, const std::string& line);
 /// (ErrorCode::usage).
 void require_writable(const CommonOptions& common, const std::filesystem::path& output,
                       const std::filesystem::path& input);
+
+/// What an output is called that the user did not name: the input's name with this extension, in
+/// the working folder.
+std::filesystem::path default_output(const std::filesystem::path& input, const std::string& extension);
 
 /// The words of a command line as a shell would read them.
 std::string shell_line(const std::vector<std::string>& words);

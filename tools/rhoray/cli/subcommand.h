@@ -12,9 +12,17 @@ struct Option {
   enum class Kind {
     flag,    ///< takes no value; `take` is called with an empty text
     answer,  ///< the same, and it is all that is done, as with --help: no file need be given, nothing is run
-    value,   ///< takes one value, at most once; each time that it is given where the value's name ends in "..."
+    value,   ///< takes one value, the last that is given; all where the value's name ends in "..."
     file,    ///< a positional argument that must be there
     files    ///< as many positional arguments as there are, at least one
+  };
+
+  /// Other options that have no effect beside this one. A later option replaces earlier ones, so
+  /// that a printed command can be changed by adding to it.
+  struct Replaces {
+    std::string value;               ///< only if it is given with this value; empty: with any
+    bool only_after_another;         ///< only if it was given before with another value
+    std::vector<std::string> names;  ///< "--iso"
   };
 
   Kind kind = Kind::value;
@@ -26,6 +34,7 @@ struct Option {
   std::string details{};                         ///< more sentences, which --help-all adds
   std::string group = "Options";                 ///< heading in the help
   bool is_expert = false;                        ///< --help leaves it out, --help-all shows it
+  std::vector<Replaces> replaces{};
 };
 
 /// A part of the help that is not about options.

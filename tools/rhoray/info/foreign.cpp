@@ -58,6 +58,7 @@ Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_b
   const SampleLattice lattice{volume.world_from_grid, volume.sample_count, volume.axes};
   json["geometry"] = json_of(lattice);
   json["length_unit"] = volume.length_unit;
+  json["space"] = formats::space_word(volume.space);
   json["box"] = json_of(bounds_of(lattice));
   json["fields"] = Json::array({json_of(field)});
   json["other_fields"] = volume.other_fields;

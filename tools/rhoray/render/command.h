@@ -14,7 +14,7 @@ namespace rhoray::tools {
 /// What was asked of `rhoray render`.
 struct RenderCommand {
   CommonOptions common;
-  std::filesystem::path input;
+  std::vector<std::filesystem::path> inputs;  ///< the first may be a scene, or a picture that holds one
   PictureOptions picture;
   std::vector<PixelPlace> picks;
   bool statistics = false;

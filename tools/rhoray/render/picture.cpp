@@ -75,7 +75,7 @@ void check_files(const render::ResolvedScene& plan) {
 
 void require_writable(const RenderCommand& command, const std::filesystem::path& output,
                       const render::ResolvedScene& plan) {
-  require_writable(command.common, output, command.input);
+  for (const std::filesystem::path& input : command.inputs) require_writable(command.common, output, input);
   for (const auto* data : {&plan.data, &plan.texture_data})
     for (const render::DataSpec& each : *data) require_writable(command.common, output, each.file);
 }
@@ -107,7 +107,7 @@ double Checks::wait() {
 
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan) {
-  require_writable(command, output, plan);
+  if (output != "-") require_writable(command, output, plan);
   require_memory(command, plan);
   if (has_annotations(plan)) {
     require_pictures_module();
@@ -152,12 +152,16 @@ void write(const RenderCommand& command, const render::Framebuffer& picture, con
            Drawn& drawn) {
   const Stopwatch writing;
   const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
-  write_picture(picture,
-                {{"Software", concat("rhoray ", version())},
-                 {"rhoray:command", drawn.reproduce},
-                 {"rhoray:scene", render::scene_text(scene, folder)},
-                 {"rhoray:machine", std::string(drawn.statistics.machine)}},
-                drawn.output, command.common.force);
+  const std::vector<PictureText> texts{{"Software", concat("rhoray ", version())},
+                                       {"rhoray:command", drawn.reproduce},
+                                       {scene_text_name, render::scene_text(scene, folder)},
+                                       {"rhoray:machine", std::string(drawn.statistics.machine)}};
+  if (drawn.to_stdout) {
+    const std::vector<std::byte> bytes = encode_picture(picture, texts, "picture.png");
+    std::fwrite(bytes.data(), 1, bytes.size(), stdout);  // that it was taken is seen at the end (interrupt.h)
+  } else {
+    write_picture(picture, texts, drawn.output, command.common.force);
+  }
   drawn.stations.write_s = writing.seconds();
 }
 

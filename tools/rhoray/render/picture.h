@@ -26,6 +26,7 @@ struct StageTimes {
 /// A picture on its way: its scene, and what was found in making it.
 struct Drawn {
   std::filesystem::path output;
+  bool to_stdout = false;
   render::ResolvedScene plan;
   render::RangeProof range_proof;  ///< before anything is traced; then a part of the statistics
   render::FrameStatistics statistics;

@@ -179,8 +179,14 @@ std::vector<Option> picture_options(PictureOptions& options) {
       {in_group("Input",
                 {layers(value_option("--field", "NAME", "Field to show; default the first that is not constant",
                                      scene.data[0].field)),
+                 with_details(choice_option("--space", render::space_words(),
+                                            "Space of world coordinates, for files that say which is theirs; default "
+                                            "ras",
+                                            scene.space),
+                              "ras: x to the patient's right, y to the front, z to the head. lps: x to the left, y to "
+                              "the back, z to the head"),
                  layers(value_option("--landmark", "FILE[,FILE...]",
-                                     "Packed triangle meshes to show too, such as landmarks", options.landmarks))}),
+                                     "Triangle meshes to show too, such as landmarks", options.landmarks))}),
        in_group(
            "Surface",
            {with_details(
@@ -209,7 +215,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
             layers(
                 value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
             layers(choice_option("--colormap", render::colormap_words(),
-                                 "Colour map of --color-by and --slice; default viridis", layer.colormap)),
+                                 "Colour map of --color-by and --slice; default viridis, or coolwarm with 0 in its "
+                                 "middle for floating-point fields of both signs", layer.colormap)),
             with_details(
                 layers(value_option("--range", "A,B",
                                     "Values of the first and the last colour; default the field's range", layer.range)),
@@ -319,11 +326,13 @@ std::vector<Option> image_options(PictureOptions& options) {
 namespace {
 
 /// Refuses options of surfaces if no surface is shown.
-void refuse_words_of_surfaces(const render::LayerSpec& layer) {
-  for (const auto& [option, text] :
-       {std::pair{"--normals", &layer.normals}, {"--color-by", &layer.color_by}, {"--texture", &layer.texture}})
-    if (!text->empty())
-      throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a maximum intensity projection has none"));
+void refuse_words_of_surfaces(const PictureOptions& options) {
+  constexpr std::array of_surfaces{"--iso",     "--normals",  "--color-by",  "--texture", "--surface-color",
+                                   "--ambient", "--specular", "--shininess"};
+  for (const std::string& name : options.of_the_layer)
+    if (std::find(of_surfaces.begin(), of_surfaces.end(), name) != of_surfaces.end())
+      throw Error(ErrorCode::usage, concat(name, ": needs an isosurface; a maximum intensity projection has none"),
+                  "leave it out, or add --mode iso");
 }
 
 /// The slices, then the layer of the options; slices alone if no option asks for that layer.
@@ -353,31 +362,36 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   scene_spec.layers = std::move(slices);
 }
 
-/// A layer of its own for each file of triangles.
-void add_landmarks(const std::vector<std::string>& files, render::SceneSpec& scene_spec) {
-  if (files.empty()) return;
+/// A layer of its own for each further file.
+/// @param first  of them; the files before have layers
+template <class Files>
+void add_layers(const Files& files, std::size_t first, const std::string& kind, render::LayerType type,
+                render::SceneSpec& scene_spec) {
+  if (first >= files.size()) return;
   scene_spec.data[0].name = "data";
-  for (render::LayerSpec& layer : scene_spec.layers) layer.data = "data";
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string name = concat("mesh ", i + 1);
+  for (render::LayerSpec& layer : scene_spec.layers)
+    if (layer.data.empty()) layer.data = "data";
+  for (std::size_t i = first; i < files.size(); ++i) {
+    const std::string name = concat(kind, " ", i + 1);
     scene_spec.data.push_back({.name = name, .file = files[i]});
-    scene_spec.layers.push_back({.type = render::LayerType::triangles, .data = name});
+    scene_spec.layers.push_back({.type = type, .data = name});
   }
 }
 
 }  // namespace
 
-render::SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file) {
+render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::filesystem::path>& files) {
   render::SceneSpec scene_spec = options.scene_spec;
-  scene_spec.data[0].file = file;
+  scene_spec.data[0].file = files.front();
   if (!options.texture.empty()) add_texture(options.texture, scene_spec);
   scene_spec.lights = lights_of(options);
   scene_spec.layers[0].type = options.mode == "mip" ? render::LayerType::mip : render::LayerType::isosurface;
   if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
-  if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(scene_spec.layers[0]);
+  if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(options);
   add_slices(options, scene_spec);
-  add_landmarks(options.landmarks, scene_spec);
+  add_layers(files, 1, "file", render::LayerType::isosurface, scene_spec);
+  add_layers(options.landmarks, 0, "mesh", render::LayerType::triangles, scene_spec);
   return scene_spec;
 }
 
@@ -397,6 +411,7 @@ render::SceneSpec with_options(render::SceneSpec document, const PictureOptions&
   replace(document.image, said.image, &Image::size, &Image::background, &Image::channels, &Image::show,
           &Image::hierarchy, &Image::antialias, &Image::frames);
   replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar);
+  if (!said.space.empty()) document.space = said.space;
   if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {
     document.accuracy = said.accuracy;
@@ -479,6 +494,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--method", layer.method);
   if (scene_spec.clip)
     for (const std::string& word : clip_words(*scene_spec.clip)) words.push_back(word);
+  if (!scene_spec.space.empty()) add("--space", scene_spec.space);
   add("--size", concat(image.size->width, "x", image.size->height));
   add("--camera-position", text_of_vector(*camera.position));
   add("--camera-target", text_of_vector(*camera.target));

@@ -34,8 +34,9 @@ std::vector<Option> picture_options(PictureOptions& options);
 /// The images that are written: size, samples, channels, frames.
 std::vector<Option> image_options(PictureOptions& options);
 
-/// The scene for a file. Refuses mutually exclusive options (ErrorCode::usage).
-render::SceneSpec spec_of(const PictureOptions& options, const std::filesystem::path& file);
+/// The scene for one or more files; the options of the layer are those of the first. Refuses
+/// mutually exclusive options (ErrorCode::usage).
+render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::filesystem::path>& files);
 
 /// A document's scene with these options: size, background, channels, accuracy, camera, lights,
 /// effects and annotations are replaced. Refuses options about a layer, which do not name the layer

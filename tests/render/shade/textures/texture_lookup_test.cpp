@@ -56,7 +56,7 @@ struct Group {
   }
 
   int look_up(const formats::ColorGrid& grid, Machine machine = render::chosen_machine()) {
-    return TextureLookup(grid, {}, machine)(rays, hits, 0, shown, colors);
+    return TextureLookup(grid, grid.description().world_from_grid.inverse(), machine)(rays, hits, 0, shown, colors);
   }
   /// As 8-bit sRGB would show it.
   double step(const float* channel, std::size_t i) const { return 255 * encoded(static_cast<double>(channel[i])); }

@@ -1,0 +1,120 @@
+#include "preprocess/open_data.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "formats/base/error.h"
+#include "formats/base/word_list.h"
+#include "formats/brick_grid.h"
+#include "formats/color_grid.h"
+#include "formats/tet_mesh.h"
+#include "formats/triangle_mesh.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
+#include "preprocess/open_vdb.h"
+
+namespace rhoray::preprocess {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The options of packing, as PackCache::Key holds them.
+std::string text_of(const PackOptions& pack) {
+  std::string text;
+  if (!pack.fields.empty()) text += concat(" --field ", joined(pack.fields, ","));
+  if (pack.color) text += " --color";
+  return text.empty() ? text : text.substr(1);
+}
+
+OpenedData packed_into_memory(const fs::path& input, const PackOptions& pack, const Progress& progress) {
+  const int memory = ::memfd_create("rhoray-packed", MFD_CLOEXEC);
+  if (memory < 0)
+    throw Error(ErrorCode::resource, concat(input.string(), ": memfd_create: ", std::system_category().message(errno)));
+  struct Closing {
+    int descriptor;
+    ~Closing() { ::close(descriptor); }
+  } const closing{memory};
+  const PackReport report = preprocess::pack(input, formats::Destination(memory), pack, progress);
+  return {.file = formats::PackedFile::from_descriptor(memory, input.string()),
+          .was_packed = true,
+          .notes = report.notes};
+}
+
+/// The copy in the cache, or a new one.
+OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOptions& options) {
+  std::string not_kept;
+  if (options.use_cache) try {
+      const PackCache cache(PackCache::default_folder(), options.cache_limit_bytes);
+      const PackCache::Key key{.input = input, .options = text_of(pack), .program = options.program};
+      std::optional<PackCache::Copy> copy = cache.find(key);
+      const bool is_new = !copy;
+      if (is_new)
+        copy.emplace(cache.add(key, [&](const formats::Destination& destination) {
+          return preprocess::pack(input, destination, pack, options.progress);
+        }));
+      return {.file = copy->file,
+              .path = copy->path,
+              .was_packed = is_new,
+              .not_kept = copy->path.empty() ? "its files were changing, or it is larger than the cache" : "",
+              .notes = copy->notes};
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::resource) throw;
+      not_kept = error.what();
+    }
+  OpenedData opened = packed_into_memory(input, pack, options.progress);
+  opened.not_kept = not_kept;
+  return opened;
+}
+
+/// Names of the fields of a packed file.
+std::vector<std::string> fields_of(const formats::PackedFile& file) {
+  const std::string& kind = file.description().kind;
+  if (kind == formats::TriangleMesh::kind || kind == formats::ColorGrid::kind) return {};
+  return names_in(kind == "tets" ? formats::TetMesh(file).description().fields
+                                 : formats::BrickGrid(file).description().fields,
+                  &formats::FieldSummary::name);
+}
+
+/// The wanted ones that are not there.
+std::vector<std::string> missing_in(const std::vector<std::string>& there, const std::vector<std::string>& wanted) {
+  std::vector<std::string> missing;
+  for (const std::string& name : wanted)
+    if (std::find(there.begin(), there.end(), name) == there.end()) missing.push_back(name);
+  return missing;
+}
+
+/// Packs again where packing keeps less than is needed: of a volume it keeps the first field, of a
+/// mesh all that stand at points and not those of components.
+OpenedData packed_with_fields(const fs::path& input, const OpenOptions& options) {
+  PackOptions pack{.color = options.colors, .command = concat("rhoray pack ", input.string())};
+  OpenedData opened = packed(input, pack, options);
+  std::vector<std::string> there = fields_of(opened.file);
+  const std::vector<std::string> missing = missing_in(there, options.fields);
+  if (there.empty() || missing.empty()) return opened;
+  there.insert(there.end(), missing.begin(), missing.end());
+  pack.fields = std::move(there);
+  pack.command += concat(" ", text_of(pack));
+  OpenedData again = packed(input, pack, options);
+  again.was_packed = again.was_packed || opened.was_packed;
+  return again;
+}
+
+}  // namespace
+
+OpenedData open_data(const fs::path& input, const OpenOptions& options) {
+  require_input(input);
+  if (is_vdb(input)) return {.file = open_vdb(input, options.fields.empty() ? std::string() : options.fields.front())};
+  if (formats::PackedFile::looks_packed(input) || input.extension() == ".rho")
+    return {.file = formats::PackedFile::open(input), .path = input};
+  check_pack(input, {.color = options.colors});
+  return packed_with_fields(input, options);
+}
+
+}  // namespace rhoray::preprocess

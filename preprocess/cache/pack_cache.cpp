@@ -1,0 +1,287 @@
+#include "preprocess/pack_cache.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "formats/base/error.h"
+#include "formats/base/json.h"
+#include "formats/base/pending_file.h"
+#include "formats/base/regular_file.h"
+
+namespace rhoray::preprocess {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::system_clock;
+
+constexpr const char* record_extension = ".json";
+constexpr const char* packed_extension = ".rho";
+constexpr std::size_t largest_record = std::size_t{64} << 20;
+/// A packed copy that no record names is being written, or its writer was killed.
+constexpr auto longest_writing = std::chrono::hours(24);
+/// File systems take the time of the kernel's coarse clock, which ticks every 1 to 10 ms.
+constexpr std::int64_t settling_ns = 50'000'000;
+
+std::int64_t ns_of(Clock::time_point time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+[[noreturn]] void refuse_folder(const fs::path& folder, const std::string& reason) {
+  throw Error(ErrorCode::resource, concat(folder.string(), ": cannot be used as a cache: ", reason));
+}
+
+/// Sixteen hexadecimal digits. Two keys may share a name: a record says which key it is of.
+std::string name_of(const PackCache::Key& key, const fs::path& input) {
+  const std::size_t hash = std::hash<std::string>()(concat(input.string(), '\n', key.options, '\n', key.program));
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016zx", hash);
+  return digits.data();
+}
+
+Json json_of_source(const SourceFile& source) {
+  return {{"path", source.path.string()},  {"exists", source.exists}, {"device", source.device},
+          {"inode", source.inode},         {"bytes", source.bytes},   {"changed_ns", source.changed_ns}};
+}
+
+SourceFile source_of(const Json& json) {
+  return {.path = json.at("path").get<std::string>(),
+          .exists = json.at("exists").get<bool>(),
+          .device = json.at("device").get<std::uint64_t>(),
+          .inode = json.at("inode").get<std::uint64_t>(),
+          .bytes = json.at("bytes").get<std::uint64_t>(),
+          .changed_ns = json.at("changed_ns").get<std::int64_t>()};
+}
+
+/// What the cache knows of one packed copy.
+struct Record {
+  fs::path input;
+  std::string options, program;
+  std::string packed;  ///< file name
+  std::vector<SourceFile> sources;
+  std::vector<std::string> notes;
+
+  std::string text() const {
+    Json json{{"input", input.string()}, {"options", options}, {"program", program}, {"packed", packed}};
+    for (const SourceFile& source : sources) json["sources"].push_back(json_of_source(source));
+    json["notes"] = notes;
+    return dump_lines(json);
+  }
+};
+
+/// Nothing for a file that is no record.
+std::optional<Record> read_record(const fs::path& path) {
+  try {
+    const Json json = Json::parse(first_bytes(path, largest_record));
+    Record record{.input = json.at("input").get<std::string>(),
+                  .options = json.at("options").get<std::string>(),
+                  .program = json.at("program").get<std::string>(),
+                  .packed = json.at("packed").get<std::string>(),
+                  .sources = {},
+                  .notes = json.at("notes").get<std::vector<std::string>>()};
+    for (const Json& source : json.at("sources")) record.sources.push_back(source_of(source));
+    if (fs::path(record.packed).filename() != record.packed) return std::nullopt;
+    return record;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+bool are_unchanged(const std::vector<SourceFile>& sources) {
+  return std::all_of(sources.begin(), sources.end(),
+                     [](const SourceFile& source) { return source_file(source.path) == source; });
+}
+
+/// An existing file, opened; the packed file then has the name of its input in messages.
+std::optional<formats::PackedFile> open_copy(const fs::path& path, const std::string& name) {
+  try {
+    const int descriptor = open_regular_file(path);
+    struct Closing {
+      int descriptor;
+      ~Closing() { ::close(descriptor); }
+    } const closing{descriptor};
+    return formats::PackedFile::from_descriptor(descriptor, name);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+/// The files in the folder with this extension; their names end so.
+std::vector<fs::path> files_with(const fs::path& folder, std::string_view extension) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == extension) files.push_back(entry.path());
+  return files;
+}
+
+Clock::time_point time_of(const fs::path& path) {
+  struct stat facts {};
+  if (::stat(path.c_str(), &facts) != 0) return {};
+  return Clock::time_point(std::chrono::duration_cast<Clock::duration>(
+      std::chrono::seconds(facts.st_mtim.tv_sec) + std::chrono::nanoseconds(facts.st_mtim.tv_nsec)));
+}
+
+/// Until a change of this file would be seen in its time.
+void wait_until_settled(const SourceFile& source) {
+  const std::int64_t age_ns = ns_of(Clock::now()) - source.changed_ns;
+  if (source.exists && age_ns >= 0 && age_ns < settling_ns)
+    std::this_thread::sleep_for(std::chrono::nanoseconds(settling_ns - age_ns));
+}
+
+/// The input and what packing read besides; nothing where one of them may be another than was read.
+std::optional<std::vector<SourceFile>> settled(const SourceFile& input, std::vector<SourceFile> sources,
+                                               std::int64_t start_ns) {
+  sources.push_back(input);
+  const auto by_path = [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; };
+  std::stable_sort(sources.begin(), sources.end(), by_path);
+  sources.erase(std::unique(sources.begin(), sources.end()), sources.end());
+  const auto share_a_path = [](const SourceFile& a, const SourceFile& b) { return a.path == b.path; };
+  if (std::adjacent_find(sources.begin(), sources.end(), share_a_path) != sources.end()) return std::nullopt;
+  for (const SourceFile& source : sources)
+    if (source.exists && source.changed_ns > start_ns - settling_ns) return std::nullopt;
+  return sources;
+}
+
+}  // namespace
+
+fs::path PackCache::default_folder() {
+  // of a user, so not of interest to a program that runs with another user's rights
+  if (const char* xdg = ::secure_getenv("XDG_CACHE_HOME"); xdg != nullptr && fs::path(xdg).is_absolute())
+    return fs::path(xdg) / "rhoray";
+  if (const char* home = ::secure_getenv("HOME"); home != nullptr && fs::path(home).is_absolute())
+    return fs::path(home) / ".cache" / "rhoray";
+  return {};
+}
+
+PackCache::PackCache(fs::path folder, std::uint64_t limit_bytes)
+    : folder_(std::move(folder)), limit_bytes_(limit_bytes) {
+  if (folder_.empty()) throw Error(ErrorCode::resource, "no cache: neither XDG_CACHE_HOME nor HOME is set");
+  std::error_code failed;
+  fs::create_directories(folder_.parent_path(), failed);
+  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
+    refuse_folder(folder_, std::system_category().message(errno));
+  const int descriptor = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) refuse_folder(folder_, std::system_category().message(errno));
+  struct stat facts {};
+  const bool is_own = ::fstat(descriptor, &facts) == 0 && facts.st_uid == ::geteuid();
+  const bool is_closed = is_own && ((facts.st_mode & 07777) == 0700 || ::fchmod(descriptor, 0700) == 0);
+  ::close(descriptor);
+  if (!is_own) refuse_folder(folder_, "it belongs to another user");
+  if (!is_closed) refuse_folder(folder_, "its mode cannot be set to 0700");
+}
+
+std::optional<PackCache::Copy> PackCache::find(const Key& key) const {
+  const fs::path input = source_file(key.input).path;
+  const fs::path path = folder_ / (name_of(key, input) + record_extension);
+  const std::optional<Record> record = read_record(path);
+  if (!record || record->input != input || record->options != key.options || record->program != key.program ||
+      !are_unchanged(record->sources))
+    return std::nullopt;
+  const fs::path packed = folder_ / record->packed;
+  std::optional<formats::PackedFile> file = open_copy(packed, key.input.string());
+  if (!file) return std::nullopt;
+  ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
+  return Copy{.file = *std::move(file), .path = packed, .notes = record->notes};
+}
+
+PackCache::Copy PackCache::add(const Key& key,
+                               const std::function<PackReport(const formats::Destination&)>& write) const {
+  SourceFile source = source_file(key.input);
+  wait_until_settled(source);
+  source = source_file(key.input);
+  const Clock::time_point start = Clock::now();
+  const std::string name = name_of(key, source.path);
+  static std::atomic<std::uint64_t> count{0};
+  const std::string packed = concat(name, '-', ns_of(start), '-', ::getpid(), '-', ++count, packed_extension);
+  const PackReport report = write(formats::Destination(folder_ / packed));
+  std::optional<formats::PackedFile> file = open_copy(folder_ / packed, key.input.string());
+  if (!file) throw Error(ErrorCode::resource, concat((folder_ / packed).string(), ": was removed at once"));
+  Copy copy{.file = *std::move(file), .path = folder_ / packed, .notes = report.notes};
+  std::error_code ignored;
+  const auto sources = settled(source, report.sources, ns_of(start));
+  if (!sources) {
+    fs::remove(copy.path, ignored);
+    copy.path.clear();
+    return copy;
+  }
+  const fs::path record_path = folder_ / (name + record_extension);
+  const std::optional<Record> old = read_record(record_path);
+  const Record record{.input = source.path,
+                      .options = key.options,
+                      .program = key.program,
+                      .packed = packed,
+                      .sources = *sources,
+                      .notes = report.notes};
+  write_whole_file(record_path, record.text(), true);
+  if (old) fs::remove(folder_ / old->packed, ignored);
+  shrink();
+  if (!fs::exists(copy.path, ignored)) copy.path.clear();
+  return copy;
+}
+
+std::vector<PackCache::Entry> PackCache::entries() const {
+  std::vector<Entry> entries;
+  for (const fs::path& path : files_with(folder_, record_extension)) {
+    const std::optional<Record> record = read_record(path);
+    std::error_code missing;
+    const std::uintmax_t bytes = record ? fs::file_size(folder_ / record->packed, missing) : 0;
+    if (record && !missing) entries.push_back({record->input, record->options, bytes, time_of(path)});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.used > b.used; });
+  return entries;
+}
+
+void PackCache::clear() const {
+  std::error_code ignored;
+  for (const char* extension : {record_extension, packed_extension})
+    for (const fs::path& path : files_with(folder_, extension)) fs::remove(path, ignored);
+}
+
+void PackCache::shrink() const {
+  struct Held {
+    fs::path record, packed;
+    std::uint64_t bytes = 0;
+    Clock::time_point used{};
+  };
+  std::error_code ignored;
+  std::vector<Held> all;
+  std::vector<fs::path> orphans = files_with(folder_, packed_extension);
+  std::uint64_t sum = 0;
+  for (const fs::path& path : files_with(folder_, record_extension)) {
+    const std::optional<Record> record = read_record(path);
+    std::error_code missing;
+    const std::uintmax_t bytes = record ? fs::file_size(folder_ / record->packed, missing) : 0;
+    if (!record || missing) {
+      fs::remove(path, ignored);
+      continue;
+    }
+    all.push_back({path, folder_ / record->packed, bytes, time_of(path)});
+    std::erase(orphans, all.back().packed);
+    sum += bytes;
+  }
+  for (const fs::path& orphan : orphans)
+    if (time_of(orphan) < Clock::now() - longest_writing) fs::remove(orphan, ignored);
+  std::sort(all.begin(), all.end(), [](const Held& a, const Held& b) { return a.used < b.used; });
+  for (auto held = all.begin(); held != all.end() && sum > limit_bytes_; ++held) {
+    fs::remove(held->record, ignored);
+    fs::remove(held->packed, ignored);
+    sum -= held->bytes;
+  }
+}
+
+}  // namespace rhoray::preprocess

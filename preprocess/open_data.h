@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "preprocess/pack_cache.h"
+#include "preprocess/progress.h"
+
+namespace rhoray::preprocess {
+
+struct OpenOptions {
+  std::vector<std::string> fields{};  ///< that are needed; the first is shown
+  bool colors = false;                ///< as PackOptions::color
+  bool use_cache = true;
+  std::string program{};              ///< as PackCache::Key::program
+  std::uint64_t cache_limit_bytes = PackCache::default_limit_bytes;
+  Progress progress{};
+};
+
+struct OpenedData {
+  formats::PackedFile file;      ///< its name is the path as given
+  std::filesystem::path path{};  ///< of a packed file with this content; empty: it is in memory
+  bool was_packed = false;       ///< just now
+  std::string not_kept{};        ///< why a copy that was packed just now is not in the cache; empty: it is
+  std::vector<std::string> notes{};  ///< of packing
+};
+
+/// Opens any file that can be rendered: a packed file; an OpenVDB file; a volume, mesh or surface
+/// that `pack` reads, or its packed copy (PackCache). Without a cache, or without room for a copy,
+/// packs into memory.
+///
+/// Refuses what require_input and check_pack refuse.
+OpenedData open_data(const std::filesystem::path& input, const OpenOptions& options = {});
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/packed_file.h"
+#include "preprocess/pack.h"
+
+namespace rhoray::preprocess {
+
+/// Packed copies of foreign files in a folder of the user's own. A copy is used while no file that
+/// packing read has changed (SourceFile). Several processes may use the folder at once: entries
+/// appear in one step, and a removed file stays readable for those that have opened it.
+class PackCache {
+ public:
+  /// What decides the content of a packed copy, besides its sources.
+  struct Key {
+    std::filesystem::path input;
+    std::string options;  ///< all that differ from their defaults
+    std::string program;  ///< version of the program, which may pack in another way
+  };
+
+  struct Copy {
+    formats::PackedFile file;         ///< its name is that of the input
+    std::filesystem::path path{};     ///< of the packed copy; empty: in memory, or no longer there
+    std::vector<std::string> notes{}; /// of reading and of packing
+  };
+
+  struct Entry {
+    std::filesystem::path input;
+    std::string options;
+    std::uint64_t bytes = 0;
+    std::chrono::system_clock::time_point used{};  ///< for the last time
+  };
+
+  /// `rhoray` in XDG_CACHE_HOME, or in ~/.cache if that is not set to an absolute path. Empty when
+  /// neither variable is set.
+  static std::filesystem::path default_folder();
+
+  /// Opens the folder, and makes it where it is missing. Only its owner can enter it (mode 0700).
+  /// Refuses a folder of another user, and one that cannot be made or written
+  /// (ErrorCode::resource).
+  explicit PackCache(std::filesystem::path folder, std::uint64_t limit_bytes = default_limit_bytes);
+
+  /// The copy that was made with this key of these very files; marks it as used. A damaged entry
+  /// counts as none.
+  std::optional<Copy> find(const Key& key) const;
+
+  /// Lets `write` write the packed copy, and keeps it. Then removes the entries that were not used
+  /// for the longest time until all fit the limit; the new copy can be used even if it is among
+  /// them. It is not kept if its sources changed while they were read, or less than 50 ms before:
+  /// with the coarse clocks of file systems a later change could have the same time.
+  Copy add(const Key& key, const std::function<PackReport(const formats::Destination&)>& write) const;
+
+  std::vector<Entry> entries() const;  ///< last used first
+  void clear() const;                  ///< removes all entries
+
+  const std::filesystem::path& folder() const { return folder_; }
+  std::uint64_t limit_bytes() const { return limit_bytes_; }
+
+  static constexpr std::uint64_t default_limit_bytes = std::uint64_t{20} << 30;
+
+ private:
+  void shrink() const;
+
+  std::filesystem::path folder_;
+  std::uint64_t limit_bytes_;
+};
+
+}  // namespace rhoray::preprocess

@@ -1,0 +1,23 @@
+#include "preprocess/source_file.h"
+
+#include <sys/stat.h>
+
+#include <system_error>
+
+namespace rhoray::preprocess {
+
+SourceFile source_file(const std::filesystem::path& path) {
+  std::error_code failed;
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, failed);
+  SourceFile source{.path = failed ? std::filesystem::absolute(path) : canonical};
+  struct stat facts {};
+  if (::stat(source.path.c_str(), &facts) != 0) return source;
+  source.exists = true;
+  source.device = facts.st_dev;
+  source.inode = facts.st_ino;
+  source.bytes = static_cast<std::uint64_t>(facts.st_size);
+  source.changed_ns = facts.st_ctim.tv_sec * std::int64_t{1'000'000'000} + facts.st_ctim.tv_nsec;
+  return source;
+}
+
+}  // namespace rhoray::preprocess
