@@ -66,7 +66,9 @@ struct Layer {
   Mode mode = Mode::isosurface;
   double isovalue = 0;  ///< of isosurfaces
   Method method{};
-  Interval<double> window{};  ///< values shown from black to white in MIP; must not be empty there
+  Interval<double> window{};  ///< values at the ends of the map in MIP; must not be empty there
+  /// Of MIP. Each channel brightens what is behind, so maps that begin dark suit it.
+  ColorMap map = ColorMap::gray;
   Material material{};
   /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by), which
   /// is trilinear, or linear in the cells of a mesh, in double precision at every level. Nothing is

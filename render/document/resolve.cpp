@@ -301,6 +301,8 @@ class LayerPlanner {
         throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
     });
     put(index, layer, {});
+    for (const NamedColorMap& named : color_maps())
+      if (scene_spec_.layers[index].colormap == named.name) plan_.scene.layers.back().map = named.map;
     plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(projected_window(field));
   }
 

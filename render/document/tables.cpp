@@ -79,7 +79,9 @@ Rows rows_of_lit_surfaces() {
 
 Rows rows_of_projections() {
   return {
-      row("range", &LayerSpec::range, interval_value(), "Values shown as black and white; default the field's range")};
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()), "Colour map of the values; default \"gray\""),
+      row("range", &LayerSpec::range, interval_value(),
+          "Values with the first and last colour; default from the 1st to the 99.9th percentile of the field")};
 }
 
 Row<LightSpec> color_row() {

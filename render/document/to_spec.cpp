@@ -35,6 +35,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       say_slice(layer, spec);
     } else if (layer.mode == Mode::mip) {
       spec.type = LayerType::mip;
+      spec.colormap = word_of(layer.map);
       spec.range = layer.window;
     } else {
       if (layer.mode == Mode::isosurface)

@@ -149,10 +149,13 @@ RHORAY_INLINE void composite_mip_inline(const LayerShading& shading, LayerWork& 
       [&](std::size_t first, const Lanes& shown, const Colors& light) {
         const GroupColors out = group_of(colors, first);
         for (std::size_t i = 0; i < group_size; ++i) {
-          const float share = shown[i] > 0 ? light.red[i] : 0;  // weight of white
-          out.red[i] += share * (1 - out.red[i]);
-          out.green[i] += share * (1 - out.green[i]);
-          out.blue[i] += share * (1 - out.blue[i]);
+          // weights of red, green and blue light; what is brightest covers the background
+          const float red = shown[i] > 0 ? light.red[i] : 0, green = shown[i] > 0 ? light.green[i] : 0,
+                      blue = shown[i] > 0 ? light.blue[i] : 0;
+          const float brighter = red > green ? red : green, share = brighter > blue ? brighter : blue;
+          out.red[i] += red * (1 - out.red[i]);
+          out.green[i] += green * (1 - out.green[i]);
+          out.blue[i] += blue * (1 - out.blue[i]);
           out.alpha[i] += share * (1 - out.alpha[i]);
         }
       });

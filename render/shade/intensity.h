@@ -1,6 +1,7 @@
 #pragma once
 
 #include "formats/base/interval.h"
+#include "render/shade/color_table.h"
 #include "render/shade/lanes.h"
 #include "render/shade/power.h"
 
@@ -22,6 +23,14 @@ RHORAY_INLINE void add_intensity(const Interval<double>& window, const double* v
     colors.green[i] += light;
     colors.blue[i] += light;
   }
+}
+
+/// Sets the colours of values in a projection: grey as above, or those of another map.
+RHORAY_INLINE void find_intensity(ColorMap map, const Interval<double>& window, const double* values, Colors& colors) {
+  if (map == ColorMap::gray)
+    add_intensity(window, values, colors);
+  else
+    ColorTable::of(map).look_up(values, window, colors);
 }
 
 }  // namespace rhoray::render

@@ -24,7 +24,7 @@ TEST(OpenAnyFile, draws_what_the_packed_file_shows) {
   make_ball_nrrd(bench);
   bench.make_box_vtu();
   write_file(bench / "open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  for (const std::string& name : {"ball.nrrd", "box.vtu", "open.off"}) {
+  for (const std::string name : {"ball.nrrd", "box.vtu", "open.off"}) {
     SCOPED_TRACE(name);
     ASSERT_EQ(bench.rhoray({"pack", name, "-o", "packed.rho", "--force", "-q"}).exit_code, 0);
     const RunResult direct = bench.rhoray({"render", name, "--size", "64x48", "-o", "direct.exr", "--force"});
@@ -92,7 +92,7 @@ TEST(OpenAnyFile, draws_the_scene_of_a_picture) {
   make_ball_nrrd(bench);
   ASSERT_EQ(bench.rhoray({"render", "ball.nrrd", "--size", "40x30", "--iso", "100", "-o", "a.png", "-q"}).exit_code, 0);
   ASSERT_EQ(bench.rhoray({"render", "ball.nrrd", "--size", "40x30", "--iso", "100", "-o", "a.exr", "-q"}).exit_code, 0);
-  for (const std::string& name : {"a.png", "a.exr"}) {
+  for (const std::string name : {"a.png", "a.exr"}) {
     const RunResult again = bench.rhoray({"render", name, "-o", "again.exr", "--force"});
     EXPECT_EQ(again.exit_code, 0) << name << again.err;
     EXPECT_EQ(bench.rhoray({"compare", "a.exr", "again.exr", "--fail", "0"}).exit_code, 0) << name;

@@ -199,8 +199,7 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
                  ErrorCode::unsupported);
   volume.world_from_grid = world_from_grid(header);
   // Whoever says how the axes lie in a body writes places as ITK does.
-  if (const std::string axes = header.word("AnatomicalOrientation", "???"); axes != "???")
-    volume.space = formats::Space::lps;
+  if (header.word("AnatomicalOrientation", "???") != "???") volume.space = formats::Space::lps;
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, channels)
                                      : checked_volume_bytes(path, volume.sample_count, volume.type);

@@ -215,12 +215,12 @@ std::vector<Option> picture_options(PictureOptions& options) {
             layers(
                 value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
             layers(choice_option("--colormap", render::colormap_words(),
-                                 "Colour map of --color-by and --slice; default viridis, or coolwarm with 0 in its "
+                                 "Colour map of --color-by, --slice and MIP (default gray); default viridis, or coolwarm with 0 in its "
                                  "middle for floating-point fields of both signs", layer.colormap)),
             with_details(
                 layers(value_option("--range", "A,B",
                                     "Values of the first and the last colour; default the field's range", layer.range)),
-                "In MIP these colours are black and white"),
+                "In MIP the default is from the 1st to the 99.9th percentile"),
             with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
                                              options.texture)),
                          "The texture is placed in world axes"),
@@ -364,9 +364,8 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
 
 /// A layer of its own for each further file.
 /// @param first  of them; the files before have layers
-template <class Files>
-void add_layers(const Files& files, std::size_t first, const std::string& kind, render::LayerType type,
-                render::SceneSpec& scene_spec) {
+void add_layers(const std::vector<std::filesystem::path>& files, std::size_t first, const std::string& kind,
+                render::LayerType type, render::SceneSpec& scene_spec) {
   if (first >= files.size()) return;
   scene_spec.data[0].name = "data";
   for (render::LayerSpec& layer : scene_spec.layers)
@@ -391,7 +390,7 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::
   if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(options);
   add_slices(options, scene_spec);
   add_layers(files, 1, "file", render::LayerType::isosurface, scene_spec);
-  add_layers(options.landmarks, 0, "mesh", render::LayerType::triangles, scene_spec);
+  add_layers({options.landmarks.begin(), options.landmarks.end()}, 0, "mesh", render::LayerType::triangles, scene_spec);
   return scene_spec;
 }
 
@@ -469,6 +468,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   if (is_field) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {
     add("--mode", "mip");
+    add("--colormap", layer.colormap);
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
   } else {
     if (is_field) {
