@@ -74,12 +74,14 @@ TEST(RenderCommand, says_which_cell_a_pixel_shows) {
   with_pick.insert(with_pick.end(), {"--pick", "32,24:0,0"});
   const RunResult text = bench.rhoray(with_pick);
   ASSERT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("pixel 32,24: cell " + std::to_string(shown) + ", value 0.3, depth "));
+  EXPECT_THAT(text.out, HasSubstr("), cell " + std::to_string(shown) + ", value 0.3, depth "));
   EXPECT_THAT(text.out, HasSubstr("pixel 0,0: no hit"));
   with_pick.push_back("--json");
   with_pick.push_back("--force");
   const nlohmann::json json = nlohmann::json::parse(bench.rhoray(with_pick).out);
   EXPECT_EQ(json["picks"][0]["cell"], shown);
+  // The surface lies where the height z is 0.3; depths are floats.
+  EXPECT_NEAR(json["picks"][0]["position"][2].get<double>(), 0.3, 1e-5);
   EXPECT_TRUE(json["picks"][1]["cell"].is_null());
   with_pick[with_pick.size() - 3] = "64,0";
   EXPECT_THAT(bench.rhoray(with_pick).err, HasSubstr("found pixel 64,0; expected one below 64,48"));

@@ -72,15 +72,6 @@ void check(const AccuracyCommand& command) {
   require_valid(command.goal);
 }
 
-void refuse_damage(const render::ResolvedScene& plan, unsigned threads) {
-  for (const render::Dataset& dataset : plan.datasets) {
-    const std::vector<formats::DamagedBlock> blocks = dataset.file().damaged_blocks(threads);
-    if (!blocks.empty())
-      throw Error(ErrorCode::invalid, concat(dataset.file().name(), ": ", damage_text(dataset.file(), blocks.front())),
-                  concat("`rhoray verify ", dataset.file().name(), "` lists all blocks"));
-  }
-}
-
 /// The command that repeats this study, with every choice of the picture.
 std::string study_command(const AccuracyCommand& command, const render::ResolvedScene& plan) {
   std::vector<std::string> words;
@@ -300,7 +291,7 @@ int run(AccuracyCommand& command) {
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   render::ResolvedScene plan = resolve_layers(scene_spec, access_for(command.common, display));
   aim_camera(scene_spec, plan);
-  refuse_damage(plan, command.common.threads);
+  for (const render::Dataset& dataset : plan.datasets) refuse_damage(dataset.file(), command.common.threads);
   require_results_folder(command.common.output, command.common.force);
   display.show("checking stored value ranges");
   render::RangeProof range_proof;

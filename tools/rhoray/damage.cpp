@@ -1,5 +1,6 @@
 #include "tools/rhoray/damage.h"
 
+#include "formats/base/error.h"
 #include "formats/base/text.h"
 #include "formats/base/word_list.h"
 
@@ -20,6 +21,13 @@ std::string damage_text(const formats::PackedFile& file, const formats::DamagedB
       names.empty() ? "padding only" : concat(names.size() == 1 ? "array " : "arrays ", joined(names));
   return concat("bytes ", block.first_byte, " to ", block.first_byte + block.byte_count - 1, " are damaged (", what,
                 ")");
+}
+
+void refuse_damage(const formats::PackedFile& file, unsigned threads) {
+  const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
+  if (!blocks.empty())
+    throw Error(ErrorCode::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
+                concat("`rhoray verify ", file.name(), "` lists all blocks"));
 }
 
 }  // namespace rhoray::tools

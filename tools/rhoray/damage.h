@@ -14,4 +14,8 @@ std::vector<std::string> arrays_touched(const formats::PackedFile& file, const f
 /// "bytes 4096 to 69631 are damaged (arrays samples, macro.1)".
 std::string damage_text(const formats::PackedFile& file, const formats::DamagedBlock& block);
 
+/// Reads a file once, and refuses it with its first damaged block (ErrorCode::invalid).
+/// @param threads  0 = all cores
+void refuse_damage(const formats::PackedFile& file, unsigned threads);
+
 }  // namespace rhoray::tools

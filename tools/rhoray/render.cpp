@@ -174,7 +174,7 @@ Subcommand render_subcommand() {
                     {value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
                      value_option("--sheet", "COLUMNS",
                                   "Draw all frames of a scene in one picture with this many columns", command->sheet),
-                     with_details(value_option("--pick", "X,Y", "Print which cell a pixel shows", command->picks),
+                     with_details(value_option("--pick", "X,Y", "Print what a pixel shows: position, cell, value and, if proven, the error", command->picks),
                                   "Several pixels: X,Y:X,Y"),
                      flag_option("--stats", "Print statistics of rays, cells and times to stdout", command->statistics),
                      flag_option("--explain", "Print what the scene needs, and why; render nothing", command->explain),

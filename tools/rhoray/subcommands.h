@@ -21,6 +21,7 @@ Subcommand validate_subcommand();
 Subcommand compare_subcommand();
 Subcommand accuracy_subcommand();
 Subcommand cache_subcommand();
+Subcommand measure_subcommand();
 
 /// Those of `rhoray`, in the order of its help.
 std::vector<Subcommand> all_subcommands();

@@ -44,13 +44,6 @@ void check(const ValidateCommand& command) {
   if (!command.folder.empty()) require_report_folder(command.folder, command.common.force);
 }
 
-void refuse_damage(const formats::PackedFile& file, unsigned threads) {
-  const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
-  if (!blocks.empty())
-    throw Error(ErrorCode::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
-                concat("`rhoray verify ", file.name(), "` lists all blocks"));
-}
-
 /// Default level double, because depths are compared as closely as it promises them.
 render::Method chosen_method(const ValidateCommand& command, bool is_mesh) {
   if (!command.method.empty() && !command.accuracy.empty())

@@ -1,10 +1,12 @@
 #include "tools/rhoray/render/pick.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "render/truth.h"
 
 namespace rhoray::tools {
 
@@ -31,7 +33,14 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out) {
   }
 }
 
-Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
+render::ChannelSet channels_of_picks(const render::Scene& scene) {
+  render::ChannelSet channels{.depth = true, .cell = true, .value = true};
+  channels.error = std::all_of(scene.layers.begin(), scene.layers.end(),
+                               [](const render::Layer& layer) { return render::proves(layer.method); });
+  return channels;
+}
+
+Json picked(const render::ResolvedScene& plan, const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
   if (pixel.x >= framebuffer.width || pixel.y >= framebuffer.height)
     throw Error(ErrorCode::usage, concat("--pick: found pixel ", pixel.x, ",", pixel.y, "; expected one below ",
                                          framebuffer.width, ",", framebuffer.height));
@@ -42,18 +51,36 @@ Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
     json["cell"] = nullptr;
     return json;
   }
+  const double depth = framebuffer.depth[at];
+  const render::Dataset& dataset = plan.datasets.front();  // every dataset's rays are the same in the world
+  const std::vector<std::uint32_t> pixels{static_cast<std::uint32_t>(at)};
+  const render::Ray ray =
+      pixel_rays(dataset, plan.scene.camera, {framebuffer.width, framebuffer.height}, pixels).front();
+  json["position"] = json_of(world_from_ray_frame(dataset).point(ray.origin + depth * ray.direction));
+  json["depth"] = depth;
+  json["length_unit"] = dataset.length_unit();
   json["cell"] = framebuffer.cell[at];
-  if (!std::isnan(framebuffer.value[at])) json["value"] = framebuffer.value[at];
-  json["depth"] = framebuffer.depth[at];
+  if (!std::isnan(framebuffer.value[at])) {
+    json["value"] = framebuffer.value[at];
+    json["unit"] = plan.datasets.size() == 1 ? dataset.field().unit : "";
+  }
+  if (!framebuffer.error.empty()) json["error"] = framebuffer.error[at];
   return json;
 }
 
-std::string picked_text(const Json& pick, const std::string& length_unit) {
+std::string picked_text(const Json& pick) {
   const std::string pixel = concat("pixel ", pick["pixel"][0].get<int>(), ",", pick["pixel"][1].get<int>(), ": ");
   if (pick["cell"].is_null()) return pixel + "no hit";
-  const std::string value = pick.contains("value") ? concat(", value ", rounded(pick["value"].get<double>())) : "";
-  return concat(pixel, "cell ", pick["cell"].get<std::uint64_t>(), value, ", depth ",
-                rounded(pick["depth"].get<double>()), length_unit.empty() ? "" : " ", length_unit);
+  const auto with_unit = [&](const char* number, const char* unit) {
+    const auto word = pick[unit].get<std::string>();
+    return concat(rounded(pick[number].get<double>()), word.empty() ? "" : " ", word);
+  };
+  const Json& place = pick["position"];
+  return concat(pixel, "position (", rounded(place[0].get<double>()), " ", rounded(place[1].get<double>()), " ",
+                rounded(place[2].get<double>()), "), cell ", pick["cell"].get<std::uint64_t>(),
+                pick.contains("value") ? concat(", value ", with_unit("value", "unit")) : "", ", depth ",
+                with_unit("depth", "length_unit"),
+                pick.contains("error") ? concat(", error at most ", with_unit("error", "length_unit")) : "");
 }
 
 }  // namespace rhoray::tools

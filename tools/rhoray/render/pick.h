@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "render/document.h"
 #include "render/framebuffer.h"
 #include "tools/rhoray/report.h"
 
@@ -16,9 +17,13 @@ struct PixelPlace {
 /// Reads X,Y or several of them, X,Y:X,Y (ErrorCode::usage).
 void read_value(const std::string& text, std::vector<PixelPlace>& out);
 
-/// What a pixel shows, as kept by the channels depth, cell and value. Refuses a pixel outside the
-/// picture.
-Json picked(const render::Framebuffer& framebuffer, const PixelPlace& pixel);
-std::string picked_text(const Json& pick, const std::string& length_unit);
+/// The channels that tell what a pixel shows: depth, cell, value, and where all methods prove it,
+/// the error.
+render::ChannelSet channels_of_picks(const render::Scene& scene);
+
+/// What a pixel shows, as kept by these channels, and its position in the world. Refuses a pixel
+/// outside the picture.
+Json picked(const render::ResolvedScene& plan, const render::Framebuffer& framebuffer, const PixelPlace& pixel);
+std::string picked_text(const Json& pick);
 
 }  // namespace rhoray::tools

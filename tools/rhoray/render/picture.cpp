@@ -61,9 +61,10 @@ void refuse_damage(const formats::PackedFile& file, const std::vector<formats::D
               concat("no picture was written; `rhoray verify ", file.name(), "` lists all blocks"));
 }
 
-std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::Framebuffer& framebuffer) {
+std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::ResolvedScene& plan,
+                             const render::Framebuffer& framebuffer) {
   std::vector<Json> picks;
-  for (const PixelPlace& pixel : pixels) picks.push_back(picked(framebuffer, pixel));
+  for (const PixelPlace& pixel : pixels) picks.push_back(picked(plan, framebuffer, pixel));
   return picks;
 }
 
@@ -127,7 +128,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   plan.frame.time_phases = command.statistics;
   // Picks and heat maps need channels that are not kept in the picture.
   const render::ChannelSet kept = plan.frame.channels;
-  if (!command.picks.empty()) plan.frame.channels |= {.depth = true, .cell = true, .value = true};
+  if (!command.picks.empty()) plan.frame.channels |= channels_of_picks(plan.scene);
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
   if (plan.annotations.box.value_or(false)) plan.frame.channels |= {.depth = true};
   if (command.self_check.pixels > 0) plan.frame.channels |= channels_to_check(plan);
@@ -138,7 +139,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   drawn.stations.trace_s = tracing.seconds() - drawn.statistics.range_proof.wall_s;
   drawn.statistics.range_proof += std::exchange(drawn.range_proof, {});
   drawn.stations.prove_s = drawn.statistics.range_proof.wall_s;
-  drawn.picks = take_picks(command.picks, framebuffer);
+  drawn.picks = take_picks(command.picks, plan, framebuffer);
   if (command.self_check.pixels > 0)
     drawn.self_check = check_picture(plan, framebuffer, command.self_check, command.common.threads);
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);

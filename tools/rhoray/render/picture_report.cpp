@@ -141,7 +141,7 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                      .c_str(),
                  stdout);
     if (drawn.self_check) std::fputs(text_of(*drawn.self_check).c_str(), stdout);
-    for (const Json& pick : drawn.picks) std::puts(picked_text(pick, plan.datasets[0].length_unit()).c_str());
+    for (const Json& pick : drawn.picks) std::puts(picked_text(pick).c_str());
   }
   say_choices(common, plan);
   for (const render::Choice& choice : drawn.choices) say(common, choice.sentence);
