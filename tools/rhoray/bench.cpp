@@ -49,9 +49,9 @@ const TableRow table_rows[] = {{"phases", Takes::packed, only<phases_table>},
 /// Refuses a file that a table does not take.
 void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_packed, bool is_scene) {
   if (table.takes == Takes::unpacked || is_packed || (is_scene && table.takes == Takes::packed_or_scene)) return;
-  throw Error(ErrorCode::invalid, concat(input.string(), ": is not a packed file",
-                                         table.takes == Takes::packed_or_scene ? " or a scene" : "", ", which table '",
-                                         table.name, "' needs"));
+  throw Error(ErrorCode::unsupported, concat(input.string(), ": is not a packed file",
+                                             table.takes == Takes::packed_or_scene ? " or a scene" : "",
+                                             ", which table '", table.name, "' needs"));
 }
 
 struct BenchCommand {

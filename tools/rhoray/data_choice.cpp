@@ -28,14 +28,19 @@ render::Dataset load_field_that_varies(const std::filesystem::path& path) {
 
 }  // namespace
 
+void require_packed(const std::filesystem::path& path) {
+  if (formats::PackedFile::looks_packed(path) || path.extension() == ".rho") return;
+  const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
+  throw Error(ErrorCode::unsupported, concat(path.string(), ": is not a packed file"),
+              preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown
+                  ? std::string("`rhoray formats` lists what can be packed")
+                  : concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
+}
+
 render::Dataset load_shown(const std::filesystem::path& path, const std::string& field) {
   preprocess::require_input(path);
   if (preprocess::is_vdb(path)) return render::Dataset::load(preprocess::open_vdb(path, field));
-  if (!formats::PackedFile::looks_packed(path) && preprocess::foreign_kind(path) != preprocess::ForeignKind::unknown) {
-    const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
-    throw Error(ErrorCode::invalid, concat(path.string(), ": is not a packed file"),
-                concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
-  }
+  require_packed(path);
   if (field.empty()) return load_field_that_varies(path);
   try {
     return render::Dataset::load(path, field);
@@ -49,7 +54,8 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field) {
   const render::Dataset dataset = load_shown(path, field);
   if (dataset.is_surface())
-    throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+    throw Error(ErrorCode::unsupported,
+                concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("show it: rhoray render ", path.string()));
   return dataset;
 }
