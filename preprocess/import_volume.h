@@ -28,6 +28,9 @@ struct ImportVolumeOptions {
   bool colors = false;  ///< read 8-bit colours of 3 or 4 components instead of values
   /// where no array is scalar, take the length of the first one instead of refusing
   bool length_of_vectors = false;
+  /// of a file with several time steps: "first", "last", "#3" (counted from 0) or a time, which
+  /// selects the nearest step; empty = the first
+  std::string time{};
   std::optional<Vec3> spacing;           ///< replaces the file's
   std::optional<Vec3> origin;            ///< replaces the file's
   std::uint64_t memory_limit_bytes = 0;  ///< of the reading process; 0 = none
@@ -36,10 +39,9 @@ struct ImportVolumeOptions {
   Progress progress{};  ///< phase "reading (bytes)", of formats that are read array by array
 };
 
-/// Reads NRRD (.nrrd, .nhdr), MetaImage (.mhd, .mha), NIfTI (.nii, .nii.gz), VTK image data (.vti,
-/// legacy .vtk), or raw bytes. The reader runs in a separate process; its crash becomes a refusal.
-/// Spacing, origin and direction become world_from_grid; units are kept. Colours are read from
-/// image stacks, NRRD, MetaImage and VTK image data.
+/// Reads a volume of any format of foreign_formats (input_file.h), or raw bytes. The reader runs in a separate process;
+/// its crash becomes a refusal. Spacing, origin and direction become world_from_grid; units are kept. Colours are read
+/// from image stacks, NRRD, MetaImage, NIfTI, NumPy and VTK image data.
 NeutralVolume import_volume(const std::filesystem::path& path, const ImportVolumeOptions& options = {});
 
 }  // namespace rhoray::preprocess

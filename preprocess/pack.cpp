@@ -22,24 +22,31 @@ ForeignKind kind_of(const fs::path& input, const PackOptions& options) {
   return options.raw.empty() ? foreign_kind(input) : ForeignKind::volume;
 }
 
-const char* name_of(ForeignKind kind) {
-  if (kind == ForeignKind::volume) return "volume";
-  return kind == ForeignKind::surface ? "surface" : "mesh";
+/// Refuses --raw for a file with a known header, which would become samples.
+void check_no_header(const fs::path& input) {
+  if (fs::is_directory(input)) throw Error(ErrorCode::usage, concat("--raw: ", input.string(), " is a folder"));
+  const std::string_view format = known_header(input);
+  if (format.empty()) return;
+  const std::string hint = foreign_kind(input) != ForeignKind::unknown ? "leave out --raw"
+                           : format == "gzip"                          ? "decompress it first: gunzip"
+                                                                       : advice_on(input);
+  throw Error(ErrorCode::usage,
+              concat("--raw: ", input.string(), " begins with a header (", format, "); expected samples alone"), hint);
 }
 
 void check_kind(const fs::path& input, const PackOptions& options) {
-  if (!options.raw.empty()) return;
   const std::string name = input.string();
   if (formats::PackedFile::looks_packed(input))
-    throw Error(ErrorCode::invalid, concat(name, ": is already a packed file"),
+    throw Error(ErrorCode::usage, concat(name, ": is already a packed file"),
                 concat("show its content: rhoray info ", name));
+  if (!options.raw.empty()) return check_no_header(input);
   if (foreign_kind(input) != ForeignKind::unknown) return;
-  const std::string advice = advice_on(input);
-  throw Error(ErrorCode::invalid, concat(unsupported_type(input), "; expected a volume, a mesh or a surface"),
-              !advice.empty()
-                  ? advice
-                  : "`rhoray pack --help` lists file types; --raw 256x256x128:uint16:le reads bytes without "
-                    "a header");
+  std::string hint = advice_on(input);
+  if (hint.empty())
+    hint = concat("`rhoray formats` lists what is read",
+                  known_header(input).empty() ? "; --raw 256x256x128:uint16:le reads bytes without a header" : "");
+  throw Error(ErrorCode::unsupported, concat(unsupported_type(input), "; expected a volume, a mesh or a surface"),
+              hint);
 }
 
 /// Options that cannot be combined with --color.
@@ -72,14 +79,15 @@ void check_options(const fs::path& input, ForeignKind kind, const PackOptions& o
                       {options.cells.has_value(), ForeignKind::mesh, "--cells"},
                       {options.leaf_ratio.has_value(), ForeignKind::mesh, "--leaf-ratio"},
                       {options.cell_data, ForeignKind::mesh, "--cell-data"},
-                      {options.max_error.has_value(), ForeignKind::mesh, "--max-error"},
-                      {!options.time.empty(), ForeignKind::mesh, "--time"}};
+                      {options.max_error.has_value(), ForeignKind::mesh, "--max-error"}};
   if (options.color) check_color_options(input, kind, options);
   for (const Row& row : rows)
     if (row.given && row.kind != kind)
       throw Error(ErrorCode::usage,
                   concat(row.name, ": only for ", row.kind == ForeignKind::volume ? "volumes" : "meshes", ", but ",
                          input.string(), " is a ", name_of(kind)));
+  if (kind == ForeignKind::surface && !options.time.empty())
+    throw Error(ErrorCode::usage, concat("--time: ", input.string(), " is a surface, which has no time steps"));
   if (kind == ForeignKind::surface && !options.fields.empty())
     throw Error(ErrorCode::usage, concat("--field: ", input.string(), " is a surface, which has no fields"));
   if (!options.raw.empty() && options.fields.size() > 1)
@@ -141,6 +149,7 @@ ImportVolumeOptions import_options(const formats::Destination& output, const Pac
   import.colors = options.color;
   import.spacing = options.spacing;
   import.origin = options.origin;
+  import.time = options.time;
   import.memory_limit_bytes = options.memory_limit_bytes;
   import.scratch_folder = scratch_folder(output, options);
   import.progress = progress;

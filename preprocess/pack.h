@@ -20,6 +20,7 @@ struct PackOptions {
   /// Fields to keep (--field); the first is shown by default. Empty: the first field of a volume;
   /// of a mesh, those of PackMeshOptions::fields.
   std::vector<std::string> fields{};
+  std::string time{};       ///< as ImportMeshOptions::time, ImportVolumeOptions::time
   int levels = 3;           ///< of macrocells
   std::int64_t factor = 4;  ///< cells per axis of a macrocell
 
@@ -34,7 +35,6 @@ struct PackOptions {
   // meshes
   bool cell_data = false;                    ///< as PackMeshOptions::cells_to_points
   std::optional<double> max_error{};         ///< as ImportMeshOptions::max_error
-  std::string time{};                        ///< as ImportMeshOptions::time
   std::optional<MeshStructure> structure{};  ///< not given: clusters
   std::optional<std::int64_t> cells{};       ///< about this many leaf cells; only for leaf lists
   std::optional<double> leaf_ratio{};        ///< leaf cells per tetrahedron; only for leaf lists

@@ -28,13 +28,13 @@ void check_resample(const std::filesystem::path& input) {
     case ForeignKind::mesh:
       return;
     case ForeignKind::surface:
-      throw Error(ErrorCode::invalid, concat(name, ": holds a surface; expected a mesh of volume cells"),
+      throw Error(ErrorCode::unsupported, concat(name, ": holds a surface; expected a mesh of volume cells"),
                   concat("fill it first: rhoray tetrahedralize ", name, " -o ", input.stem().string(), ".vtu"));
     case ForeignKind::volume:
-      throw Error(ErrorCode::invalid, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
+      throw Error(ErrorCode::unsupported, concat(name, ": holds a volume, which is a grid already; expected a mesh"),
                   concat("pack it instead: rhoray pack ", name));
     case ForeignKind::unknown:
-      throw Error(ErrorCode::invalid,
+      throw Error(ErrorCode::unsupported,
                   concat(unsupported_type(input), "; expected a mesh (.vtu, .vtk, ...) or packed tetrahedra (.rho)"));
   }
 }

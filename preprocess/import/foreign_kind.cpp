@@ -15,27 +15,45 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// Families of one kind that one worker reads.
-struct Families {
-  ForeignKind kind;
-  std::string_view worker;
-  std::vector<std::string_view> names;
-};
-
-/// The families of importers.cpp, for programs that only need the kind. The extensions .vtk and
-/// those of PLOT3D have other uses too, so the file's content decides.
-const Families known_families[] = {
-    {ForeignKind::volume,
-     import_worker,
-     {".nrrd", ".nhdr", ".mhd", ".mha", ".nii", ".nii.gz", ".vti", ".vtr", ".slc", ".cube", ".bov", ".dcm", ".ima",
-      ".zip", "dicom/"}},
-    {ForeignKind::volume, slices_worker, {"images/", ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"}},
-    {ForeignKind::volume, vdb_worker, {".vdb"}},
-    {ForeignKind::mesh,
-     import_worker,
-     {".vtu", ".pvtu", ".vts", ".node", ".ele", ".e", ".ex2", ".exo", ".exii", ".gen", ".msh", ".vol", ".mesh",
-      ".meshb"}},
-    {ForeignKind::surface, import_worker, {".ply", ".stl", ".obj", ".off", ".poly", ".smesh", ".face", ".tri"}},
+const ForeignFormat formats_read[] = {
+    {"NRRD", ForeignKind::volume, {".nrrd", ".nhdr"}, import_worker, true},
+    {"MetaImage", ForeignKind::volume, {".mhd", ".mha"}, import_worker, true},
+    {"NIfTI-1", ForeignKind::volume, {".nii", ".nii.gz"}, import_worker},
+    {"NumPy", ForeignKind::volume, {".npy", ".npz"}, import_worker},
+    {"MATLAB", ForeignKind::volume, {".mat"}, import_worker},
+    {"VTK image data", ForeignKind::volume, {".vti"}, import_worker},
+    {"VTK rectilinear grid", ForeignKind::volume, {".vtr"}, import_worker},
+    {"VTK image data in pieces", ForeignKind::volume, {".pvti"}, import_worker, true},
+    {"VTK rectilinear grid in pieces", ForeignKind::volume, {".pvtr"}, import_worker, true},
+    {"Legacy VTK", ForeignKind::volume, {".vtk"}, import_worker},
+    {"DICOM", ForeignKind::volume, {".dcm", ".ima", ".zip", "dicom/"}, import_worker},
+    {"VolVis SLC", ForeignKind::volume, {".slc"}, import_worker},
+    {"Gaussian cube", ForeignKind::volume, {".cube"}, import_worker},
+    {"Brick of values", ForeignKind::volume, {".bov"}, import_worker, true},
+    {"Pictures",
+     ForeignKind::volume,
+     {"images/", ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"},
+     slices_worker},
+    {"OpenVDB", ForeignKind::volume, {".vdb"}, vdb_worker},
+    {"VTK unstructured grid", ForeignKind::mesh, {".vtu"}, import_worker},
+    {"VTK unstructured grid in pieces", ForeignKind::mesh, {".pvtu"}, import_worker, true},
+    {"VTK structured grid", ForeignKind::mesh, {".vts"}, import_worker},
+    {"VTK structured grid in pieces", ForeignKind::mesh, {".pvts"}, import_worker, true},
+    {"Legacy VTK", ForeignKind::mesh, {".vtk"}, import_worker},
+    {"TetGen", ForeignKind::mesh, {".node", ".ele"}, import_worker, true},
+    {"CARP", ForeignKind::mesh, {".pts", ".elem", ".tet"}, import_worker, true},
+    {"Exodus", ForeignKind::mesh, {".e", ".ex2", ".exo", ".exii", ".gen"}, import_worker},
+    {"Gmsh", ForeignKind::mesh, {".msh"}, import_worker},
+    {"Netgen", ForeignKind::mesh, {".vol"}, import_worker},
+    {"Medit", ForeignKind::mesh, {".mesh", ".meshb"}, import_worker, true},
+    {"PLOT3D", ForeignKind::mesh, {".bin", ".xyz", ".x", ".g", ".q", ".p3d"}, import_worker, true},
+    {"PLY", ForeignKind::surface, {".ply", ".ply.gz"}, import_worker},
+    {"STL", ForeignKind::surface, {".stl", ".stl.gz"}, import_worker},
+    {"Wavefront OBJ", ForeignKind::surface, {".obj", ".obj.gz"}, import_worker},
+    {"OFF", ForeignKind::surface, {".off"}, import_worker},
+    {"Legacy VTK", ForeignKind::surface, {".vtk"}, import_worker},
+    {"BrainVisa", ForeignKind::surface, {".tri"}, import_worker},
+    {"TetGen", ForeignKind::surface, {".poly", ".smesh", ".face"}, import_worker, true},
 };
 
 struct Advice {
@@ -51,29 +69,23 @@ const Advice advices[] = {
     {{".sol", ".solb"}, "it holds only values; name the .mesh or .meshb beside it"},
     {{".xdmf", ".xmf", ".h5", ".hdf5", ".cgns", ".case", ".foam", ".inp", ".bdf", ".nas", ".unv", ".med"},
      "convert it to .vtu, for example with ParaView or meshio"},
-    {{".pvti"}, "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vti"},
-    {{".pvtr"}, "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vtr"},
-    {{".pvts"}, "it only lists pieces of one grid; save the whole grid with ParaView (Save Data) as .vts"},
     {{".pvtp"},
      "it only lists pieces of one surface; save the whole surface with ParaView (Save Data) as .stl or .ply"},
     {{".vtm", ".vtmb", ".pvd"}, "it only lists other files; name one of them, a .vtu or .vti"},
     {{".step", ".stp", ".iges", ".igs", ".brep", ".geo"},
      "it describes a shape, not a mesh; mesh it with Gmsh (gmsh -3) and use the .msh"},
-    {{".vol.gz", ".msh.gz", ".ply.gz", ".stl.gz"}, "decompress it first: gunzip"},
+    {{".gz"}, "decompress it first: gunzip"},
     {{"index.json"},
      "vtk.js data sets are not supported; decompress the .gz in the folder data and use --raw NXxNYxNZ:TYPE"},
     {{".hdr"}, "use a .nii file, which holds the header and the samples of such a pair"},
 };
-
-constexpr std::string_view plot3d_extensions[] = {".bin", ".xyz", ".x", ".g", ".q", ".p3d"};
 
 template <class List, class Value>
 bool contains(const List& list, const Value& value) {
   return std::find(std::begin(list), std::end(list), value) != std::end(list);
 }
 
-bool is_plot3d(const std::filesystem::path& path) {
-  if (!contains(plot3d_extensions, extension_of(path))) return false;
+bool holds_plot3d(const std::filesystem::path& path) {
   try {
     return !plot3d_layouts(ForeignFile(path)).empty();
   } catch (const Error&) {  // missing, a folder, or empty
@@ -81,11 +93,11 @@ bool is_plot3d(const std::filesystem::path& path) {
   }
 }
 
-const Families* families_of(const std::filesystem::path& path) {
+const ForeignFormat* format_of(const std::filesystem::path& path) {
   const std::string family = family_of(path);
-  const auto* found = std::find_if(std::begin(known_families), std::end(known_families),
-                                   [&](const Families& row) { return contains(row.names, family); });
-  return found == std::end(known_families) ? nullptr : found;
+  const auto* found = std::find_if(std::begin(formats_read), std::end(formats_read),
+                                   [&](const ForeignFormat& row) { return contains(row.families, family); });
+  return found == std::end(formats_read) ? nullptr : found;
 }
 
 /// The word after DATASET in the first lines of a legacy VTK file, in upper case; empty if there is
@@ -107,6 +119,11 @@ std::string legacy_vtk_dataset(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::string_view name_of(ForeignKind kind) {
+  constexpr std::string_view names[] = {"volume", "mesh", "surface", "unknown"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
 ForeignKind foreign_kind(const std::filesystem::path& path) {
   if (extension_of(path) == ".vtk") {
     const std::string dataset = legacy_vtk_dataset(path);
@@ -115,25 +132,35 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
     if (dataset == "POLYDATA") return ForeignKind::surface;
     return ForeignKind::unknown;
   }
-  const Families* row = families_of(path);
-  if (row == nullptr) return is_plot3d(path) ? ForeignKind::mesh : ForeignKind::unknown;
-  return row->kind;
+  const ForeignFormat* format = format_of(path);
+  if (format == nullptr || (format->name == "PLOT3D" && !holds_plot3d(path))) return ForeignKind::unknown;
+  return format->kind;
+}
+
+std::span<const ForeignFormat> foreign_formats() {
+  return formats_read;
 }
 
 std::string extensions_of(ForeignKind kind) {
   std::string names;
-  for (const Families& row : known_families)
-    for (const std::string_view name : row.names)
-      if (row.kind == kind && name.front() == '.') names += concat(names.empty() ? "" : " ", name);
-  if (kind == ForeignKind::mesh) names += " .vtk PLOT3D";
-  if (kind == ForeignKind::surface) names += " .vtk";
-  if (kind == ForeignKind::volume) names += " .vtk, folders of DICOM images or of pictures";
+  for (const ForeignFormat& format : formats_read)
+    for (const std::string_view family : format.families)
+      if (format.kind == kind && family.front() == '.') names += concat(names.empty() ? "" : " ", family);
+  if (kind == ForeignKind::volume) names += ", folders of DICOM images or of pictures";
   return names;
 }
 
 std::string_view worker_for(const std::filesystem::path& path) {
-  const Families* row = families_of(path);
-  return row == nullptr ? import_worker : row->worker;
+  const ForeignFormat* format = format_of(path);
+  return format == nullptr ? import_worker : format->worker;
+}
+
+std::uint64_t bytes_of_single_file(const std::filesystem::path& path) {
+  const ForeignFormat* format = format_of(path);
+  std::error_code ignored;
+  if (format == nullptr || format->reads_other_files) return 0;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, ignored);
+  return ignored ? 0 : bytes;
 }
 
 namespace {

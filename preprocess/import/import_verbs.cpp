@@ -1,10 +1,8 @@
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
-#include "preprocess/import/reading/foreign_names.h"
+#include "preprocess/import/reading/time_steps.h"
 #include "preprocess/import/worker_arguments.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -19,18 +17,6 @@ namespace rhoray::preprocess {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Size of a file whose reader reads no other file. 0 for a header that may name other files, a
-/// folder, or one of several files.
-std::uint64_t bytes_of_single_file(const fs::path& path) {
-  constexpr std::string_view alone[] = {".nii", ".nii.gz", ".vti", ".vtr", ".vtu",  ".vts", ".vtk",  ".slc", ".cube",
-                                        ".dcm", ".zip",    ".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm",
-                                        ".ppm", ".vdb",    ".ply", ".stl", ".obj",  ".off", ".tri",  ".msh", ".vol"};
-  std::error_code ignored;
-  if (std::find(std::begin(alone), std::end(alone), extension_of(path)) == std::end(alone)) return 0;
-  const std::uintmax_t bytes = fs::file_size(path, ignored);
-  return ignored ? 0 : bytes;
-}
 
 template <class Options>
 formats::PackedFile run_reader(const fs::path& path, std::vector<std::string> arguments, const Options& options,
@@ -80,7 +66,9 @@ NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& opt
   const VolumeRequest request{.raw = options.raw,
                               .field = options.field,
                               .colors = options.colors,
-                              .length_of_vectors = options.length_of_vectors && worker == import_worker};
+                              .length_of_vectors = options.length_of_vectors && worker == import_worker,
+                              .time = options.time};
+  if (worker != import_worker) refuse_time_step(options.time, path);
   NeutralVolume volume = receive_volume(run_reader(path, volume_arguments(path, request), options, worker), path);
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);
   if (options.origin) set_origin(volume.world_from_grid, *options.origin);

@@ -2,11 +2,11 @@
 #include <string_view>
 
 #include "formats/base/error.h"
-#include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/readers.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/foreign_names.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/time_steps.h"
 #include "preprocess/input_file.h"
 #include "preprocess/process/foreign_file.h"
 #include "preprocess/subdivide.h"
@@ -27,11 +27,14 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {".nhdr", read_nrrd},
     {".mhd", read_metaimage},
     {".mha", read_metaimage},
-    {".nii", read_nifti},
-    {".nii.gz", read_nifti},
+    {".mat", read_matlab},
+    {".npy", read_npy},
+    {".npz", read_npz},
     {".vti", read_vti},
     {".vtk", read_legacy_vtk_volume},
     {".vtr", read_vtr},
+    {".pvti", read_pvti},
+    {".pvtr", read_pvtr},
     {".slc", read_slc},
     {".cube", read_gaussian_cube},
     {".bov", read_bov},
@@ -42,10 +45,18 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
 };
 constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string&)> color_importers[] = {
     {".nrrd", read_nrrd_colors},     {".nhdr", read_nrrd_colors}, {".mhd", read_metaimage_colors},
-    {".mha", read_metaimage_colors}, {".vti", read_vti_colors},
+    {".mha", read_metaimage_colors}, {".nii", read_nifti_colors}, {".nii.gz", read_nifti_colors},
+    {".npy", read_npy_colors},       {".npz", read_npz_colors},   {".vti", read_vti_colors},
+    {".pvti", read_pvti_colors},
+};
+/// Formats that may hold several volumes, one for each time step.
+constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string& time)> volume_steps_importers[] = {
+    {".nii", read_nifti},
+    {".nii.gz", read_nifti},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
-    {".vtu", read_vtu},    {".pvtu", read_pvtu},        {".vts", read_vts},         {".vtk", read_legacy_vtk_mesh},
+    {".vtu", read_vtu},    {".pvtu", read_pvtu},        {".vts", read_vts},         {".pvts", read_pvts},
+    {".pts", read_carp},   {".elem", read_carp},        {".tet", read_carp},        {".vtk", read_legacy_vtk_mesh},
     {".bin", read_plot3d}, {".xyz", read_plot3d},       {".x", read_plot3d},        {".q", read_plot3d},
     {".p3d", read_plot3d}, {".node", read_tetgen_mesh}, {".ele", read_tetgen_mesh}, {".vol", read_netgen},
     {".mesh", read_medit}, {".meshb", read_medit},
@@ -58,8 +69,11 @@ constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& tim
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".vtk", read_legacy_vtk_surface},
     {".ply", read_ply},
+    {".ply.gz", read_ply},
     {".stl", read_stl},
+    {".stl.gz", read_stl},
     {".obj", read_obj},
+    {".obj.gz", read_obj},
     {".off", read_off},
     {".tri", read_brainvisa},
     {".poly", read_tetgen_surface},
@@ -104,6 +118,7 @@ void check_field_name(const NeutralVolume& volume, const std::string& field, con
 }  // namespace
 
 NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest& request) {
+  if (request.raw || request.colors) refuse_time_step(request.time, path);
   if (request.raw) {
     NeutralVolume volume = read_raw(path, *request.raw);
     check_field_name(volume, request.field, path);
@@ -114,7 +129,15 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
     check_field_name(volume, request.field, path);
     return volume;
   }
-  auto* read = importer_for(volume_importers, path, "volume");
+  if (auto* read = find_importer(volume_steps_importers, path)) {
+    NeutralVolume volume = read(path, request.time);
+    check_field_name(volume, request.field, path);
+    return volume;
+  }
+  auto* read = find_importer(volume_importers, path);
+  if (read == nullptr)
+    throw no_importer(path, "volume", extensions_of(volume_importers) + extensions_of(volume_steps_importers));
+  refuse_time_step(request.time, path);
   try {
     NeutralVolume volume = read(path, request.field);
     check_field_name(volume, request.field, path);

@@ -17,6 +17,7 @@ struct VolumeRequest {
   std::string field{};             ///< as in ImportVolumeOptions
   bool colors = false;             ///< as in ImportVolumeOptions
   bool length_of_vectors = false;
+  std::string time{};  ///< as in ImportVolumeOptions
 };
 
 struct MeshRequest {

@@ -14,8 +14,8 @@ int main(int count, char** words) {
   using namespace rhoray::preprocess;
   const std::vector<std::string> arguments(words + 1, words + count);
   return worker_main([&](int, int output) {
-    if (arguments.size() < 3 || (arguments[0] != "volume" && arguments[0] != "colors"))
-      throw Error(ErrorCode::usage, "found arguments that no verb has; expected volume or colors, PATH FIELD");
+    if (arguments.size() < 4 || (arguments[0] != "volume" && arguments[0] != "colors"))
+      throw Error(ErrorCode::usage, "found arguments that no verb has; expected volume or colors, PATH FIELD TIME");
     const VolumeRequest request = volume_request(arguments);
     NeutralVolume slices =
         request.colors ? read_color_slices(arguments[1]) : read_image_slices(arguments[1], request.field);

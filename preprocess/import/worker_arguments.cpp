@@ -7,7 +7,7 @@ namespace rhoray::preprocess {
 
 std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request) {
   const char* verb = request.colors ? "colors" : request.length_of_vectors ? "volume-or-length" : "volume";
-  std::vector<std::string> arguments{verb, path.string(), request.field};
+  std::vector<std::string> arguments{verb, path.string(), request.field, request.time};
   if (!request.raw) return arguments;
   const RawVolume& raw = *request.raw;
   for (int axis = 0; axis < 3; ++axis) arguments.push_back(concat(raw.sample_count[axis]));
@@ -24,21 +24,22 @@ VolumeRequest volume_request(const std::vector<std::string>& arguments) {
       throw Error(ErrorCode::usage, concat("argument ", i, ": found '", arguments[i], "'; expected a number"));
     return *value;
   };
-  if (arguments.size() != 3 && arguments.size() != 9)
-    throw Error(ErrorCode::usage, concat("found ", arguments.size(), " arguments; expected 3 or 9"));
+  if (arguments.size() != 4 && arguments.size() != 10)
+    throw Error(ErrorCode::usage, concat("found ", arguments.size(), " arguments; expected 4 or 10"));
   VolumeRequest request;
   request.colors = arguments[0] == "colors";
   request.length_of_vectors = arguments[0] == "volume-or-length";
   request.field = arguments[2];
-  if (arguments.size() == 3) return request;
+  request.time = arguments[3];
+  if (arguments.size() == 4) return request;
   RawVolume& raw = request.raw.emplace();
   for (int axis = 0; axis < 3; ++axis)
-    raw.sample_count[axis] = static_cast<std::int64_t>(number(3 + static_cast<std::size_t>(axis)));
-  if (number(6) > static_cast<std::uint64_t>(formats::ElementType::F64))
-    throw Error(ErrorCode::usage, concat("argument 6: found ", number(6), "; expected the number of an element type"));
-  raw.type = static_cast<formats::ElementType>(number(6));
-  raw.big_endian = number(7) != 0;
-  raw.skipped_bytes = number(8);
+    raw.sample_count[axis] = static_cast<std::int64_t>(number(4 + static_cast<std::size_t>(axis)));
+  if (number(7) > static_cast<std::uint64_t>(formats::ElementType::F64))
+    throw Error(ErrorCode::usage, concat("argument 7: found ", number(7), "; expected the number of an element type"));
+  raw.type = static_cast<formats::ElementType>(number(7));
+  raw.big_endian = number(8) != 0;
+  raw.skipped_bytes = number(9);
   return request;
 }
 

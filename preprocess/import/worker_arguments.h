@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@ namespace rhoray::preprocess {
 
 /// Name of the program that reads this file; the import worker by default.
 std::string_view worker_for(const std::filesystem::path& path);
+
+/// Size of a file whose reader reads no other file; 0 for other inputs and for folders.
+std::uint64_t bytes_of_single_file(const std::filesystem::path& path);
 
 /// The command `volume` and its kin (process/worker_names.h), and what it asks for.
 std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request);

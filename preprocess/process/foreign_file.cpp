@@ -60,6 +60,11 @@ ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
   start_ = std::shared_ptr<const void>(mapped, mapped->bytes().data());
 }
 
+ForeignFile::ForeignFile(const std::filesystem::path& path, std::shared_ptr<const void> start, std::size_t size)
+    : path_(path), start_(std::move(start)), size_(size) {
+  if (size == 0) refuse_input(path, "byte 0", "an empty file", "a header");
+}
+
 void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
                   std::string_view expected, ErrorCode error_code) {
   formats::refuse(path.string(), place, found, expected, error_code);
@@ -69,8 +74,9 @@ std::string extension_of(const std::filesystem::path& path) {
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
-  if (name.ends_with(".nii.gz")) return ".nii.gz";
-  return std::filesystem::path(name).extension().string();
+  const std::filesystem::path whole(name);
+  const std::string last = whole.extension().string();
+  return last == ".gz" ? whole.stem().extension().string() + last : last;
 }
 
 std::string stem_of(const std::filesystem::path& path) {

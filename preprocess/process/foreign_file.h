@@ -16,6 +16,8 @@ namespace rhoray::preprocess {
 class ForeignFile {
  public:
   explicit ForeignFile(const std::filesystem::path& path);
+  /// The content of a file that was unpacked into memory. Refuses an empty one.
+  ForeignFile(const std::filesystem::path& path, std::shared_ptr<const void> start, std::size_t size);
 
   const std::filesystem::path& path() const { return path_; }
   std::string_view text() const { return {static_cast<const char*>(start_.get()), size_}; }
@@ -43,7 +45,8 @@ std::vector<SourceFile> noted_sources();
 [[noreturn]] void refuse_input(const std::filesystem::path& path, std::string_view place, std::string_view found,
                                std::string_view expected, ErrorCode error_code = ErrorCode::invalid);
 
-/// The extension in lower case, with its dot; ".nii.gz" counts as one.
+/// The extension in lower case, with its dot. ".nii.gz" and other extensions before ".gz" count as
+/// one with it.
 std::string extension_of(const std::filesystem::path& path);
 
 /// The file's name without folder and extension: the name of a field that has no name of its own.

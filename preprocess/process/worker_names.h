@@ -5,9 +5,9 @@ namespace rhoray::preprocess {
 /// Programs of their own, and the commands that the verbs send to them. Each sends back a packed
 /// file (messages.h, counts.h).
 
-///     volume PATH FIELD [NX NY NZ TYPE BIG_ENDIAN SKIPPED_BYTES]
-///         sends a neutral volume; `colors` likewise
-///     volume-or-length PATH FIELD [...]
+///     volume PATH FIELD TIME [NX NY NZ TYPE BIG_ENDIAN SKIPPED_BYTES]
+///         sends a neutral volume; TIME may be empty; `colors` likewise
+///     volume-or-length PATH FIELD TIME [...]
 ///         the same, with VolumeRequest::length_of_vectors
 ///     cells PATH TIME
 ///         sends a cell mesh; TIME may be empty
@@ -26,8 +26,8 @@ inline constexpr const char* slices_worker = "rhoray-slices-worker";
 ///         sends what is known of each grid (workers/vdb/facts.h)
 ///     nanovdb PATH FIELD
 ///         sends a grid for rendering (formats/vdb_grid.h)
-///     volume PATH FIELD
-///         sends a neutral volume
+///     volume PATH FIELD TIME
+///         sends a neutral volume; TIME is empty
 ///     write PACKED FIELD OUTPUT KIND
 ///         writes a packed grid as KIND, .vdb or .nvdb, and reads it again; sends the file's size
 inline constexpr const char* vdb_worker = "rhoray-vdb-worker";

@@ -85,6 +85,14 @@ void metaimage(const Path& path) {
   attempt([&] { use(read_metaimage(path, "")); });
   attempt([&] { use(read_metaimage_colors(path, "")); });
 }
+void nifti(const Path& path) {
+  for (const char* time : {"", "last"}) attempt([&] { use(read_nifti(path, time)); });
+  attempt([&] { use(read_nifti_colors(path, "")); });
+}
+void npy(const Path& path) {
+  attempt([&] { use(read_npy(path, "")); });
+  attempt([&] { use(read_npy_colors(path, "")); });
+}
 void legacy_vtk(const Path& path) {
   attempt([&] { use(read_legacy_vtk_volume(path, "")); });
   attempt([&] { use(read_legacy_vtk_mesh(path)); });
@@ -115,7 +123,12 @@ struct Format {
 };
 constexpr Format formats_known[] = {{"nrrd", {".nhdr", ".raw"}, nrrd},
                                     {"metaimage", {".mhd", ".raw"}, metaimage},
-                                    {"nifti", {".nii", ""}, volume<read_nifti>},
+                                    {"nifti", {".nii", ""}, nifti},
+                                    {"npy", {".npy", ""}, npy},
+                                    {"npz", {".npz", ""}, volume<read_npz>},
+                                    {"matlab", {".mat", ""}, volume<read_matlab>},
+                                    {"carp", {".elem", ".pts"}, from_path<read_carp>},
+                                    {"pvti", {".pvti", ".vti"}, volume<read_pvti>},
                                     {"slc", {".slc", ""}, volume<read_slc>},
                                     {"bov", {".bov", ".raw"}, volume<read_bov>},
                                     {"cube", {".cube", ""}, volume<read_gaussian_cube>},

@@ -123,7 +123,7 @@ TEST(ImportCommand, refuses_what_makes_no_sense) {
   refused("import mixed.vtk", 2, "-o");
   refused("import mixed.vtk -o x.msh", 2, "expected .vtu");
   refused("import mixd.vtk -o x.vtu", 3, "did you mean mixed.vtk?");
-  refused("import ball.raw -o x.vtu", 4, "is not a mesh of volume cells");
+  refused("import ball.raw -o x.vtu", 7, "is not a mesh of volume cells");
   refused("import mixed.vtk -o x.vtu --max-error 0", 2, "largest error");
   refused("import mixed.vtk -o x.vtu --time 3", 2, "no time steps");
   refused("pack mixed.vtk -o x.rho --time 3", 2, "no time steps");

@@ -164,7 +164,7 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/0/data: box.rho: is a mesh of tetrahedra; expected a packed surface of triangles",
        "show its isosurfaces with a layer of type \"isosurface\""},
       {R"({"data": {"c": {"file": "cube.off"}}, "layers": [{"type": "triangles"}]})",
-       "s.json: /data/c/file: cube.off: is not a packed file", "pack it first: rhoray pack cube.off -o cube.rho"},
+       "s.json: /data/c/file: cube.off: is not a packed file", "pack it first: rhoray pack cube.off -o cube.rho", 7},
       {R"({"data": {"c": {"file": "cube.rho", "field": "a"}}, "layers": [{"type": "triangles"}]})",
        "s.json: /data/c/field: cube.rho: no field 'a'; a surface has no fields"},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "triangles", "isovalue": 1}]})",

@@ -97,7 +97,7 @@ TEST(SurfaceCommands, refuse_what_asks_for_a_field) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"validate", "cube.rho", "--iso", "1"}, {"bench", "phases", "cube.rho"}}) {
     const RunResult run = bench.rhoray(words);
-    EXPECT_EQ(run.exit_code, 4) << run.err;
+    EXPECT_EQ(run.exit_code, 7) << run.err;
     EXPECT_THAT(run.err, HasSubstr("holds a surface"));
   }
   const RunResult exported = bench.rhoray({"export", "cube.rho", "-o", "x.stl"});
@@ -131,7 +131,7 @@ TEST(SurfaceCommands, stand_as_landmarks_beside_another_file) {
   EXPECT_EQ(drawn({"ball.rho", "--mode", "mip", "--landmark", "cube.rho"})["scene"]["layers"][0]["type"], "mip");
 
   for (const auto& [file, exit_code, fact, hint] :
-       {std::tuple{"cube.off", 4, "cube.off: is not a packed file", "rhoray pack cube.off -o cube.rho"},
+       {std::tuple{"cube.off", 7, "cube.off: is not a packed file", "rhoray pack cube.off -o cube.rho"},
         {"ball.rho", 4, "--landmark: ball.rho: is a grid; expected a packed surface", "isosurface"},
         {"cub.rho", 3, "cub.rho: no such file", "did you mean cube.rho?"}}) {
     const RunResult refused = bench.rhoray({"render", "ball.rho", "--landmark", file, "-o", "x.png"});

@@ -121,7 +121,7 @@ TEST(TetrahedralizeCommand, refuses_before_it_begins_what_makes_no_sense) {
   refused("--size-field distance:inner.off:1:2", 2, "expected distance:SURFACE:NEAR:FAR:GROWTH");
   refused("--size-field distance:inner.off:1:2:x", 2, "--size-field: ");
   refused("--size-field distance:inner.off:2:1:0.1", 2, "expected 0 < near <= far");
-  refused("--size-field distance:box.vtu:1:2:0.1", 4, "box.vtu: is not a surface");
+  refused("--size-field distance:box.vtu:1:2:0.1", 7, "box.vtu: is not a surface");
   refused("--size-field inner.off", 2, "is neither a volume nor a mesh");
   refused("--size-field box.vtu", 2, "has 2 scalar point fields; expected one, or FILE:FIELD");
   refused("--size-field box.vtu:hight", 2, "did you mean height?");
@@ -132,7 +132,7 @@ TEST(TetrahedralizeCommand, refuses_before_it_begins_what_makes_no_sense) {
   refused("--largest-part", 2, "--largest-part: needs --repair");
   refused("--time-limit 0", 2, "--time-limit");
   refused("inner.off --sizes outer.off", 2, "found several");
-  refused("ball.raw", 4, "ball.raw: is not a surface");
+  refused("ball.raw", 7, "ball.raw: is not a surface");
   refused("-o x.msh", 2, "expected .vtu");
 }
 

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
+#include "formats/base/word_list.h"
 #include "preprocess/input_file.h"
 #include "render/png.h"
 #include "tools/pictures/pictures_module.h"
@@ -16,14 +17,19 @@ namespace rhoray::tools {
 
 namespace {
 
+/// An extension, and OpenImageIO's name of its format.
+struct PictureFormat {
+  std::string_view extension, name;
+};
+constexpr PictureFormat picture_formats[] = {{".png", "png"},   {".exr", "openexr"}, {".tif", "tiff"},
+                                             {".tiff", "tiff"}, {".jpg", "jpeg"},    {".jpeg", "jpeg"}};
+
 /// OpenImageIO's name of the format, or nothing.
 std::string format_of(const std::filesystem::path& path) {
-  static const std::pair<std::string_view, std::string_view> formats[] = {
-      {".png", "png"}, {".exr", "openexr"}, {".tif", "tiff"}, {".tiff", "tiff"}, {".jpg", "jpeg"}, {".jpeg", "jpeg"}};
   std::string extension = path.extension().string();
   for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  for (const auto& [name, format] : formats)
-    if (extension == name) return std::string(format);
+  for (const auto& [known, name] : picture_formats)
+    if (extension == known) return std::string(name);
   return {};
 }
 
@@ -59,6 +65,10 @@ void require_pictures_module() {
     throw Error(ErrorCode::unsupported,
                 concat("this needs the module ", pictures_module, ", which is not in ", path.parent_path().string()),
                 "tools/setup/build builds it; PNG pictures without annotations are written without it");
+}
+
+std::vector<std::string> picture_extensions() {
+  return names_in(picture_formats, &PictureFormat::extension);
 }
 
 void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels) {

@@ -15,6 +15,9 @@ namespace rhoray::tools {
 /// but PNG (ErrorCode::unsupported).
 void require_pictures_module();
 
+/// The extensions of the pictures that are written.
+std::vector<std::string> picture_extensions();
+
 /// Checks the picture format, which follows from the extension: .png .exr .tif .tiff .jpg .jpeg.
 /// Refuses other extensions. Refuses channels in all formats except EXR, because the others cannot
 /// store them (ErrorCode::usage). Refuses formats that need the module if it is missing.

@@ -51,7 +51,7 @@ const TableRow table_rows[] = {{"phases", Takes::data, only<phases_table>},
 /// Refuses a scene where a table does not take it.
 void require_kind(const TableRow& table, const std::filesystem::path& input, bool is_scene) {
   if (!is_scene || table.takes == Takes::data_or_scene) return;
-  throw Error(ErrorCode::invalid,
+  throw Error(ErrorCode::unsupported,
               concat(input.string(), ": is a scene; table '", table.name, "' needs a file with data"));
 }
 

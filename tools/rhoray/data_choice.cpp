@@ -73,6 +73,15 @@ std::vector<std::string> names_of(const std::string& field, const std::vector<st
 
 }  // namespace
 
+void require_packed(const std::filesystem::path& path) {
+  if (formats::PackedFile::looks_packed(path) || path.extension() == ".rho") return;
+  const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");
+  throw Error(ErrorCode::unsupported, concat(path.string(), ": is not a packed file"),
+              preprocess::foreign_kind(path) == preprocess::ForeignKind::unknown
+                  ? std::string("`rhoray formats` lists what can be packed")
+                  : concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
+}
+
 DataAccess access_for(const CommonOptions& common, ProgressDisplay& display) {
   return {.use_cache = !common.no_cache,
           .progress = display.progress(),
@@ -101,7 +110,8 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field, const DataAccess& access) {
   const render::Dataset dataset = load_shown(path, field, access);
   if (dataset.is_surface())
-    throw Error(ErrorCode::invalid, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+    throw Error(ErrorCode::unsupported,
+                concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
                 concat("show it: rhoray render ", path.string()));
   return dataset;
 }

@@ -11,6 +11,10 @@
 
 namespace rhoray::tools {
 
+/// Refuses a file that is not packed and whose name does not end in .rho, and names the command that
+/// packs it (ErrorCode::unsupported).
+void require_packed(const std::filesystem::path& path);
+
 /// How files that are not packed are opened, and who is told of it.
 struct DataAccess {
   bool use_cache = true;
@@ -30,7 +34,7 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
                            const std::vector<std::string>& others = {},
                            formats::Space world = formats::Space::unknown);
 
-/// As above; refuses a surface, which has no fields (ErrorCode::invalid).
+/// As above; refuses a surface, which has no fields (ErrorCode::unsupported).
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,
                              const DataAccess& access = {});
 

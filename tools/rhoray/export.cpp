@@ -14,6 +14,7 @@
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/export_formats.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -29,25 +30,11 @@ struct ExportCommand {
   std::string isovalue;
 };
 
-/// The formats, and which kind of packed file each can hold.
-struct Format {
-  const char* extension;
-  bool for_grids, for_tets;
-  const char* other;  ///< what to say to a file of the other kind
-};
-constexpr Format formats_known[] = {
-    {".vti", true, false, "export a mesh as .vtu"},
-    {".vdb", true, false, "`rhoray resample` converts a mesh to a grid"},
-    {".nvdb", true, false, "`rhoray resample` converts a mesh to a grid"},
-    {".npy", true, false, "numpy reads points, cells and fields from the packed file: see formats/SPEC.md"},
-    {".vtu", false, true, "export a grid as .vti"},
-    {".stl", true, true, ""}};
-
-const Format& format_of(const std::filesystem::path& output) {
+const ExportFormat& format_of(const std::filesystem::path& output) {
   const std::string extension = output.extension().string();
-  for (const Format& format : formats_known)
+  for (const ExportFormat& format : export_formats)
     if (extension == format.extension) return format;
-  const std::vector<std::string> known = names_in(formats_known, &Format::extension);
+  const std::vector<std::string> known = names_in(export_formats, &ExportFormat::extension);
   throw Error(ErrorCode::usage,
               concat(output.string(), ": found extension '", extension, "'; expected one of ", joined(known)),
               did_you_mean(extension, known));
@@ -68,7 +55,7 @@ Content content_in(const ExportCommand& command) {
   return {false, formats::BrickGrid(file).description().fields};
 }
 
-void check(const ExportCommand& command, const Format& format, const Content& content) {
+void check(const ExportCommand& command, const ExportFormat& format, const Content& content) {
   if (!(content.is_mesh ? format.for_tets : format.for_grids))
     throw Error(ErrorCode::unsupported,
                 concat(command.input.string(), ": is a ", content.is_mesh ? "mesh" : "grid", ", and ", format.extension,
@@ -117,7 +104,7 @@ int run(ExportCommand& command) {
   const Stopwatch watch;
   const std::filesystem::path output = command.common.output;
   if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output selects the format");
-  const Format& format = format_of(output);
+  const ExportFormat& format = format_of(output);
   command.packed = [&] {
     ProgressDisplay display(command.common);
     return packed_path(command.input, command.field, access_for(command.common, display));

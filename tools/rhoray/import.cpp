@@ -28,7 +28,7 @@ void check(const ImportCommand& command, const std::filesystem::path& output) {
   const std::string name = command.input.string();
   preprocess::require_input(command.input);
   if (preprocess::foreign_kind(command.input) != preprocess::ForeignKind::mesh)
-    throw Error(ErrorCode::invalid,
+    throw Error(ErrorCode::unsupported,
                 concat(name, ": is not a mesh of volume cells; expected a mesh such as .vtu or .vtk"),
                 formats::PackedFile::looks_packed(command.input) ? concat("show its content: rhoray info ", name)
                                                                  : std::string{});

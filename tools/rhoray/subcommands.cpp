@@ -6,11 +6,21 @@ namespace rhoray::tools {
 
 namespace {
 
-constexpr std::pair<std::string_view, Subcommand (*)()> makers[] = {
-    {"info", info_subcommand},         {"pack", pack_subcommand},         {"verify", verify_subcommand},
-    {"export", export_subcommand},     {"import", import_subcommand},     {"tetrahedralize", tetrahedralize_subcommand},
-    {"resample", resample_subcommand}, {"cache", cache_subcommand}, {"render", render_subcommand},     {"compare", compare_subcommand},
-    {"accuracy", accuracy_subcommand}, {"validate", validate_subcommand}, {"measure", measure_subcommand}, {"bench", bench_subcommand}};
+constexpr std::pair<std::string_view, Subcommand (*)()> makers[] = {{"info", info_subcommand},
+                                                                    {"pack", pack_subcommand},
+                                                                    {"verify", verify_subcommand},
+                                                                    {"export", export_subcommand},
+                                                                    {"formats", formats_subcommand},
+                                                                    {"import", import_subcommand},
+                                                                    {"tetrahedralize", tetrahedralize_subcommand},
+                                                                    {"resample", resample_subcommand},
+                                                                    {"cache", cache_subcommand},
+                                                                    {"render", render_subcommand},
+                                                                    {"compare", compare_subcommand},
+                                                                    {"accuracy", accuracy_subcommand},
+                                                                    {"validate", validate_subcommand},
+                                                                    {"measure", measure_subcommand},
+                                                                    {"bench", bench_subcommand}};
 
 }  // namespace
 

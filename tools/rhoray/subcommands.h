@@ -9,6 +9,7 @@ namespace rhoray::tools {
 
 // One file each.
 Subcommand info_subcommand();
+Subcommand formats_subcommand();
 Subcommand verify_subcommand();
 Subcommand import_subcommand();
 Subcommand pack_subcommand();

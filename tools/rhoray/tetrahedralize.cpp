@@ -73,7 +73,7 @@ void read_max_volume(TetrahedralizeCommand& command) {
 void require_surface(const std::filesystem::path& input) {
   preprocess::require_input(input);
   if (preprocess::foreign_kind(input) == ForeignKind::surface) return;
-  throw Error(ErrorCode::invalid,
+  throw Error(ErrorCode::unsupported,
               concat(input.string(), ": is not a surface; expected ", preprocess::extensions_of(ForeignKind::surface)),
               formats::PackedFile::looks_packed(input) ? concat("show its content: rhoray info ", input.string())
                                                        : std::string{});

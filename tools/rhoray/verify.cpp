@@ -13,6 +13,7 @@
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/damage.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -64,6 +65,7 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
 Findings examine(const std::filesystem::path& path, const VerifyOptions& options, ProgressDisplay& display) {
   Findings findings;
   preprocess::require_input(path);
+  require_packed(path);
   try {
     const formats::PackedFile file = formats::PackedFile::open(path);
     findings.file_bytes = file.file_bytes();

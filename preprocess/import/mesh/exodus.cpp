@@ -8,9 +8,9 @@
 
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/mesh/netcdf_file.h"
-#include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/text_reading.h"
+#include "preprocess/import/reading/time_steps.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {

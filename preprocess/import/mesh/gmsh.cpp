@@ -11,9 +11,9 @@
 #include "preprocess/import/mesh/gmsh_elements.h"
 #include "preprocess/import/mesh/id_positions.h"
 #include "preprocess/import/mesh/mesh_cells.h"
-#include "preprocess/import/mesh/time_steps.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/text_reading.h"
+#include "preprocess/import/reading/time_steps.h"
 
 namespace rhoray::preprocess {
 namespace {

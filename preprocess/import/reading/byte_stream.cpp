@@ -5,13 +5,21 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <new>
+
+#include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
 
 struct ByteStream::Inflater {
   z_stream stream{};
   bool finished = false;
+
+  /// gzip files may be put together from several streams (RFC 1952).
+  bool another_follows() const {
+    return stream.avail_in >= 2 && stream.next_in[0] == 0x1f && stream.next_in[1] == 0x8b;
+  }
 };
 
 namespace {
@@ -58,12 +66,13 @@ std::uint64_t ByteStream::read_packed(std::span<std::byte> bytes) {
     stream.avail_out = static_cast<uInt>(room);
     const int outcome = ::inflate(&stream, Z_NO_FLUSH);
     filled += room - stream.avail_out;
+    if (outcome == Z_STREAM_END && inflater_->another_follows() && ::inflateReset(&stream) == Z_OK) continue;
     inflater_->finished = outcome == Z_STREAM_END;
     if (outcome == Z_BUF_ERROR && rest_.empty() && stream.avail_in == 0)
       refuse_input(path_, concat("packed byte ", source_bytes_), "the end of the data", "more of the packed stream");
     if (outcome != Z_OK && outcome != Z_STREAM_END && outcome != Z_BUF_ERROR)
-      refuse_input(path_, concat("packed byte ", source_bytes_ - rest_.size() - stream.avail_in),
-                   stream.msg == nullptr ? "a damaged stream" : stream.msg, "an undamaged zlib stream");
+      refuse_input(path_, concat("packed byte ", source_bytes_ - rest_.size() - stream.avail_in), "damaged data",
+                   "a whole zlib stream");
   }
   return filled;
 }
@@ -83,6 +92,11 @@ void ByteStream::read(std::span<std::byte> bytes, std::string_view what) {
 }
 
 std::uint64_t ByteStream::drain(std::uint64_t most) {
+  if (!inflater_) {
+    const std::uint64_t count = std::min<std::uint64_t>(most, rest_.size());
+    rest_ = rest_.subspan(count);
+    return count;
+  }
   std::array<std::byte, 4096> waste;
   std::uint64_t total = 0;
   while (total < most) {
@@ -91,6 +105,16 @@ std::uint64_t ByteStream::drain(std::uint64_t most) {
     total += count;
   }
   return total;
+}
+
+ForeignFile unpacked_file(const std::filesystem::path& path) {
+  const ForeignFile file(path);
+  if (!extension_of(path).ends_with(".gz")) return file;
+  ByteStream measured(path, file.bytes(), true);
+  if (!measured.is_packed()) refuse_input(path, "byte 0", "another beginning", "a gzip file, as its name says");
+  const auto content = std::make_shared<Array<std::byte>>(measured.drain(std::numeric_limits<std::uint64_t>::max()));
+  ByteStream(path, file.bytes(), true).read(*content, "content");
+  return {path, std::shared_ptr<const void>(content, content->data()), content->size()};
 }
 
 }  // namespace rhoray::preprocess

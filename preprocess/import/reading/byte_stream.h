@@ -39,4 +39,7 @@ class ByteStream {
   std::unique_ptr<Inflater> inflater_;
 };
 
+/// The file, or the content of a file whose name ends in .gz. Refuses one that gzip did not write.
+ForeignFile unpacked_file(const std::filesystem::path& path);
+
 }  // namespace rhoray::preprocess

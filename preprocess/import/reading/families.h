@@ -13,9 +13,15 @@ namespace rhoray::preprocess {
 
 NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_metaimage(const std::filesystem::path& path, const std::string& field);
-NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& field);
+/// @param time  time step, as in ImportVolumeOptions
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& time);
+NeutralVolume read_matlab(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_npy(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_npz(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_pvti(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_pvtr(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_slc(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_bov(const std::filesystem::path& path, const std::string& field);
@@ -26,11 +32,17 @@ NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 // Colours (VolumeRequest::colors).
 NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_metaimage_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_nifti_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_npy_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_npz_colors(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_vti_colors(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_pvti_colors(const std::filesystem::path& path, const std::string& field);
 
 CellMesh read_vtu(const std::filesystem::path& path);
 CellMesh read_pvtu(const std::filesystem::path& path);
 CellMesh read_vts(const std::filesystem::path& path);
+CellMesh read_pvts(const std::filesystem::path& path);
+CellMesh read_carp(const std::filesystem::path& path);
 CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
 CellMesh read_tetgen_mesh(const std::filesystem::path& path);

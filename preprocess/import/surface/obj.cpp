@@ -1,3 +1,4 @@
+#include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/surface/surface_building.h"
@@ -19,7 +20,7 @@ std::uint64_t corner_of(const LineReader& lines, std::size_t i, std::size_t poin
 }  // namespace
 
 NeutralSurface read_obj(const std::filesystem::path& path) {
-  const ForeignFile file(path);
+  const ForeignFile file = unpacked_file(path);
   LineReader lines(file);
   NeutralSurface surface;
   std::uint64_t left_out = 0;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/text_reading.h"
@@ -178,7 +179,7 @@ void read_facets(Ply& ply, const Element& element, NeutralSurface& surface, cons
 }  // namespace
 
 NeutralSurface read_ply(const std::filesystem::path& path) {
-  const ForeignFile file(path);
+  const ForeignFile file = unpacked_file(path);
   Ply ply(file);
   NeutralSurface surface;
   for (const Element& element : ply.elements()) {

@@ -1,5 +1,6 @@
 #include <cstring>
 
+#include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/text_reading.h"
@@ -80,7 +81,7 @@ void read_text(const ForeignFile& file, NeutralSurface& surface) {
 }  // namespace
 
 NeutralSurface read_stl(const std::filesystem::path& path) {
-  const ForeignFile file(path);
+  const ForeignFile file = unpacked_file(path);
   NeutralSurface surface;
   const std::optional<std::uint64_t> count = binary_triangle_count(file.bytes());
   const std::uint64_t size = file.bytes().size();

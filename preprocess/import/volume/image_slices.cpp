@@ -41,8 +41,9 @@ std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
   OIIO::ImageSpec request;
   request["oiio:UnassociatedAlpha"] = 1;  // colours as stored
   auto input = OIIO::ImageInput::open(path.string(), &request);
-  if (!input) refuse_input(path, "header", OIIO::geterror(), "a picture");
-  return input;
+  if (input) return input;
+  OIIO::geterror();  // an error that nobody asked for is printed
+  refuse_input(path, "header", "no picture, or a damaged one", "a picture");
 }
 
 /// One slice: a file, and a page of it.
@@ -84,14 +85,16 @@ std::size_t bytes_of(const Picture& picture) {
 /// Reads the pixels of one slice, all channels.
 void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels) {
   const auto input = open(slice.file);
-  if (!input->seek_subimage(slice.page, 0))
-    refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a picture");
+  const auto refuse_damage = [&] {
+    input->geterror();  // likewise
+    refuse_input(slice.file, concat("page ", slice.page), "damaged data", "a whole picture");
+  };
+  if (!input->seek_subimage(slice.page, 0)) refuse_damage();
   const Picture found = picture_of(input->spec());
   if (found != expected)
     refuse_input(slice.file, concat("page ", slice.page), text_of(found),
                  concat(text_of(expected), ", as the first slice"));
-  if (!input->read_image(slice.page, 0, 0, -1, found.type, pixels))
-    refuse_input(slice.file, concat("page ", slice.page), input->geterror(), "a whole picture");
+  if (!input->read_image(slice.page, 0, 0, -1, found.type, pixels)) refuse_damage();
 }
 
 ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {

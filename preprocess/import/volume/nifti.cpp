@@ -2,9 +2,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "formats/base/bytes.h"
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/time_steps.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -46,19 +48,40 @@ class Header {
 
 // Byte offsets of the fields in use (nifti1.h).
 constexpr std::size_t dim = 40, datatype = 70, pixdim = 76, vox_offset = 108, scl_slope = 112, scl_inter = 116,
-                      xyzt_units = 123, qform_code = 252, sform_code = 254, quatern = 256, qoffset = 268, srow = 280;
+                      xyzt_units = 123, toffset = 136, qform_code = 252, sform_code = 254, quatern = 256, qoffset = 268,
+                      srow = 280;
+
+/// Size along an axis from 1 to 7.
+std::int64_t size_of(const Header& header, int axis) {
+  return std::int64_t{header.at<std::int16_t>(dim + 2 * static_cast<std::size_t>(axis))};
+}
 
 Index3 sample_count(const Header& header) {
-  const auto size = [&](int axis) {
-    return std::int64_t{header.at<std::int16_t>(dim + 2 * static_cast<std::size_t>(axis))};
-  };
-  if (size(0) < 1 || size(0) > 7) refuse_input(header.path(), "dim[0]", concat(size(0)), "1 to 7");
-  for (int axis = 4; axis <= size(0); ++axis)
-    if (size(axis) > 1)
-      refuse_input(header.path(), concat("dim[", axis, "]"), concat(size(axis), " volumes or components"), "1",
+  const std::int64_t axes = size_of(header, 0);
+  if (axes < 1 || axes > 7) refuse_input(header.path(), "dim[0]", concat(axes), "1 to 7");
+  for (int axis = 5; axis <= axes; ++axis)
+    if (size_of(header, axis) > 1)
+      refuse_input(header.path(), concat("dim[", axis, "]"),
+                   concat(size_of(header, axis), " numbers or volumes for each sample and time"), "1",
                    ErrorCode::unsupported);
-  if (size(0) < 3) refuse_input(header.path(), "dim[0]", concat(size(0), " axes"), "3", ErrorCode::unsupported);
-  return {size(1), size(2), size(3)};
+  if (axes < 3) refuse_input(header.path(), "dim[0]", concat(axes, " axes"), "3", ErrorCode::unsupported);
+  return {size_of(header, 1), size_of(header, 2), size_of(header, 3)};
+}
+
+/// The times of the volumes, in the file's unit; NaN without a time step.
+std::vector<double> times_of(const Header& header) {
+  const std::int64_t count = size_of(header, 0) < 4 ? 1 : std::max<std::int64_t>(size_of(header, 4), 1);
+  const double step = header.real(pixdim + 16);
+  std::vector<double> times;
+  for (std::int64_t i = 0; i < count; ++i)
+    times.push_back(step > 0 ? header.real(toffset) + static_cast<double>(i) * step : std::nan(""));
+  return times;
+}
+
+/// Components of colours of 8 bits; 0 for other samples.
+int color_components(const Header& header) {
+  const int code = header.at<std::int16_t>(datatype);
+  return code == 128 ? 3 : code == 2304 ? 4 : 0;
 }
 
 ElementType sample_type(const Header& header) {
@@ -68,6 +91,10 @@ ElementType sample_type(const Header& header) {
       {1024, ElementType::I64}, {1280, ElementType::U64}};
   const int code = header.at<std::int16_t>(datatype);
   const std::optional<ElementType> found = find_in(types, code);
+  if (color_components(header) != 0)
+    throw Error(ErrorCode::unsupported,
+                concat(header.path().string(), ", datatype: found colours (", code, "); expected one number each"),
+                "--color keeps colours, for use as a texture");
   if (!found)
     refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
                  ErrorCode::unsupported);
@@ -153,9 +180,49 @@ std::span<const std::byte> samples_in(const ForeignFile& file, std::uint64_t fir
   return all.subspan(first, count);
 }
 
-}  // namespace
+/// One volume of a file: its number, and how many there are.
+struct Place {
+  std::uint64_t index = 0, count = 1;
+};
 
-NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) {
+/// The volume that `time` selects; the first without one.
+Place choose_volume(const Header& header, const std::string& time, std::vector<std::string>& notes) {
+  const std::vector<double> times = times_of(header);
+  if (!time.empty()) return {choose_time_step(times, time, header.path(), notes), times.size()};
+  if (times.size() > 1)
+    notes.push_back(concat("using the first of ", times.size(), " volumes; choose another with --time"));
+  return {0, times.size()};
+}
+
+/// Takes the samples of one volume: leaves them in the file, or copies or decompresses them.
+void take_samples(NeutralVolume& volume, const Place& place, std::uint64_t bytes, const Header& header,
+                  const ForeignFile& file, ByteStream& stream) {
+  const double offset = header.real(vox_offset);
+  if (!(offset >= 352 && offset < 1e9))  // written so that NaN is refused
+    refuse_input(file.path(), "vox_offset", concat(offset), "at least 352");
+  const std::optional<std::uint64_t> all = checked_product({place.count, bytes});
+  if (!all) refuse_input(file.path(), "dim", "sizes beyond 64 bits", "sizes that a file can hold");
+  if (stream.is_packed())
+    check_packed_size(file.path(), *all, file.bytes().size());
+  else
+    samples_in(file, static_cast<std::uint64_t>(offset), *all);
+  const std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes + place.index * bytes;
+  if (stream.drain(skipped) != skipped)
+    refuse_input(file.path(), "vox_offset", "an offset beyond the end", "samples there");
+  if (!stream.is_packed() && is_native(volume.type, header.big_endian())) {
+    leave_samples_in(volume, file, samples_in(file, header_bytes + skipped, bytes));
+    return;
+  }
+  Array<std::byte> samples(bytes);
+  stream.read(samples, "samples");
+  // The compressed stream's checksum comes after its last byte.
+  stream.drain((place.count - place.index - 1) * bytes + 1);
+  make_native(samples, formats::element_bytes(volume.type), header.big_endian());
+  set_samples(volume, std::move(samples));
+}
+
+/// @param colors  true: read only colours of 8 bits, in a file of one volume
+NeutralVolume read_samples(const std::filesystem::path& path, const std::string& time, bool colors) {
   const ForeignFile file(path);
   ByteStream stream(path, file.bytes(), true);
   std::array<std::byte, header_bytes> header_text;
@@ -168,34 +235,36 @@ NeutralVolume read_nifti(const std::filesystem::path& path, const std::string&) 
 
   NeutralVolume volume;
   volume.sample_count = sample_count(header);
-  volume.type = sample_type(header);
+  if (!colors) volume.type = sample_type(header);
+  if (colors) {
+    volume.component_count = color_components(header);
+    if (volume.component_count == 0)
+      refuse_input(path, "datatype", concat(header.at<std::int16_t>(datatype)), "128 or 2304: colours of 8 bits",
+                   ErrorCode::unsupported);
+    if (times_of(header).size() > 1)
+      refuse_input(path, "dim[4]", concat(times_of(header).size(), " volumes of colours"), "1", ErrorCode::unsupported);
+  }
   volume.world_from_grid = world_from_grid(header);
   volume.length_unit = length_unit(header);
   const bool is_placed = header.at<std::int16_t>(sform_code) > 0 || header.at<std::int16_t>(qform_code) > 0;
   if (is_placed) volume.space = formats::Space::ras;
   volume.field_name = stem_of(path);
-  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
-  const double offset = header.real(vox_offset);
-  if (!(offset >= 352 && offset < 1e9))  // written so that NaN is refused
-    refuse_input(path, "vox_offset", concat(offset), "at least 352");
-  const std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes;
-  if (stream.is_packed())
-    check_packed_size(path, bytes, file.bytes().size());
-  else if (bytes > file.bytes().size())
-    refuse_input(path, "samples", concat(file.bytes().size(), " bytes"), concat(bytes));
-  if (stream.drain(skipped) != skipped) refuse_input(path, "vox_offset", "an offset beyond the end", "samples there");
-  if (!stream.is_packed() && is_native(volume.type, header.big_endian())) {
-    leave_samples_in(volume, file, samples_in(file, header_bytes + skipped, bytes));
-  } else {
-    Array<std::byte> samples(bytes);
-    stream.read(samples, "samples");
-    stream.drain(1);  // the compressed stream's checksum comes after its last byte
-    make_native(samples, formats::element_bytes(volume.type), header.big_endian());
-    set_samples(volume, std::move(samples));
-  }
-  apply_scale(volume, header);
+  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
+                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
+  take_samples(volume, choose_volume(header, time, volume.notes), bytes, header, file, stream);
+  if (!colors) apply_scale(volume, header);
   finish_volume(volume, path);
   return volume;
+}
+
+}  // namespace
+
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& time) {
+  return read_samples(path, time, false);
+}
+
+NeutralVolume read_nifti_colors(const std::filesystem::path& path, const std::string&) {
+  return read_samples(path, {}, true);
 }
 
 }  // namespace rhoray::preprocess

@@ -7,15 +7,30 @@
 namespace rhoray::preprocess {
 
 StructuredPieces::StructuredPieces(const VtkXmlStream& file)
-    : file_(file), whole_(extent_of(file.data_set(), "WholeExtent")) {
-  for (const XmlElement& element : file.data_set().children)
-    if (element.name == "Piece") pieces_.push_back({&element, extent_of(element, "Extent")});
+    : file_(file), whole_(extent_of(file, file.data_set(), "WholeExtent")) {
+  file.check_attribute("WholeExtent", static_cast<std::uint64_t>(volume(point_count())));
+  add_pieces(file);
   check_cover();
 }
 
-StructuredPieces::Extent StructuredPieces::extent_of(const XmlElement& element, std::string_view name) const {
+StructuredPieces::StructuredPieces(const VtkXmlStream& whole, const std::vector<const VtkXmlStream*>& files)
+    : file_(whole), whole_(extent_of(whole, whole.data_set(), "WholeExtent")) {
+  for (const VtkXmlStream* file : files) add_pieces(*file);
+  check_cover();
+}
+
+void StructuredPieces::add_pieces(const VtkXmlStream& file) {
+  for (const XmlElement& element : file.data_set().children) {
+    if (element.name != "Piece") continue;
+    pieces_.push_back({&file, &element, extent_of(file, element, "Extent")});
+    file.check_attribute("Extent", static_cast<std::uint64_t>(volume(owner_count(pieces_.back().extent, false))));
+  }
+}
+
+StructuredPieces::Extent StructuredPieces::extent_of(const VtkXmlStream& file, const XmlElement& element,
+                                                     std::string_view name) {
   const auto refuse = [&](std::string_view expected) {
-    file_.refuse_attribute(name, in_quotes(element.attribute(name)), expected);
+    file.refuse_attribute(name, in_quotes(element.attribute(name)), expected);
   };
   const auto numbers = numbers_in<std::int32_t, 6>(element.attribute(name));
   if (!numbers) refuse("six numbers");
@@ -28,8 +43,7 @@ StructuredPieces::Extent StructuredPieces::extent_of(const XmlElement& element, 
   const Index3 size = owner_count(extent, false);
   const std::optional<std::uint64_t> points = checked_product(
       {static_cast<std::uint64_t>(size.x), static_cast<std::uint64_t>(size.y), static_cast<std::uint64_t>(size.z)});
-  if (!points) refuse("a size that fits in memory");
-  file_.check_attribute(name, *points);
+  if (!points || *points > std::uint64_t{1} << 62) refuse("a size that fits in memory");
   return extent;
 }
 
@@ -50,7 +64,7 @@ void StructuredPieces::check_cover() const {
   };
   const std::int64_t cells = volume(owner_count(whole_, true));
   std::int64_t sum = 0;
-  for (const auto& [element, extent] : pieces_) {
+  for (const auto& [file, element, extent] : pieces_) {
     for (int axis = 0; axis < 3; ++axis)
       if (extent.first[axis] < whole_.first[axis] || extent.last[axis] > whole_.last[axis]) refuse();
     sum += volume(owner_count(extent, true));
@@ -74,14 +88,16 @@ std::vector<StructuredPieces::Parts> StructuredPieces::arrays(std::string_view s
   std::vector<Parts> result;
   for (const Piece& piece : pieces_) {
     const bool is_first = &piece == &pieces_.front();
-    const auto found = file_.arrays_in(piece.element->child(section), is_first ? left_out : nullptr);
+    const auto found = piece.file->arrays_in(piece.element->child(section), is_first ? left_out : nullptr);
     if (is_first) result.resize(found.size());
-    const auto is_same = [](const Parts& parts, const VtkXmlArray& array) {
-      return parts.empty() || (parts.front().name == array.name && parts.front().type == array.type &&
+    // VTK names coordinates without a name anew in each file.
+    const bool has_names = section.ends_with("Data");
+    const auto is_same = [&](const Parts& parts, const VtkXmlArray& array) {
+      return parts.empty() || ((!has_names || parts.front().name == array.name) && parts.front().type == array.type &&
                                parts.front().component_count == array.component_count);
     };
     if (!std::equal(result.begin(), result.end(), found.begin(), found.end(), is_same))
-      file_.refuse(concat("element ", section), "other arrays than in the first piece", "the same in each piece");
+      piece.file->refuse(concat("element ", section), "other arrays than in the first piece", "the same in each piece");
     for (std::size_t i = 0; i < found.size(); ++i) result[i].push_back(found[i]);
   }
   return result;
@@ -89,20 +105,21 @@ std::vector<StructuredPieces::Parts> StructuredPieces::arrays(std::string_view s
 
 std::uint64_t StructuredPieces::checked_count(const Parts& parts, bool in_cells) const {
   for (std::size_t p = 0; p < parts.size(); ++p)
-    file_.checked_count(parts[p], static_cast<std::uint64_t>(volume(owner_count(pieces_[p].extent, in_cells))));
+    pieces_[p].file->checked_count(parts[p],
+                                   static_cast<std::uint64_t>(volume(owner_count(pieces_[p].extent, in_cells))));
   return static_cast<std::uint64_t>(volume(owner_count(whole_, in_cells))) *
          static_cast<std::uint64_t>(parts.front().component_count);
 }
 
 template <class T>
 void StructuredPieces::read(const Parts& parts, bool in_cells, std::span<T> to) const {
-  if (parts.size() == 1) return file_.read(parts.front(), to);
+  if (parts.size() == 1) return pieces_.front().file->read(parts.front(), to);
   const Index3 whole = owner_count(whole_, in_cells);
   const std::int64_t width = std::ssize(to) / volume(whole);
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Index3 size = owner_count(pieces_[p].extent, in_cells);
     Array<T> part(static_cast<std::size_t>(volume(size) * width));
-    file_.read(parts[p], std::span<T>(part));
+    pieces_[p].file->read(parts[p], std::span<T>(part));
     const Index3 first = pieces_[p].extent.first - whole_.first;
     for (std::int64_t row = 0; row < size.y * size.z; ++row) {
       const std::int64_t j = first.y + row % size.y, k = first.z + row / size.y;
@@ -119,11 +136,11 @@ std::vector<double> StructuredPieces::coordinates(const Parts& parts, int axis) 
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Extent& extent = pieces_[p].extent;
     const auto count = static_cast<std::uint64_t>(extent.last[axis] - extent.first[axis] + 1);
-    if (file_.checked_count(parts[p], count) != count)
+    if (pieces_[p].file->checked_count(parts[p], count) != count)
       file_.refuse("element Coordinates", concat(parts[p].component_count, " numbers for each position"), "1");
     const auto first = static_cast<std::size_t>(extent.first[axis] - whole_.first[axis]);
     positions.resize(std::max(positions.size(), first + count));
-    file_.read(parts[p], std::span(positions).subspan(first, count));
+    pieces_[p].file->read(parts[p], std::span(positions).subspan(first, count));
   }
   return positions;
 }

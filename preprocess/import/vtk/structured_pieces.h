@@ -22,6 +22,8 @@ class StructuredPieces {
   /// Refuses extents that are not six numbers, sizes that the file cannot hold, and pieces that
   /// leave a gap or overlap. `file` must outlive this object.
   explicit StructuredPieces(const VtkXmlStream& file);
+  /// The same for pieces in files of their own. `whole` has the extent of all.
+  StructuredPieces(const VtkXmlStream& whole, const std::vector<const VtkXmlStream*>& files);
 
   Index3 point_count() const { return owner_count(whole_, false); }
   /// Indices of the first point: parts of larger grids do not begin at 0.
@@ -47,11 +49,13 @@ class StructuredPieces {
     Index3 first, last;
   };
   struct Piece {
+    const VtkXmlStream* file;
     const XmlElement* element;
     Extent extent;
   };
 
-  Extent extent_of(const XmlElement& element, std::string_view name) const;
+  static Extent extent_of(const VtkXmlStream& file, const XmlElement& element, std::string_view name);
+  void add_pieces(const VtkXmlStream& file);
   static Index3 owner_count(const Extent& extent, bool in_cells);
   void check_cover() const;
 

@@ -1,13 +1,13 @@
 // Meshes in VTK XML files: unstructured grids (.vtu), their pieces in several files (.pvtu), and
-// structured grids (.vts).
+// structured grids (.vts, .pvts).
 
 #include <algorithm>
 #include <functional>
-#include <set>
 
 #include "preprocess/import/mesh/mesh_pieces.h"
 #include "preprocess/import/mesh/structured_cells.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/vtk/piece_files.h"
 #include "preprocess/import/vtk/structured_pieces.h"
 #include "preprocess/process/foreign_file.h"
 
@@ -191,45 +191,7 @@ void add_vtu(MeshPieces& pieces, const std::filesystem::path& path) {
     if (piece.name == "Piece") add_piece(pieces, file, piece, path);
 }
 
-/// The files that a PVTU file names, in its order.
-std::vector<std::filesystem::path> sources_of(const std::filesystem::path& path) {
-  const ForeignFile source(path);
-  const VtkXmlStream file(source, "PUnstructuredGrid");
-  std::vector<std::filesystem::path> sources;
-  std::set<std::string_view> names;
-  for (const XmlElement& piece : file.data_set().children) {
-    if (piece.name != "Piece") continue;
-    const std::string place = concat("element Piece ", sources.size());
-    const std::string_view name = piece.attribute("Source");
-    if (name.empty()) file.refuse(place, "no attribute Source", "the name of a VTU file");
-    if (!names.insert(name).second) file.refuse(place, concat("'", name, "' once more"), "each piece once");
-    const std::filesystem::path beside = path.parent_path() / name;
-    if (!is_there(beside))
-      file.refuse(place, concat("no file ", beside.string()), "each piece beside it", ErrorCode::unreadable);
-    sources.push_back(beside);
-  }
-  if (sources.empty()) file.refuse("element PUnstructuredGrid", "no pieces", "at least one");
-  return sources;
-}
-
-}  // namespace
-
-CellMesh read_vtu(const std::filesystem::path& path) {
-  MeshPieces pieces;
-  add_vtu(pieces, path);
-  return pieces.finish(path);
-}
-
-CellMesh read_pvtu(const std::filesystem::path& path) {
-  MeshPieces pieces;
-  for (const std::filesystem::path& source : sources_of(path)) add_vtu(pieces, source);
-  return pieces.finish(path);
-}
-
-CellMesh read_vts(const std::filesystem::path& path) {
-  const ForeignFile source(path);
-  const VtkXmlStream file(source, "StructuredGrid");
-  const StructuredPieces pieces(file);
+CellMesh read_structured(const VtkXmlStream& file, const StructuredPieces& pieces, const std::filesystem::path& path) {
   const auto places = pieces.arrays("Points");
   check_points(file, places.size(), places.empty() ? 0 : places.front().front().component_count);
   CellMesh mesh;
@@ -245,6 +207,35 @@ CellMesh read_vts(const std::filesystem::path& path) {
     }
   take_cells(mesh, std::move(cells), path);
   return mesh;
+}
+
+}  // namespace
+
+CellMesh read_vtu(const std::filesystem::path& path) {
+  MeshPieces pieces;
+  add_vtu(pieces, path);
+  return pieces.finish(path);
+}
+
+CellMesh read_pvtu(const std::filesystem::path& path) {
+  const ForeignFile source(path);
+  const VtkXmlStream file(source, "PUnstructuredGrid");
+  MeshPieces pieces;
+  for (const std::filesystem::path& piece : piece_paths(file, path)) add_vtu(pieces, piece);
+  return pieces.finish(path);
+}
+
+CellMesh read_vts(const std::filesystem::path& path) {
+  const ForeignFile source(path);
+  const VtkXmlStream file(source, "StructuredGrid");
+  return read_structured(file, StructuredPieces(file), path);
+}
+
+CellMesh read_pvts(const std::filesystem::path& path) {
+  const ForeignFile source(path);
+  const VtkXmlStream file(source, "PStructuredGrid");
+  const PieceFiles parts(file, path, "StructuredGrid");
+  return read_structured(file, StructuredPieces(file, parts.streams()), path);
 }
 
 }  // namespace rhoray::preprocess

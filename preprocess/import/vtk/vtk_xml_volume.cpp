@@ -1,9 +1,11 @@
-// Volumes in VTK XML files: images (.vti) and rectilinear grids (.vtr).
+// Volumes in VTK XML files: images (.vti) and rectilinear grids (.vtr), and their pieces in several
+// files (.pvti, .pvtr).
 
 #include <algorithm>
 
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/vtk/piece_files.h"
 #include "preprocess/import/vtk/structured_pieces.h"
 
 namespace rhoray::preprocess {
@@ -70,6 +72,14 @@ NeutralVolume read_image(const std::filesystem::path& path, const std::string& f
   return take(path, image_grid(file, pieces), arrays_of(pieces), field);
 }
 
+NeutralVolume read_image_pieces(const std::filesystem::path& path, const std::string& field, TakeField* take) {
+  const ForeignFile source(path);
+  const VtkXmlStream file(source, "PImageData");
+  const PieceFiles parts(file, path, "ImageData");
+  const StructuredPieces pieces(file, parts.streams());
+  return take(path, image_grid(file, pieces), arrays_of(pieces), field);
+}
+
 }  // namespace
 
 NeutralVolume read_vti(const std::filesystem::path& path, const std::string& field) {
@@ -84,6 +94,22 @@ NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& fie
   const ForeignFile source(path);
   const VtkXmlStream file(source, "RectilinearGrid");
   const StructuredPieces pieces(file);
+  return volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field);
+}
+
+NeutralVolume read_pvti(const std::filesystem::path& path, const std::string& field) {
+  return read_image_pieces(path, field, volume_of_field);
+}
+
+NeutralVolume read_pvti_colors(const std::filesystem::path& path, const std::string& field) {
+  return read_image_pieces(path, field, colors_of_field);
+}
+
+NeutralVolume read_pvtr(const std::filesystem::path& path, const std::string& field) {
+  const ForeignFile source(path);
+  const VtkXmlStream file(source, "PRectilinearGrid");
+  const PieceFiles parts(file, path, "RectilinearGrid");
+  const StructuredPieces pieces(file, parts.streams());
   return volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field);
 }
 

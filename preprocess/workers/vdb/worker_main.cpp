@@ -33,7 +33,7 @@ void act(const std::vector<std::string>& arguments, int output) {
     hand_over_facts(arguments[1], output);
   else if (verb == "nanovdb" && arguments.size() == 3)
     hand_over_nanovdb(read_scalar_grid(arguments[1], arguments[2]), output);
-  else if (verb == "volume" && arguments.size() == 3)
+  else if (verb == "volume" && arguments.size() == 4)
     send(dense_volume(read_scalar_grid(arguments[1], arguments[2]), dense_limit(), arguments[1]), output);
   else if (verb == "write" && arguments.size() == 5 && (arguments[4] == ".vdb" || arguments[4] == ".nvdb"))
     hand_over_counts({write_vdb(arguments[1], arguments[2], arguments[3], arguments[4] == ".nvdb")}, output);

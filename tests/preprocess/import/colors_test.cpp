@@ -208,8 +208,8 @@ TEST_F(Colors, of_files_that_end_too_soon_are_refused) {
 
 TEST_F(Colors, of_other_formats_are_refused_with_those_that_are_read) {
   TemporaryFolder folder;
-  write_file(folder / "a.nii", "");
-  expect_refusal([&] { read(folder / "a.nii"); }, ErrorCode::unsupported, {".nii", ".nrrd", ".mha", ".vti"});
+  write_file(folder / "a.slc", "");
+  expect_refusal([&] { read(folder / "a.slc"); }, ErrorCode::unsupported, {".nii", ".nrrd", ".mha", ".vti"});
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ TEST(MetaImage, notices_damage_in_compressed_samples) {
   expect_known_values(read(folder / "a.mha"), ElementType::U8);
   stream.back() = static_cast<char>(stream.back() ^ 1);  // in the checksum
   write_file(folder / "a.mha", start + stream);
-  expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::invalid, {"a.mha", "incorrect data check"});
+  expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::invalid, {"a.mha", "damaged data"});
 }
 
 TEST(MetaImage, refuses_every_beginning_of_a_file) {

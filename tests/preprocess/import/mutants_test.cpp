@@ -63,6 +63,20 @@ std::string gzipped(const std::string& content) {
   return read_file(folder / "a.gz");
 }
 
+std::string npy(const char* fortran_order = "False") {
+  std::string text = concat("{'descr': '<i2', 'fortran_order': ", fortran_order, ", 'shape': (5, 4, 3), }");
+  text.resize(118, ' ');
+  return std::string("\x93NUMPY\1\0v\0", 10) + text + int16_bytes();
+}
+
+std::string matlab() {
+  const auto words = [](const std::vector<std::uint32_t>& numbers) { return bytes_of_values(numbers); };
+  const std::string array = words({6, 8, 10, 0, 5, 12, 3, 4, 5, 0, 1U << 16 | 1, 'a', 3, 120}) + int16_bytes();
+  std::string text = "MATLAB 5.0 MAT-file";
+  text.resize(124, ' ');
+  return text + std::string("\0\1IM", 4) + words({14, static_cast<std::uint32_t>(array.size())}) + array;
+}
+
 std::string cube() {
   std::string text = "title\nsecond line\n1 1 2 3\n3 0.5 0.1 0\n4 0 0.25 0\n5 0 0 2\n6 6.0 0 0 0\n";
   for (int i = 0; i < size_x; ++i)
@@ -133,6 +147,11 @@ std::string parallel_grid() {
          "</PPoints><Piece Source=\"piece.vtu\"/></PUnstructuredGrid></VTKFile>";
 }
 
+std::string parallel_image() {
+  return "<VTKFile type=\"PImageData\" version=\"0.1\"><PImageData WholeExtent=\"0 2 0 3 0 4\" GhostLevel=\"0\"><Piece "
+         "Extent=\"0 2 0 3 0 4\" Source=\"piece.vti\"/></PImageData></VTKFile>";
+}
+
 std::string legacy(const std::string& rest) {
   return "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET " + rest;
 }
@@ -188,6 +207,9 @@ std::vector<Seed> seeds() {
        Family::volume,
        {{"a.bov", "DATA_FILE: a.raw\nDATA_SIZE: 3 4 5\nDATA_FORMAT: SHORT\nVARIABLE: a\nBRICK_SIZE: 6 8 10\n"},
         {"a.raw", int16_bytes()}}},
+      {"a.npy", Family::volume, {{"a.npy", npy()}}},
+      {"fortran.npy", Family::volume, {{"fortran.npy", npy("True")}}},
+      {"a.mat", Family::volume, {{"a.mat", matlab()}}},
       {"a.vti", Family::volume, {{"a.vti", vtk_image()}}},
       {"appended.vti", Family::volume, {{"appended.vti", vtk_image_appended()}}},
       {"a.vtr", Family::volume, {{"a.vtr", vtk_rectilinear()}}},
@@ -197,6 +219,7 @@ std::vector<Seed> seeds() {
                               "SCALARS a float 1\nLOOKUP_TABLE default\n") +
                            values_in_text()}}},
       {"a.pgm", Family::volume, {{"a.pgm", picture}}},
+      {"a.pvti", Family::volume, {{"a.pvti", parallel_image()}, {"piece.vti", vtk_image()}}},
       {"a.vtu", Family::mesh, {{"a.vtu", vtk_unstructured()}}},
       {"a.vts", Family::mesh, {{"a.vts", vtk_structured()}}},
       {"a.pvtu", Family::mesh, {{"a.pvtu", parallel_grid()}, {"piece.vtu", vtk_unstructured()}}},
@@ -208,6 +231,7 @@ std::vector<Seed> seeds() {
       {"a.node",
        Family::mesh,
        {{"a.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"}, {"a.ele", "1 4 0\n1 1 2 3 4\n"}}},
+      {"a.elem", Family::mesh, {{"a.elem", "2\nTt 0 1 2 3 7\nTt 0 1 3 2 8\n"}, {"a.pts", "4\n" + points}}},
       {"a.mesh", Family::mesh, {{"a.mesh", medit}, {"a.sol", medit_values}}},
       {"a.vol", Family::mesh, {{"a.vol", netgen}}},
       {"two.msh", Family::mesh, {{"two.msh", gmsh_2}}},
@@ -222,6 +246,7 @@ std::vector<Seed> seeds() {
       {"binary.ply", Family::surface, {{"binary.ply", binary_ply}}},
       {"text.stl", Family::surface, {{"text.stl", text_stl}}},
       {"binary.stl", Family::surface, {{"binary.stl", binary_stl}}},
+      {"a.ply.gz", Family::surface, {{"a.ply.gz", gzipped(binary_ply)}}},
       {"a.obj",
        Family::surface,
        {{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2/1 3//2 4\nf -1 1 3\n"}}},

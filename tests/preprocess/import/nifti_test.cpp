@@ -7,6 +7,7 @@
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
+#include "tests/support/colors.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -41,6 +42,8 @@ class File {
     return *this;
   }
   std::string content() const { return header_ + bytes_of_values(known_values<std::int16_t>(), big_endian_); }
+  /// The header, then these bytes.
+  std::string followed_by(const std::string& samples) const { return header_ + samples; }
 
  private:
   bool big_endian_;
@@ -115,6 +118,92 @@ TEST(Nifti, reads_what_vtk_writes) {
   expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {10, 20, 30}}, 1e-6);
 }
 
+/// Three volumes: the known values, and those plus 100 and 200.
+std::string three_volumes(bool big_endian, float time_step) {
+  std::string samples;
+  for (const int added : {0, 100, 200}) {
+    std::vector<std::int16_t> values = known_values<std::int16_t>();
+    for (std::int16_t& value : values) value = static_cast<std::int16_t>(value + added);
+    samples += bytes_of_values(values, big_endian);
+  }
+  return File(big_endian)
+      .set_all<std::int16_t>(40, {4, 3, 4, 5, 3})
+      .set<float>(92, time_step)
+      .set<float>(136, 10)
+      .followed_by(samples);
+}
+
+std::string packed(const std::filesystem::path& path, const std::string& content) {
+  const gzFile file = ::gzopen(path.c_str(), "wb");
+  ::gzwrite(file, content.data(), static_cast<unsigned>(content.size()));
+  ::gzclose(file);
+  return read_file(path);
+}
+
+TEST(Nifti, reads_the_volume_of_a_time_step) {
+  TemporaryFolder folder;
+  for (const bool big_endian : {false, true}) {
+    write_file(folder / "a.nii", three_volumes(big_endian, 2));
+    packed(folder / "b.nii.gz", three_volumes(big_endian, 2));
+    for (const char* name : {"a.nii", "b.nii.gz"}) {
+      const auto first_of = [&](const std::string& time) {
+        return values_of(read_volume(folder / name, {.time = time})).front();
+      };
+      expect_known_values(read(folder / name), ElementType::I16);
+      EXPECT_THAT(read(folder / name).notes,
+                  testing::ElementsAre("using the first of 3 volumes; choose another with --time"));
+      EXPECT_EQ(first_of("first"), 0);
+      EXPECT_EQ(first_of("last"), 200);
+      EXPECT_EQ(first_of("#1"), 100);
+      EXPECT_EQ(first_of("14"), 200);
+      EXPECT_EQ(first_of("11.9"), 100);
+      EXPECT_TRUE(read_volume(folder / name, {.time = "#1"}).notes.empty());
+      expect_refusal([&] { first_of("#3"); }, ErrorCode::usage, {"#0 to #2"});
+      expect_refusal([&] { first_of("soon"); }, ErrorCode::usage, {"'soon'"});
+    }
+  }
+  write_file(folder / "a.nii", File().content());
+  EXPECT_EQ(values_of(read_volume(folder / "a.nii", {.time = "last"})).size(), 60U);
+}
+
+TEST(Nifti, refuses_every_beginning_of_several_volumes) {
+  TemporaryFolder folder;
+  const auto is_complete = [&] { return read(folder / "a.nii").samples.size() == 120; };
+  EXPECT_EQ(check_every_beginning(folder / "a.nii", three_volumes(false, 0), is_complete), 0);
+  const std::string content = packed(folder / "p.gz", three_volumes(false, 0));
+  EXPECT_EQ(check_every_beginning(folder / "a.nii", content, is_complete), 0);
+}
+
+TEST(Nifti, reads_a_file_put_together_from_packed_parts) {
+  TemporaryFolder folder;
+  const std::string content = File().content();
+  const std::string both =
+      packed(folder / "p.gz", content.substr(0, 400)) + packed(folder / "p.gz", content.substr(400));
+  write_file(folder / "a.nii.gz", both);
+  expect_known_values(read(folder / "a.nii.gz"), ElementType::I16);
+}
+
+TEST(Nifti, reads_colours) {
+  TemporaryFolder folder;
+  for (const auto& [datatype, components] : {std::pair(128, 3), std::pair(2304, 4)}) {
+    const NeutralVolume expected = colors_of({size_x, size_y, size_z}, components, telling_texel);
+    std::string texels(expected.samples.size(), '\0');
+    std::memcpy(texels.data(), expected.samples.data(), texels.size());
+    const std::string content = File().set(70, static_cast<std::int16_t>(datatype)).followed_by(texels);
+    write_file(folder / "a.nii", content);
+    packed(folder / "b.nii.gz", content);
+    for (const char* name : {"a.nii", "b.nii.gz"}) {
+      const NeutralVolume colors = read_volume(folder / name, {.colors = true});
+      EXPECT_EQ(colors.component_count, components);
+      EXPECT_TRUE(std::equal(colors.samples.begin(), colors.samples.end(), expected.samples.begin()));
+      expect_map(colors.world_from_grid, axis_parallel_map({2, 3, 4}, {0, 0, 0}));
+      expect_refusal([&] { read(folder / name); }, ErrorCode::unsupported, {"datatype: found colours"});
+    }
+  }
+  write_file(folder / "a.nii", File().content());
+  expect_refusal([&] { read_volume(folder / "a.nii", {.colors = true}); }, ErrorCode::unsupported, {"datatype", "128"});
+}
+
 TEST(Nifti, refuses_what_it_cannot_mean) {
   TemporaryFolder folder;
   const auto path = folder / "a.nii";
@@ -125,10 +214,12 @@ TEST(Nifti, refuses_what_it_cannot_mean) {
   refuses(std::string(400, 'x'), ErrorCode::invalid, {"a.nii, byte 0", "348"});
   refuses(File().set<std::int32_t>(0, 540).content(), ErrorCode::unsupported, {"NIfTI-2"});
   refuses(File().set<std::int32_t>(344, 0).content(), ErrorCode::invalid, {"magic"});
-  refuses(File().set_all<std::int16_t>(40, {4, 3, 4, 5, 2}).content(), ErrorCode::unsupported, {"dim[4]", "2 volumes"});
+  refuses(File().set_all<std::int16_t>(40, {4, 3, 4, 5, 2}).content(), ErrorCode::invalid,
+          {"472 bytes", "240 bytes after the first 352"});
+  refuses(File().set_all<std::int16_t>(40, {5, 3, 4, 5, 1, 2}).content(), ErrorCode::unsupported, {"dim[5]", "2 numb"});
   refuses(File().set_all<std::int16_t>(40, {3, 3, 0, 5}).content(), ErrorCode::invalid, {"3 x 0 x 5"});
   refuses(File().set_all<std::int16_t>(40, {3, 30000, 30000, 30000}).content(), ErrorCode::invalid, {"samples"});
-  refuses(File().set<std::int16_t>(70, 128).content(), ErrorCode::unsupported, {"datatype", "128"});  // RGB
+  refuses(File().set<std::int16_t>(70, 128).content(), ErrorCode::unsupported, {"datatype", "128"});
   refuses(File().set<float>(108, NAN).content(), ErrorCode::invalid, {"vox_offset"});
   refuses(File().set<float>(108, 1e6F).content(), ErrorCode::invalid, {"vox_offset"});
   refuses(File().set<std::int16_t>(254, 1).content(), ErrorCode::invalid, {"one plane"});
@@ -145,7 +236,7 @@ TEST(Nifti, refuses_every_beginning_of_a_file_and_notices_damage) {
   EXPECT_EQ(check_every_beginning(folder / "a.nii", packed, is_complete), 0);
   packed[packed.size() - 6] = static_cast<char>(packed[packed.size() - 6] ^ 1);  // in the checksum
   write_file(folder / "a.nii", packed);
-  expect_refusal([&] { read(folder / "a.nii"); }, ErrorCode::invalid, {"incorrect data check"});
+  expect_refusal([&] { read(folder / "a.nii"); }, ErrorCode::invalid, {"damaged data"});
 }
 
 }  // namespace

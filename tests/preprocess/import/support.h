@@ -64,10 +64,17 @@ inline std::vector<double> values_of(const preprocess::NeutralVolume& volume) {
   return values;
 }
 
-inline void expect_known_values(const preprocess::NeutralVolume& volume, formats::ElementType type) {
+/// The known values, as numbers of type T hold them.
+template <class T>
+void expect_values(const preprocess::NeutralVolume& volume, formats::ElementType type) {
   EXPECT_EQ(volume.sample_count, Index3(size_x, size_y, size_z));
   EXPECT_EQ(formats::element_name(volume.type), formats::element_name(type));
-  EXPECT_EQ(values_of(volume), known_values<double>());
+  const std::vector<T> values = known_values<T>();
+  EXPECT_EQ(values_of(volume), std::vector<double>(values.begin(), values.end()));
+}
+
+inline void expect_known_values(const preprocess::NeutralVolume& volume, formats::ElementType type) {
+  expect_values<double>(volume, type);
 }
 
 /// Axes along x, y, z with this spacing.

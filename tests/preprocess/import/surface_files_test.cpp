@@ -3,6 +3,7 @@
 #include <vtkPLYWriter.h>
 #include <vtkPolyData.h>
 #include <vtkSTLWriter.h>
+#include <zlib.h>
 
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/support.h"
@@ -222,6 +223,36 @@ TEST(BrainVisa, is_refused_wherever_it_ends_early) {
     write_file(folder / "a.tri", damaged);
     expect_refusal([&] { read_surface(folder / "a.tri"); }, ErrorCode::invalid, {"a.tri"});
   }
+}
+
+TEST(Surfaces, are_read_packed_by_gzip) {
+  TemporaryFolder folder;
+  const std::string off_by_one = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0.25 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  vtkNew<vtkSTLWriter> writer;
+  writer->SetInputData(vtk_tetrahedron());
+  writer->SetFileTypeToBinary();
+  writer->SetFileName((folder / "a.stl").c_str());
+  ASSERT_EQ(writer->Write(), 1);
+  struct Row {
+    const char* name;
+    std::string content;
+    bool (*is_right)(const NeutralSurface&);
+  };
+  for (const Row& row : {Row{"a.ply.gz", ply_text, is_tetrahedron}, Row{"a.obj.gz", off_by_one, is_tetrahedron},
+                         Row{"A.STL.GZ", read_file(folder / "a.stl"), is_tetrahedron_in_any_order}}) {
+    SCOPED_TRACE(row.name);
+    const auto path = folder / row.name;
+    const gzFile file = ::gzopen(path.c_str(), "wb");
+    ::gzwrite(file, row.content.data(), static_cast<unsigned>(row.content.size()));
+    ::gzclose(file);
+    EXPECT_TRUE(row.is_right(read_surface(path)));
+    EXPECT_EQ(check_every_beginning(path, read_file(path), [&] { return row.is_right(read_surface(path)); }), 0);
+    write_file(path, row.content);
+    expect_refusal([&] { read_surface(path); }, ErrorCode::invalid, {row.name, "byte 0", "gzip"});
+  }
+  const gzFile file = ::gzopen((folder / "a.ply.gz").c_str(), "wb");
+  ::gzclose(file);
+  expect_refusal([&] { read_surface(folder / "a.ply.gz"); }, ErrorCode::invalid, {"a.ply.gz", "empty"});
 }
 
 }  // namespace

@@ -134,8 +134,9 @@ Option max_error_option(std::optional<double>& max_error) {
 }
 
 Option time_option(std::string& time) {
-  return value_option("--time", "T",
-                      "Time step: first, last, #N counted from 0, or the nearest to a time; default last", time);
+  return value_option(
+      "--time", "T",
+      "Time step: first, last, #N counted from 0, or the nearest to a time; default last, of a volume first", time);
 }
 
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {

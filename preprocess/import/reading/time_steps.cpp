@@ -1,4 +1,4 @@
-#include "preprocess/import/mesh/time_steps.h"
+#include "preprocess/import/reading/time_steps.h"
 
 #include <cmath>
 #include <cstdio>
