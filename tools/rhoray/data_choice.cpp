@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "preprocess/input_file.h"
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"

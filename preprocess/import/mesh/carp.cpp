@@ -39,9 +39,8 @@ struct Pair {
 Pair pair_of(const fs::path& path) {
   const auto partner = [&](const char* extension) { return fs::path(path).replace_extension(extension); };
   if (extension_of(path) != ".pts") return {partner(".pts"), path};
-  std::error_code ignored;
   for (const char* extension : {".elem", ".tet"})
-    if (fs::exists(partner(extension), ignored)) return {path, partner(extension)};
+    if (is_there(partner(extension))) return {path, partner(extension)};
   throw Error(ErrorCode::unreadable, concat(path.string(), ": holds points alone; expected their cells in ",
                                             partner(".elem").filename().string(), " or .tet"));
 }
