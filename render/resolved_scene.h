@@ -25,6 +25,7 @@ struct ResolvedScene {
   std::vector<Texture> textures;
   std::vector<DataSpec> texture_data;  ///< of each texture
   Scene scene;
+  std::string style;                 ///< whose defaults were taken
   std::vector<LayerOrigin> origins;  ///< of each layer
   FrameOptions frame;
   std::optional<DebugChannel> page;  ///< drawn instead of colours

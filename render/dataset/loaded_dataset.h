@@ -29,7 +29,7 @@ struct LoadedDataset {
   std::string length_unit;
   /// The values are distances to a surface, which lies where they are 0.
   bool is_level_set = false;
-  bool is_y_up = false;  ///< +y is up, by the convention of the format that the file was packed from
+  bool is_y_up = false;              ///< +y is up, by the convention of the format that the file was packed from
   std::vector<std::string> notes{};  ///< what loading changed, one sentence each
   /// Data frame: grid steps or positions of axis tables; for points, relative to the origin.
   Affine world_from_data;
