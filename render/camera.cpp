@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
+#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/interval.h"
 #include "formats/base/text.h"
 
 namespace rhoray::render {
@@ -15,9 +19,6 @@ namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
 
-/// The box is shown slightly smaller than the picture.
-constexpr double margin = 1.04;
-
 /// Returns the direction from the target towards the eye. Multiples of 90 degrees give exact axes.
 Vec3 towards_eye(const View& view) {
   const auto cosine = [](double deg) {
@@ -25,62 +26,224 @@ Vec3 towards_eye(const View& view) {
   };
   const auto sine = [&](double deg) { return cosine(deg - 90); };
   const double level = cosine(view.elevation_deg);
-  return Vec3(level * sine(view.azimuth_deg), -level * cosine(view.azimuth_deg), sine(view.elevation_deg)).normalized();
+  const ViewAxes& axes = view.axes;
+  return (level * sine(view.azimuth_deg) * axes.right - level * cosine(view.azimuth_deg) * axes.ahead +
+          sine(view.elevation_deg) * axes.up)
+      .normalized();
 }
 
-}  // namespace
-
-View named_view(std::string_view name) {
-  struct Named {
-    std::string_view name;
-    double azimuth_deg, elevation_deg;
-  };
-  constexpr std::array<Named, 7> views{
-      {{"iso", 30, 20}, {"+x", 90, 0}, {"-x", -90, 0}, {"+y", 180, 0}, {"-y", 0, 0}, {"+z", 0, 90}, {"-z", 0, -90}}};
-  for (const Named& view : views)
-    if (view.name == name) return {.azimuth_deg = view.azimuth_deg, .elevation_deg = view.elevation_deg};
-  throw Error(ErrorCode::usage, concat("view '", name, "'; expected iso, +x, -x, +y, -y, +z or -z"));
+/// The axis of the world with this name, of length 1; 0 for other names.
+/// @param name  x or +x, -x, ...
+Vec3 axis_named(std::string_view name) {
+  const bool has_sign = name.starts_with('+') || name.starts_with('-');
+  const std::string_view letter = name.substr(has_sign ? 1 : 0);
+  Vec3 axis(0, 0, 0);
+  if (letter == "x" || letter == "y" || letter == "z") axis[letter[0] - 'x'] = name.starts_with('-') ? -1 : 1;
+  return axis;
 }
 
-Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
-  const DefaultFloatingPoint default_floating_point;
+[[noreturn]] void refuse_view(std::string_view name) {
+  throw Error(ErrorCode::usage, concat("view '", name,
+                                       "'; expected iso, front, back, left, right, top, bottom, +x, -x, +y, -y, +z "
+                                       "or -z"));
+}
+
+/// Towards the eye for a word, if right and left are those of the picture from the front.
+Vec3 direction_in(const ViewAxes& axes, std::string_view word) {
+  const std::pair<std::string_view, Vec3> sides[] = {{"front", -axes.ahead}, {"back", axes.ahead},
+                                                     {"left", -axes.right},  {"right", axes.right},
+                                                     {"top", axes.up},       {"bottom", -axes.up}};
+  for (const auto& [side, direction] : sides)
+    if (word == side) return direction;
+  const Vec3 axis = word.size() == 2 ? axis_named(word) : Vec3(0, 0, 0);
+  if (axis == Vec3(0, 0, 0)) refuse_view(word);
+  return axis;
+}
+
+/// The view along an axis of these axes.
+View view_towards(const Vec3& eye, const ViewAxes& axes) {
+  const double right = eye.dot(axes.right), front = -eye.dot(axes.ahead), up = eye.dot(axes.up);
+  if (up != 0) return {.azimuth_deg = 0, .elevation_deg = up > 0 ? 90.0 : -90.0, .axes = axes};
+  const double azimuth_deg = right != 0 ? (right > 0 ? 90 : -90) : (front > 0 ? 0 : 180);
+  return {.azimuth_deg = azimuth_deg, .elevation_deg = 0, .axes = axes};
+}
+
+/// A point as the camera sees it, relative to a point near all of them.
+struct Seen {
+  double place[2];  ///< to the right and up
+  double nearness;  ///< towards the eye
+};
+
+/// What reaches farthest to either side of an axis of the picture, for rays at this angle.
+struct Farthest {
+  const Seen* high;
+  const Seen* low;
+};
+Farthest farthest(const std::vector<Seen>& points, int axis, double tangent) {
+  Farthest found{points.data(), points.data()};
+  double high = -std::numeric_limits<double>::infinity(), low = high;
+  for (const Seen& p : points) {
+    const double along = tangent * p.nearness, to_high = p.place[axis] + along, to_low = along - p.place[axis];
+    if (to_high > high) high = to_high, found.high = &p;
+    if (to_low > low) low = to_low, found.low = &p;
+  }
+  return found;
+}
+
+/// Distance of the eye from which all points are within a tangent of the picture's middle.
+/// @param is_free  the middle may be anywhere; else it is at place 0
+double distance_for(const std::vector<Seen>& points, int axis, double tangent, bool is_free) {
+  const auto [high, low] = farthest(points, axis, tangent);
+  const double to_high = high->place[axis] / tangent + high->nearness,
+               to_low = low->nearness - low->place[axis] / tangent;
+  return is_free ? (to_high + to_low) / 2 : std::max(to_high, to_low);
+}
+
+/// The place that is in the middle of the points, seen in perspective from a distance. Newton's
+/// method for the tangent of half the angle that they span: the outermost points' sum is convex and
+/// piecewise linear in it.
+double middle_of(const std::vector<Seen>& points, int axis, double distance, double tangent) {
+  constexpr int most_steps = 64;  // it ends when no other point is outermost, after a few
+  for (int step = 0; step < most_steps; ++step) {
+    const auto [high, low] = farthest(points, axis, tangent);
+    const double next =
+        (high->place[axis] - low->place[axis]) / ((distance - high->nearness) + (distance - low->nearness));
+    if (next == tangent || step + 1 == most_steps)
+      return ((high->place[axis] + low->place[axis]) + next * (high->nearness - low->nearness)) / 2;
+    tangent = next;
+  }
+  return 0;
+}
+
+/// What an axis of the picture shows of the points without perspective.
+Interval<double> extent(const std::vector<Seen>& points, int axis) {
+  Interval<double> range;
+  for (const Seen& p : points) range.include(p.place[axis]);
+  return range;
+}
+
+void check(const View& view, bool has_points) {
   if (!(view.zoom > 0) || !std::isfinite(view.zoom))
     throw Error(ErrorCode::usage, concat("zoom ", view.zoom, "; expected a number above 0"));
   if (!(view.vertical_fov_deg > 0 && view.vertical_fov_deg < 180))
     throw Error(ErrorCode::usage,
                 concat("field of view ", view.vertical_fov_deg, " degrees; expected more than 0 and less than 180"));
-  if (box_world.isEmpty()) throw Error(ErrorCode::usage, "there is nothing to point the camera at: the box is empty");
+  if (!has_points) throw Error(ErrorCode::usage, "there is nothing to point the camera at: the box is empty");
+}
 
-  const Vec3 back = towards_eye(view);
-  const Vec3 up = std::abs(back.z) == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
-  const Vec3 right = up.cross(back).normalized(), above = back.cross(right);
-  const Vec3 center = box_world.center();
+/// Where the picture's middle is, relative to the base of what is seen, and how far the eye is.
+struct Fit {
+  double middle[2] = {0, 0};
+  double distance = 0;
+  double height = 0;  ///< of an orthographic picture
+};
 
-  // Find the nearest eye position from which every corner is in the picture, and the smallest
-  // orthographic window around all of them.
-  const double tan_half_height = std::tan(view.vertical_fov_deg / 2 * radians_per_degree) / margin;
-  const double tan_half_width = tan_half_height * aspect;
-  double distance = 0, half_height = 0, reach = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = Vec3(corner & 1 ? box_world.max.x : box_world.min.x, corner & 2 ? box_world.max.y : box_world.min.y,
-                        corner & 4 ? box_world.max.z : box_world.min.z) -
-                   center;
-    const double across = std::abs(p.dot(right)), along = std::abs(p.dot(above)), nearer = p.dot(back);
-    distance = std::max({distance, nearer + across / tan_half_width, nearer + along / tan_half_height});
-    half_height = std::max({half_height, along, across / aspect});
-    reach = std::max(reach, nearer);
+Fit fit_perspective(const std::vector<Seen>& points, const double (&tangent)[2], bool is_free) {
+  Fit fit;
+  for (int axis = 0; axis < 2; ++axis)
+    fit.distance = std::max(fit.distance, distance_for(points, axis, tangent[axis], is_free));
+  Interval<double> depth;
+  for (const Seen& p : points) depth.include(p.nearness);
+  // A point, points on a line through the eye, or a tip so sharp that the eye would be at it.
+  constexpr double share_of_depth = 0.1;
+  if (!(fit.distance > depth.hi))
+    fit.distance = depth.hi + (depth.lo < depth.hi ? share_of_depth * (depth.hi - depth.lo) : 1);
+  for (int axis = 0; is_free && axis < 2; ++axis)
+    fit.middle[axis] = middle_of(points, axis, fit.distance, tangent[axis]);
+  return fit;
+}
+
+Fit fit_orthographic(const std::vector<Seen>& points, double aspect, bool is_free) {
+  Fit fit;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Interval<double> range = extent(points, axis);
+    if (is_free) fit.middle[axis] = (range.lo + range.hi) / 2;
+    const double half = std::max(range.hi - fit.middle[axis], fit.middle[axis] - range.lo);
+    fit.height = std::max(fit.height, 2 * half / (axis == 0 ? aspect : 1) / fitted_share);
   }
-  if (!(distance > 0)) distance = 1;  // a single point
-  if (!(half_height > 0)) half_height = 1;
+  if (!(fit.height > 0)) fit.height = 2;
+  for (const Seen& p : points) fit.distance = std::max(fit.distance, 2 * p.nearness);
+  fit.distance += fit.height / 2;
+  return fit;
+}
 
-  Camera camera{.target = center, .up = up, .orthographic = view.orthographic};
+}  // namespace
+
+ViewAxes axes_of(ViewFrame frame) {
+  switch (frame) {
+    case ViewFrame::engineering_z_up:
+      return {};
+    case ViewFrame::engineering_y_up:
+      return {.right = {1, 0, 0}, .ahead = {0, 0, -1}, .up = {0, 1, 0}};
+    case ViewFrame::anatomical_ras:
+      return {.right = {-1, 0, 0}, .ahead = {0, -1, 0}, .up = {0, 0, 1}};
+  }
+  return {};
+}
+
+ViewAxes axes_with_up(std::string_view axis) {
+  const Vec3 up = axis.starts_with('+') ? Vec3(0, 0, 0) : axis_named(axis);
+  if (up == Vec3(0, 0, 0))
+    throw Error(ErrorCode::usage, concat("up axis '", axis, "'; expected x, y, z, -x, -y or -z"));
+  ViewAxes axes{.right = {0, 1, 0}, .ahead = {0, 0, 1}};  // x
+  if (up.y != 0) axes = axes_of(ViewFrame::engineering_y_up);
+  if (up.z != 0) axes = axes_of(ViewFrame::engineering_z_up);
+  if (axis.starts_with('-')) axes.right = -axes.right;
+  axes.up = up;
+  return axes;
+}
+
+Vec3 view_direction(std::string_view word, ViewFrame frame) {
+  const bool is_patient = frame == ViewFrame::anatomical_ras;
+  if (is_patient && word == "left")
+    word = "right";
+  else if (is_patient && word == "right")
+    word = "left";
+  return direction_in(axes_of(frame), word);
+}
+
+View named_view(std::string_view name, ViewFrame frame) {
+  const ViewAxes axes = axes_of(frame);
+  return name == "iso" ? View{.axes = axes} : view_towards(view_direction(name, frame), axes);
+}
+
+View named_view(std::string_view name, const ViewAxes& axes) {
+  return name == "iso" ? View{.axes = axes} : view_towards(direction_in(axes, name), axes);
+}
+
+Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, double aspect) {
+  const DefaultFloatingPoint default_floating_point;
+  check(view, !points_world.empty());
+  const Vec3 back = towards_eye(view);
+  const Vec3 up = std::abs(back.dot(view.axes.up)) == 1 ? view.axes.ahead : view.axes.up;
+  const Vec3 right = up.cross(back).normalized(), above = back.cross(right);
+  Box3 around;
+  for (const Vec3& p : points_world) around.extendBy(p);
+  const Vec3 base = view.target.value_or(around.center());
+  std::vector<Seen> points;
+  points.reserve(points_world.size());
+  for (const Vec3& p : points_world) {
+    const Vec3 from_base = p - base;
+    points.push_back({{from_base.dot(right), from_base.dot(above)}, from_base.dot(back)});
+  }
+  const double tangent = fitted_share * std::tan(view.vertical_fov_deg / 2 * radians_per_degree);
+  const Fit flat = fit_orthographic(points, aspect, !view.target);
+  const Fit fit = view.orthographic ? flat : fit_perspective(points, {tangent * aspect, tangent}, !view.target);
+
+  Camera camera{
+      .target = base + fit.middle[0] * right + fit.middle[1] * above, .up = up, .orthographic = view.orthographic};
   camera.vertical_fov_deg = view.vertical_fov_deg;
   if (view.zoom != 1)  // without zoom the angle stays exactly as given
     camera.vertical_fov_deg =
         2 * std::atan(std::tan(view.vertical_fov_deg / 2 * radians_per_degree) / view.zoom) / radians_per_degree;
-  camera.orthographic_height = 2 * margin * half_height / view.zoom;
-  camera.position = center + (view.orthographic ? 2 * reach + half_height : distance) * back;
+  camera.orthographic_height = flat.height / view.zoom;
+  camera.position = camera.target + fit.distance * back;
   return camera;
+}
+
+Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
+  if (box_world.isEmpty()) return fit_camera_to({}, view, aspect);
+  return fit_camera_to(corners_of(box_world), view, aspect);
 }
 
 }  // namespace rhoray::render

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "formats/base/vector.h"
@@ -16,23 +18,70 @@ struct Camera {
   double orthographic_height = 1;  ///< height of the picture in world units, when orthographic
 };
 
-/// A view direction given by two angles, and how much of the picture the data fills.
-struct View {
-  /// 0 looks along +y (from the front of an LPS/RAS body); 90 looks along -x.
-  double azimuth_deg = 30;
-  double elevation_deg = 20;  ///< 90 looks straight down along -z
-  double zoom = 1;            ///< 1: the box just fits; 2: twice as large
-  double vertical_fov_deg = 30;
-  bool orthographic = false;
+/// What front, right and top mean in the axes of the world.
+enum class ViewFrame {
+  engineering_z_up,  ///< seen from the front, x points to the right and z up
+  engineering_y_up,  ///< seen from the front, x points to the right and y up
+  /// x points to the patient's right, y to the front and z to the head. Left and right are the
+  /// patient's.
+  anatomical_ras
 };
 
-/// Returns the view with this name: iso (three-quarter), +x, -x, +y, -y, +z or -z (the side looked
-/// from). Refuses other names with ErrorCode::usage.
-View named_view(std::string_view name);
+/// The axes from which the angles of a view count: orthogonal, of length 1, right x ahead = up.
+struct ViewAxes {
+  Vec3 right{1, 0, 0};  ///< in a picture from the front
+  Vec3 ahead{0, 1, 0};  ///< direction of view of a picture from the front
+  Vec3 up{0, 0, 1};
 
-/// Returns a camera that looks at the middle of the box from `view` and shows all of it at zoom 1.
-/// World z is up; for a view straight along z, world y is up.
+  friend bool operator==(const ViewAxes&, const ViewAxes&) = default;
+};
+
+ViewAxes axes_of(ViewFrame frame);
+
+/// The axes for data that have this axis of the world up: x, y, z, -x, -y or -z. Refuses other
+/// words (ErrorCode::usage). y and z are the engineering frames; the axes of -y and -z are theirs,
+/// turned upside down around `ahead`.
+ViewAxes axes_with_up(std::string_view axis);
+
+/// The direction towards the eye, of length 1, world axes, for the side from which a view with this
+/// word looks: front, back, left, right, top or bottom, or an axis of the world: +x, -x, +y, -y, +z
+/// or -z. Refuses other words with ErrorCode::usage.
+Vec3 view_direction(std::string_view word, ViewFrame frame);
+
+/// A view direction given by two angles, and how much of the picture the data fills.
+struct View {
+  /// 0 looks ahead; 90 looks from the right.
+  double azimuth_deg = 30;
+  double elevation_deg = 20;  ///< 90 looks straight down
+  double zoom = 1;            ///< 1: fits the picture; 2: twice as large
+  double vertical_fov_deg = 30;
+  bool orthographic = false;
+  ViewAxes axes{};
+  /// The camera's target. Nothing: such that what is seen lies in the middle of the picture.
+  std::optional<Vec3> target{};
+};
+
+/// Returns the view with this name: iso (three-quarter), or a word of view_direction. Refuses other
+/// names with ErrorCode::usage.
+View named_view(std::string_view name, ViewFrame frame = ViewFrame::engineering_z_up);
+/// The same for other axes; front, back and so on refer to these.
+View named_view(std::string_view name, const ViewAxes& axes);
+
+/// Share of the picture's width or height that fitted points fill.
+inline constexpr double fitted_share = 0.9;
+
+/// Returns a camera that looks at points from `view`. At zoom 1 the points' bounding rectangle in
+/// the picture has 90 % of the picture's width or height, and at most that of the other. Without a
+/// given target it lies in the middle, up to rounding; with one, no point lies farther from the
+/// middle than 45 % of either. The up direction of the axes is up in the picture; for a view
+/// straight along it, their direction ahead is.
+///
+/// Where the nearest point alone sets the distance (a line of points, a tip), the eye keeps a tenth
+/// of the depth from it. Refuses no points, or numbers out of range (ErrorCode::usage).
 /// @param aspect  width of the picture over its height
+Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, double aspect);
+
+/// The same for the corners of a box.
 Camera fit_camera(const Box3& box_world, const View& view, double aspect);
 
 }  // namespace rhoray::render

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
@@ -11,6 +12,7 @@
 #include "formats/range_proof.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
+#include "render/dataset/shown_boxes.h"
 
 namespace rhoray::render {
 
@@ -20,58 +22,8 @@ namespace {
 Box3 box_world(const Box3& box, const Affine& world_from_data) {
   Box3 out;
   if (box.isEmpty()) return out;
-  for (int corner = 0; corner < 8; ++corner)
-    out.extendBy(world_from_data.point(
-        {corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z}));
+  for (const Vec3& corner : corners_of(box)) out.extendBy(world_from_data.point(corner));
   return out;
-}
-
-/// Returns a box around the lowest-level macrocells whose values are on both sides of the isovalue.
-template <class Geometry>
-Box3 crossed_box(const PlacedGrid<Geometry>& view, double isovalue) {
-  const WalkLattice lattice = view.lattice();
-  const std::int64_t edge = lattice.cell_edge(1);
-  const Index3 count = whole_level(lattice, edge).end;
-  const auto planes = view.geometry().planes();
-  Box3 box;
-  Index3 c;
-  for (c.z = 0; c.z < count.z; ++c.z)
-    for (c.y = 0; c.y < count.y; ++c.y)
-      for (c.x = 0; c.x < count.x; ++c.x) {
-        const Interval<double> range = view.range(1, c);
-        if (!(range.lo < isovalue && isovalue <= range.hi)) continue;
-        for (const Index3& corner : {c, c + Index3(1, 1, 1)}) {
-          Vec3 p;
-          for (int a = 0; a < 3; ++a) p[a] = planes.position(a, std::min(corner[a] * edge, lattice.leaf_count[a]));
-          box.extendBy(p);
-        }
-      }
-  return box;
-}
-
-/// Returns a box around the crossings of all edges: a tetrahedron's part of the isosurface is the
-/// polygon between them.
-Box3 crossed_box(const TetData& view, double isovalue) {
-  Box3 box;
-  for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
-    const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
-    const auto values = view.values_at(vertices);
-    const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-    if (!(lo < isovalue && isovalue <= hi) || !has_data(values)) continue;
-    const auto points = view.points_at(vertices);
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = a + 1; b < 4; ++b) {
-        if ((values[a] >= isovalue) == (values[b] >= isovalue)) continue;
-        const double share = (isovalue - values[a]) / (values[b] - values[a]);
-        const Vec3 from(points[a][0], points[a][1], points[a][2]), to(points[b][0], points[b][1], points[b][2]);
-        box.extendBy((1 - share) * from + share * to);
-      }
-  }
-  return box;
-}
-
-Box3 crossed_box(const TriangleData&, double) {
-  return {};
 }
 
 /// A NanoVDB grid stores no ranges: they were computed from the voxels in this process.
@@ -150,6 +102,9 @@ bool Dataset::is_surface() const {
 bool Dataset::is_level_set() const {
   return implementation_->is_level_set;
 }
+bool Dataset::is_y_up() const {
+  return implementation_->is_y_up;
+}
 const std::vector<std::string>& Dataset::notes() const {
   return implementation_->notes;
 }
@@ -170,9 +125,21 @@ Box3 Dataset::bounds() const {
 }
 
 Box3 Dataset::isosurface_bounds(double isovalue) const {
+  Box3 bounds;
+  if (is_surface()) return bounds;
+  for (const auto& corners : shown_boxes(isovalue))
+    for (const Vec3& corner : corners) bounds.extendBy(corner);
+  return bounds;
+}
+
+std::vector<std::array<Vec3, 8>> Dataset::shown_boxes(double isovalue) const {
   const DefaultFloatingPoint default_floating_point;
-  const Box3 box = std::visit([&](const auto& view) { return crossed_box(view, isovalue); }, implementation_->view);
-  return box_world(box, implementation_->world_from_data);
+  std::vector<std::array<Vec3, 8>> boxes;
+  for (const Box3& box : render::shown_boxes(*implementation_, isovalue)) {
+    boxes.push_back(corners_of(box));
+    for (Vec3& corner : boxes.back()) corner = implementation_->world_from_data.point(corner);
+  }
+  return boxes;
 }
 
 }  // namespace rhoray::render

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -59,14 +60,20 @@ class Dataset {
   /// True for triangles, which are shown as they are (Mode::triangles) and have no field.
   bool is_surface() const;
   bool is_level_set() const;  ///< true when the values are distances to the surface at value 0
+  /// True for a surface packed from a format in which +y is up by convention: .obj or .ply.
+  bool is_y_up() const;
 
   const std::vector<std::string>& notes() const;  ///< changes made while loading, one sentence each
 
   Box3 bounds() const;  ///< of all cells, world axes
   /// Returns the bounds of the isosurface, world axes. In a mesh they are its own; in a grid they
-  /// are those of the lowest-level macrocells that it can pass through. Empty when nothing crosses
-  /// the isovalue, and for a surface.
+  /// are those of the cells that it passes through. Empty when nothing crosses the isovalue, and
+  /// for a surface.
   Box3 isosurface_bounds(double isovalue) const;
+  /// Returns the corners of up to some ten thousand boxes, world axes; their convex hull contains
+  /// the isosurface, or the triangles of a surface. Every box is as small as the points of the
+  /// isosurface (of a grid: the cells that it passes through) in its part of the data allow.
+  std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue) const;
 
   /// Proves that the value ranges, boxes and leaf lists with which rays skip cells are correct
   /// (formats/range_proof.h). Does so once for this dataset and all its copies. Refuses data for

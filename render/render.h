@@ -115,7 +115,7 @@ class RenderContext {
 /// - a picture without pixels, a scene without layers, a layer of a dataset that does not exist
 /// - an isovalue, clip region, camera, light or fog that is not finite; a clip box that is empty
 /// - a mode that does not fit the dataset's kind, a method that does not answer the query
-/// - smooth normals of a grid, colours by a field together with a texture
+/// - colours by a field together with a texture
 /// - the channel `error` when the method proves nothing
 /// - for layers in view: colours by a field that does not exist
 ///

@@ -28,9 +28,11 @@ enum class Normals {
   /// The gradient of the field in the hit's cell. In meshes the surface is then flat in every cell,
   /// as triangles are.
   exact,
-  /// Of meshes: interpolated linearly in the cell between gradients at its points, each a mean over
+  /// Of grids: interpolated trilinearly in the cell between gradients at its samples, each of
+  /// central differences. They are continuous across cells, as the exact gradient is not. Of
+  /// meshes: interpolated linearly in the cell between gradients at its points, each a mean over
   /// the cells around it. Of triangles: interpolated between normals at their corners, which are
-  /// angle-weighted means of the triangles there.
+  /// angle-weighted means of the triangles there, up to edges of 30 degrees and more.
   smooth
 };
 
@@ -103,6 +105,8 @@ struct Light {
   double size = 0;
   /// Shadow rays per hit, towards points spread over a light with a size; at most 4096.
   int samples = 16;
+
+  friend bool operator==(const Light&, const Light&) = default;
 };
 
 /// Ambient occlusion: how much of the ambient light nearby opaque isosurfaces hold back, estimated

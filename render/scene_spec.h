@@ -44,7 +44,7 @@ struct LayerSpec {
   std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
   std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
-  std::string normals{};   ///< a word; empty = flat in meshes, exact in grids
+  std::string normals{};   ///< a word; empty = flat in meshes, else the style's
   std::string color_by{};  ///< a field of the data; empty = color
   std::string colormap{};  ///< a word; empty = viridis
   std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
@@ -74,6 +74,7 @@ struct CameraSpec {
   std::optional<bool> orthographic{};
   std::optional<double> orthographic_height{};  ///< implies orthographic
   std::optional<Vec3> position{}, target{}, up{};
+  std::optional<std::string> up_axis{};  ///< a word: the axis of the world that is up in the data
   std::optional<std::vector<KeyframeSpec>> keyframes{};
 };
 
@@ -148,7 +149,8 @@ struct AnnotationsSpec {
 struct SceneSpec {
   std::vector<DataSpec> data{};
   std::vector<LayerSpec> layers{};
-  std::optional<std::vector<LightSpec>> lights{};  ///< default one white light at the eye
+  std::string style{};                             ///< a word; empty = default
+  std::optional<std::vector<LightSpec>> lights{};  ///< default the style's
   EffectsSpec effects{};
   std::optional<ClipSpec> clip{};
   CameraSpec camera{};

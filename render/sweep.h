@@ -34,8 +34,9 @@ extern template class Track<Vec3>;
 /// A camera, and perhaps an isovalue, that move from key frame to key frame; frames lie at even
 /// times from the first key to the last. What no key names stays as the document says.
 ///
-/// A camera of angles goes round what is shown at one distance, the nearest from which every frame
-/// shows all of it at zoom 1; zoom follows its logarithm. One of places is where they say.
+/// A camera of angles goes round the middle of what is shown at one distance, the nearest at which
+/// every frame fits it at zoom 1 (fit_camera); zoom follows its logarithm. One of places is where
+/// they say.
 class Sweep {
  public:
   /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an
@@ -65,7 +66,7 @@ class Sweep {
   std::size_t isovalue_layer_ = 0;  ///< index into SceneSpec::layers
   Track<double> azimuth_, elevation_, zoom_, fov_, isovalue_;
   Track<Vec3> position_, target_, up_;
-  std::optional<Box3> shown_;                      ///< at any of the keys
+  std::optional<Shown> shown_;                     ///< at any of the keys
   double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1
 };
 

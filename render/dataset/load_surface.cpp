@@ -1,13 +1,27 @@
 #include "render/triangles/triangle_data.h"
 
+#include <cctype>
+#include <filesystem>
+
 #include "formats/base/error.h"
 #include "formats/base/text.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
+#include "render/triangles/corner_normals.h"
 #include "render/triangles/facets.h"
-#include "render/triangles/point_gradients.h"
 
 namespace rhoray::render {
+
+namespace {
+
+/// Formats of computer graphics have +y up; those of engineering (.stl, .vtp, .off) have +z.
+bool has_y_up(const std::string& source_name) {
+  std::string extension = std::filesystem::path(source_name).extension().string();
+  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return extension == ".obj" || extension == ".ply";
+}
+
+}  // namespace
 
 std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
                                                   formats::Space) {
@@ -25,11 +39,12 @@ std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& fil
                     .field = no_field,
                     .field_names = {},
                     .length_unit = mesh.description().length_unit,
+                    .is_y_up = has_y_up(mesh.description().provenance.source_name),
                     .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
                     .bounds_data = bounds,
                     .view = TriangleData(mesh),
                     .facets = std::make_shared<FacetsCache>(),
-                    .point_gradients = std::make_shared<PointGradientsCache>()});
+                    .corner_normals = std::make_shared<CornerNormalsCache>()});
 }
 
 }  // namespace rhoray::render

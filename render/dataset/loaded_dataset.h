@@ -14,6 +14,7 @@
 
 namespace rhoray::render {
 
+class CornerNormalsCache;
 class FacetsCache;
 class PointGradientsCache;
 
@@ -30,6 +31,7 @@ struct LoadedDataset {
   formats::Space space = formats::Space::unknown;  ///< of world coordinates
   /// The values are distances to a surface, which lies where they are 0.
   bool is_level_set = false;
+  bool is_y_up = false;              ///< +y is up, by the convention of the format that the file was packed from
   std::vector<std::string> notes{};  ///< what loading changed, one sentence each
   /// Data frame: grid steps or positions of axis tables; for points, relative to the origin.
   Affine world_from_data;
@@ -40,6 +42,7 @@ struct LoadedDataset {
   /// Facets of the isovalues used last, or the triangles of a surface. Null for grids.
   std::shared_ptr<FacetsCache> facets{};
   std::shared_ptr<PointGradientsCache> point_gradients{};  ///< null if not a mesh
+  std::shared_ptr<CornerNormalsCache> corner_normals{};    ///< null if not a surface
 };
 
 }  // namespace rhoray::render

@@ -7,8 +7,10 @@
 #include <memory>
 #include <numbers>
 
+#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/text.h"
+#include "render/document/styles.h"
 #include "render/ray_caster.h"
 
 namespace rhoray::render {
@@ -29,7 +31,7 @@ struct CameraAxes {
 
 /// Towards where a camera of these angles would stand, or in the axes of the camera that there is.
 /// Multiples of 90 degrees give exact axes.
-Vec3 direction_of(const LightSpec& spec, const Camera& camera) {
+Vec3 direction_of(const LightSpec& spec, const Camera& camera, const ViewAxes& world) {
   constexpr double radians_per_degree = std::numbers::pi / 180;
   const auto cosine = [](double deg) {
     return std::fmod(std::abs(deg), 180) == 90 ? 0.0 : std::cos(deg * radians_per_degree);
@@ -38,12 +40,12 @@ Vec3 direction_of(const LightSpec& spec, const Camera& camera) {
   const double azimuth = spec.azimuth_deg.value_or(0), elevation = spec.elevation_deg.value_or(0);
   const double right = cosine(elevation) * sine(azimuth), front = cosine(elevation) * cosine(azimuth),
                up = sine(elevation);
-  if (spec.from != "camera") return Vec3(right, 0 - front, up);
+  if (spec.from != "camera") return right * world.right + (0 - front) * world.ahead + up * world.up;
   const CameraAxes axes(camera);
   return right * axes.right + up * axes.up + front * axes.to_eye;
 }
 
-Vec3 place_of(const LightSpec& spec, const Camera& camera, const Place& place) {
+Vec3 place_of(const LightSpec& spec, const Camera& camera, const ViewAxes& axes, const Place& place) {
   if (spec.type == Type::head) return {0, 0, 0};
   if (spec.type == Type::point) return spec.position.value();  // a document's light must have it
   const bool has_angles = spec.azimuth_deg || spec.elevation_deg;
@@ -58,22 +60,14 @@ Vec3 place_of(const LightSpec& spec, const Camera& camera, const Place& place) {
                                            "\" is also given; expected only one of the two"));
   if (spec.direction && *spec.direction == Vec3(0, 0, 0))
     throw Error(ErrorCode::invalid, concat(place.at("direction").text(), ": found [0,0,0]; expected a direction"));
-  return spec.direction ? *spec.direction : direction_of(spec, camera);
-}
-
-std::array<Vec3, 8> corners(const Box3& box) {
-  std::array<Vec3, 8> all;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    all[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-              (i & 4) != 0 ? box.max.z : box.min.z};
-  return all;
+  return spec.direction ? *spec.direction : direction_of(spec, camera, axes);
 }
 
 /// How far from where rays start a box begins and ends; not below 0.
 Interval<double> distances(const Box3& box, const Camera& camera) {
   Interval<double> range;
   const Vec3 forward = (camera.target - camera.position).normalized();
-  for (const Vec3& corner : corners(box)) {
+  for (const Vec3& corner : corners_of(box)) {
     const Vec3 way = corner - camera.position;
     range.include(std::max(camera.orthographic ? way.dot(forward) : way.length(), 0.0));
   }
@@ -102,10 +96,6 @@ LightSpec spec_of_light(const Light& light) {
     spec.samples = light.samples;
   }
   return spec;
-}
-
-bool is_white_head(const Light& light) {
-  return light.kind == Type::head && light.color == Vec3(1, 1, 1);
 }
 
 /// The opaque surfaces of a scene, asked by single rays of the world.
@@ -181,13 +171,12 @@ bool is_lit_by_nothing(const Scene& scene) {
 
 }  // namespace
 
-std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera) {
-  if (!scene_spec.lights) return Scene{}.lights;
+std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera, const ViewAxes& axes) {
   const Place place = Place{scene_spec.document, {}}.at("lights");
   std::vector<Light> lights;
-  for (const LightSpec& spec : *scene_spec.lights) {
+  for (const LightSpec& spec : scene_spec.lights ? *scene_spec.lights : style_named(scene_spec.style).lights) {
     Light light{.kind = spec.type};
-    light.place = place_of(spec, camera, place.at(lights.size()));
+    light.place = place_of(spec, camera, axes, place.at(lights.size()));
     light.color = (spec.color ? spec.color->linear : Vec3(1, 1, 1)) * spec.intensity.value_or(1);
     light.casts_shadows = spec.shadows.value_or(false);
     light.size = (spec.type == Type::point ? spec.radius : spec.angular_diameter_deg).value_or(0);
@@ -197,8 +186,10 @@ std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& came
   return lights;
 }
 
-Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown) {
+Occlusion choose_occlusion(const SceneSpec& scene_spec, const ShownBox& shown) {
   Occlusion occlusion;
+  const std::optional<OcclusionSpec>& own = scene_spec.effects.occlusion;
+  const std::optional<OcclusionSpec>& spec = own ? own : style_named(scene_spec.style).occlusion;
   if (!spec) return occlusion;
   constexpr double share = 0.1;
   occlusion.samples = spec->samples.value_or(occlusion.samples);
@@ -220,11 +211,16 @@ std::optional<Fog> choose_fog(const std::optional<FogSpec>& spec, const Camera& 
   return fog;
 }
 
-std::optional<std::vector<LightSpec>> light_specs(const std::vector<Light>& lights) {
-  if (lights.size() == 1 && is_white_head(lights[0])) return std::nullopt;
-  std::vector<LightSpec> scene_spec;
-  for (const Light& light : lights) scene_spec.push_back(spec_of_light(light));
-  return scene_spec;
+bool has_light_of(const Scene& scene, const std::string& style) {
+  const std::vector<Light> lights = choose_lights({.style = style}, scene.camera, {});
+  const bool has_occlusion = style_named(style).occlusion.has_value();
+  return lights == scene.lights && (!has_occlusion || scene.occlusion.radius > 0);
+}
+
+std::vector<LightSpec> light_specs(const std::vector<Light>& lights) {
+  std::vector<LightSpec> specs;
+  for (const Light& light : lights) specs.push_back(spec_of_light(light));
+  return specs;
 }
 
 EffectsSpec effects_spec(const Scene& scene) {

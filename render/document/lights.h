@@ -16,21 +16,25 @@ namespace rhoray::render {
 
 // Lights, fog and ambient occlusion, resolved when the camera is known.
 
-/// One white light at the camera by default. Refuses a directional light without a direction or
-/// with two (ErrorCode::invalid).
-std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera);
+/// The style's lights by default. Refuses a directional light without a direction or with two
+/// (ErrorCode::invalid).
+/// @param axes  from which angles of lights count that do not move with the camera
+std::vector<Light> choose_lights(const SceneSpec& scene_spec, const Camera& camera, const ViewAxes& axes);
 
 /// The box around what is shown; computed only if a choice depends on it.
 using ShownBox = std::function<Box3()>;
 
-/// No occlusion if none is requested, or if the shown data have no extent.
-Occlusion choose_occlusion(const std::optional<OcclusionSpec>& spec, const ShownBox& shown);
+/// The style's occlusion by default. None if none is requested, or if the shown data have no
+/// extent.
+Occlusion choose_occlusion(const SceneSpec& scene_spec, const ShownBox& shown);
 
 std::optional<Fog> choose_fog(const std::optional<FogSpec>& spec, const Camera& camera, const Vec3& background,
                               const ShownBox& shown);
 
-/// The specifications of lights and effects; nothing if they are the defaults.
-std::optional<std::vector<LightSpec>> light_specs(const std::vector<Light>& lights);
+/// Whether a style has the lights of a scene, and no ambient occlusion that the scene has not.
+bool has_light_of(const Scene& scene, const std::string& style);
+/// The specifications of lights and effects.
+std::vector<LightSpec> light_specs(const std::vector<Light>& lights);
 EffectsSpec effects_spec(const Scene& scene);
 
 /// Notes about lights that are probably a mistake, one sentence each: lights without intensity,

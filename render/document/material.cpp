@@ -20,20 +20,20 @@ Error refusal(const Place& layer, const std::string& key, const std::string& opt
           hint};
 }
 
-Normals choose_normals(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
+Normals choose_normals(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer) {
   for (const NamedNormals& row : named_normals()) {
     if (spec.normals != row.name) continue;
-    if (row.of_meshes != has_flat_normals(dataset))
+    if (!(has_flat_normals(dataset) ? row.of_meshes : row.of_grids))
       throw refusal(layer, "normals", "--normals",
                     concat("'", row.name, "' applies only to ", row.of_meshes ? "meshes" : "grids", ", and ",
                            dataset.file().name(), " is ",
                            dataset.is_mesh()      ? "a mesh"
                            : dataset.is_surface() ? "a surface"
                                                   : "a grid"),
-                    !row.of_meshes ? "use flat or smooth" : "use exact, the gradient of the trilinear field");
+                    row.of_grids ? "use flat or smooth" : "use exact, the gradient of the trilinear field, or smooth");
     return row.normals;
   }
-  return Normals::exact;
+  return style.has_smooth_normals && !dataset.is_mesh() ? Normals::smooth : Normals::exact;
 }
 
 /// The field that colours the surface; refuses one that it cannot be coloured by.
@@ -74,14 +74,14 @@ FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& fie
   return colors;
 }
 
-Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
+Material choose_material(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer) {
   Material surface;
   if (spec.color) surface.color = spec.color->linear;
-  surface.ambient = spec.ambient.value_or(surface.ambient);
-  surface.specular = spec.specular.value_or(surface.specular);
+  surface.ambient = spec.ambient.value_or(style.ambient);
+  surface.specular = spec.specular.value_or(style.specular);
   surface.shininess = spec.shininess.value_or(surface.shininess);
   surface.opacity = spec.opacity.value_or(surface.opacity);
-  surface.normals = choose_normals(spec, dataset, layer);
+  surface.normals = choose_normals(spec, style, dataset, layer);
   if (!spec.color_by.empty()) {
     surface.color_by = field_colors(spec, color_field(spec, dataset, layer));
     return surface;

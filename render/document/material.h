@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "render/document/styles.h"
 #include "render/document/values.h"
 #include "render/load.h"
 #include "render/scene.h"
@@ -19,6 +20,6 @@ FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& fie
 /// colour map without such a field: of a document with the place (ErrorCode::invalid), of a command
 /// line with the option (ErrorCode::usage).
 /// @param layer  its place in its document; of a command line without a document
-Material choose_material(const LayerSpec& spec, const Dataset& dataset, const Place& layer);
+Material choose_material(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer);
 
 }  // namespace rhoray::render

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/regular_file.h"
@@ -12,6 +13,7 @@
 #include "render/document/lights.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
+#include "render/document/styles.h"
 #include "render/document/tables.h"
 #include "render/document/values.h"
 #include "render/isovalue.h"
@@ -248,7 +250,8 @@ class LayerPlanner {
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
     switch (spec.type) {
       case LayerType::isosurface:
-        layer.material = choose_material(spec, dataset, layer_place(scene_spec_, index));
+        layer.material =
+            choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
         layer.material.texture = texture_of(scene_spec_, index, plan_);
         return add_isosurfaces(index, layer);
       case LayerType::mip:
@@ -275,7 +278,7 @@ class LayerPlanner {
     at_place(layer_place(scene_spec_, index), [&] { refuse_words_of_fields(scene_spec_, spec, dataset); });
     layer.mode = Mode::triangles;
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
-    layer.material = choose_material(spec, dataset, layer_place(scene_spec_, index));
+    layer.material = choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
     layer.material.texture = texture_of(scene_spec_, index, plan_);
     put(index, layer, {});
   }
@@ -378,24 +381,25 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
   plan.frame.channels = channel_set(image.channels.value_or(std::vector<std::string>{}));
   plan.frame.use_hierarchy = image.hierarchy.value_or(true);
   plan.page = page_named(image.show.value_or("color"));
-  plan.frame.antialiasing = image.antialias.value_or(1);
+  const std::vector<Layer>& layers = plan.scene.layers;
+  const bool is_projection =
+      std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return layer.mode == Mode::mip; });
+  plan.style = scene_spec.style;
+  const Style& style = style_named(plan.style);
+  plan.frame.antialiasing = image.antialias.value_or(is_projection || plan.page ? 1 : style.antialiasing);
   if (plan.page && plan.frame.antialiasing > 1) {
     plan.frame.antialiasing = 1;
     plan.notes.push_back("no antialiasing: a heat map shows one ray per pixel");
   }
-  const std::vector<Layer>& layers = plan.scene.layers;
   const bool shows_error = plan.page && channel_of(*plan.page).error;
   if ((plan.frame.channels.error || shows_error) &&
       !std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return proves(layer.method); }))
     at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
              [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
-  const bool is_projection =
-      std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return layer.mode == Mode::mip; });
-  const double grey = is_projection ? 0 : 1;
-  plan.scene.background = image.background ? image.background->linear : Vec3(grey, grey, grey);
+  plan.scene.background = image.background ? image.background->linear
+                          : is_projection  ? Vec3(0, 0, 0)
+                                           : style.background;
 }
-
-constexpr double zoom_with_box = 0.75;  // numbers stand around it
 
 }  // namespace
 
@@ -414,34 +418,94 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
   return plan;
 }
 
-Box3 shown_box(const ResolvedScene& plan) {
-  Box3 shown, data;
-  for (const Layer& layer : plan.scene.layers) {
-    const Dataset& dataset = plan.datasets[layer.dataset];
-    data.extendBy(dataset.bounds());
-    const Box3 whole =
-        layer.mode == Mode::isosurface ? dataset.isosurface_bounds(layer.isovalue) : bounds_of(layer, plan);
-    shown.extendBy(layer.clipped && plan.scene.clip ? what_is_left(*plan.scene.clip, whole) : whole);
-  }
-  return shown.isEmpty() ? data : shown;
+namespace {
+
+constexpr double zoom_with_box = 0.8;  // numbers stand around it
+
+/// Whether the world's axes point to the sides of a patient.
+bool shows_body(const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  return !scene_spec.camera.up_axis &&
+         std::any_of(plan.datasets.begin(), plan.datasets.end(),
+                     [](const Dataset& dataset) { return dataset.space() != formats::Space::unknown; });
 }
 
-void place_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
+/// The view that a scene names. Left and right are those of a patient who is seen from the front.
+std::string view_word(const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  const std::string word = scene_spec.camera.view.value_or("iso");
+  if (!shows_body(scene_spec, plan)) return word;
+  return word == "left" ? "right" : word == "right" ? "left" : word;
+}
+
+/// The axes from which angles of the camera and words of views count.
+ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  if (scene_spec.camera.up_axis) return axes_with_up(*scene_spec.camera.up_axis);
+  const bool is_y_up =
+      std::all_of(plan.datasets.begin(), plan.datasets.end(), [](const Dataset& dataset) { return dataset.is_y_up(); });
+  if (is_y_up) return axes_of(ViewFrame::engineering_y_up);
+  // In LPS a look from the front goes along +y, as in engineering.
+  const bool is_ras = shows_body(scene_spec, plan) && plan.space == formats::Space::ras;
+  return axes_of(is_ras ? ViewFrame::anatomical_ras : ViewFrame::engineering_z_up);
+}
+
+/// The boxes around parts of a layer, before clipping.
+std::vector<std::array<Vec3, 8>> boxes_of(const Layer& layer, const ResolvedScene& plan) {
+  if (layer.mode == Mode::isosurface || layer.mode == Mode::triangles)
+    return plan.datasets[layer.dataset].shown_boxes(layer.isovalue);
+  const Box3 bounds = bounds_of(layer, plan);
+  if (bounds.isEmpty()) return {};
+  return {corners_of(bounds)};
+}
+
+/// The corners of what is left of a box; none where nothing is.
+std::vector<Vec3> left_of(const std::optional<Clip>& clip, const std::array<Vec3, 8>& corners) {
+  Box3 box;
+  for (const Vec3& corner : corners) box.extendBy(corner);
+  if (!clip || leaves_whole(*clip, box)) return {corners.begin(), corners.end()};
+  const Box3 left = what_is_left(*clip, box);
+  if (left.isEmpty()) return {};
+  const std::array<Vec3, 8> of_left = corners_of(left);
+  return {of_left.begin(), of_left.end()};
+}
+
+}  // namespace
+
+Shown what_is_shown(const ResolvedScene& plan) {
+  Shown shown;
+  for (const Layer& layer : plan.scene.layers) {
+    const std::optional<Clip>& clip = plan.scene.clip;
+    for (const auto& box : boxes_of(layer, plan))
+      for (const Vec3& corner : left_of(layer.clipped ? clip : std::nullopt, box)) shown.corners.push_back(corner);
+  }
+  if (shown.corners.empty())
+    for (const Layer& layer : plan.scene.layers)
+      for (const Vec3& corner : corners_of(plan.datasets[layer.dataset].bounds())) shown.corners.push_back(corner);
+  for (const Vec3& corner : shown.corners) shown.box.extendBy(corner);
+  return shown;
+}
+
+void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, const std::optional<Vec3>& target,
+                  ResolvedScene& plan) {
   const CameraSpec& spec = scene_spec.camera;
   const bool is_document = !scene_spec.document.empty();
   at_place(root(scene_spec).at("camera"), [&] {
-    View view = named_view(spec.view.value_or("iso"));
+    View view = named_view(view_word(scene_spec, plan), view_axes(scene_spec, plan));
     view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
     view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
-    view.zoom =
-        spec.zoom.value_or(scene_spec.annotations.box.value_or(false) && !spec.position ? zoom_with_box : view.zoom);
+    const bool has_box = scene_spec.annotations.box.value_or(false);
+    view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
     view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
     view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
+    view.target = target;
 
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
     const bool is_given = spec.position && spec.target && spec.up && (!view.orthographic || spec.orthographic_height);
     Camera& camera = plan.scene.camera;
-    camera = fit_camera(is_given ? plan.datasets[0].bounds() : shown(), view, aspect);
+    if (is_given)
+      camera = fit_camera(plan.datasets[0].bounds(), view, aspect);
+    else if (has_box)
+      camera = fit_camera(find_shown().box, view, aspect);
+    else
+      camera = fit_camera_to(find_shown().corners, view, aspect);
     camera.position = spec.position.value_or(camera.position);
     camera.target = spec.target.value_or(camera.target);
     camera.up = spec.up.value_or(camera.up);
@@ -455,10 +519,11 @@ void place_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedSc
 
 namespace {
 
-void place_lights(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
+void place_lights(const SceneSpec& scene_spec, const FindShown& find_shown, ResolvedScene& plan) {
+  const ShownBox shown = [&] { return find_shown().box; };
   Scene& scene = plan.scene;
-  scene.lights = choose_lights(scene_spec, scene.camera);
-  scene.occlusion = choose_occlusion(scene_spec.effects.occlusion, shown);
+  scene.lights = choose_lights(scene_spec, scene.camera, view_axes(scene_spec, plan));
+  scene.occlusion = choose_occlusion(scene_spec, shown);
   scene.fog = choose_fog(scene_spec.effects.fog, scene.camera, scene.background, shown);
   for (const std::string& note : light_notes(scene, plan.datasets)) plan.notes.push_back(note);
 }
@@ -474,19 +539,19 @@ void note_camera_inside(ResolvedScene& plan) {
 }  // namespace
 
 void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan) {
-  std::optional<Box3> box;
-  const ShownBox shown = [&] {
-    if (!box) box = shown_box(plan);
-    return *box;
+  std::optional<Shown> shown;
+  const FindShown find_shown = [&]() -> const Shown& {
+    if (!shown) shown = what_is_shown(plan);
+    return *shown;
   };
-  aim_camera(scene_spec, shown, plan);
+  aim_camera(scene_spec, find_shown, plan);
 }
 
-void aim_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan) {
-  place_camera(scene_spec, shown, plan);
-  place_lights(scene_spec, shown, plan);
-  note_camera_inside(plan);
-  if (plan.annotations.box.value_or(false)) plan.annotated_box = shown();
+void aim_camera(const SceneSpec& scene_spec, const FindShown& find_shown, ResolvedScene& plan) {
+  place_camera(scene_spec, find_shown, std::nullopt, plan);
+  place_lights(scene_spec, find_shown, plan);
+  if (scene_spec.camera.position) note_camera_inside(plan);
+  if (plan.annotations.box.value_or(false)) plan.annotated_box = find_shown().box;
 }
 
 }  // namespace rhoray::render

@@ -1,17 +1,32 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <vector>
+
 #include "render/document.h"
 #include "render/document/lights.h"
 
 namespace rhoray::render {
 
+/// All that is shown, world axes.
+struct Shown {
+  Box3 box;                   ///< around it
+  std::vector<Vec3> corners;  ///< of boxes whose convex hull contains it
+};
+
+/// What is shown; the data where no surface passes through any cell.
+Shown what_is_shown(const ResolvedScene& plan);
+
+/// What is shown; computed only if a choice depends on it.
+using FindShown = std::function<const Shown&()>;
+
 /// aim_camera around what is known to be shown.
-void aim_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan);
+void aim_camera(const SceneSpec& scene_spec, const FindShown& find_shown, ResolvedScene& plan);
 
 /// The camera alone.
-void place_camera(const SceneSpec& scene_spec, const ShownBox& shown, ResolvedScene& plan);
-
-/// Around all that is shown; around the data where no surface passes through any cell.
-Box3 shown_box(const ResolvedScene& plan);
+/// @param target  of a camera that is fitted; nothing: such that what is shown lies in the middle
+void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, const std::optional<Vec3>& target,
+                  ResolvedScene& plan);
 
 }  // namespace rhoray::render

@@ -25,7 +25,11 @@ constexpr std::pair<const char*, DebugChannel> pages[] = {{"error", DebugChannel
 }  // namespace
 
 std::vector<std::string> view_words() {
-  return {"iso", "+x", "-x", "+y", "-y", "+z", "-z"};
+  return {"iso", "front", "back", "left", "right", "top", "bottom", "+x", "-x", "+y", "-y", "+z", "-z"};
+}
+
+std::vector<std::string> up_axis_words() {
+  return {"x", "y", "z", "-x", "-y", "-z"};
 }
 
 std::vector<std::string> channel_words() {
@@ -72,8 +76,9 @@ std::string word_of(DebugChannel page) {
 }
 
 std::span<const NamedNormals> named_normals() {
-  static constexpr NamedNormals rows[] = {
-      {"flat", Normals::exact, true}, {"smooth", Normals::smooth, true}, {"exact", Normals::exact, false}};
+  static constexpr NamedNormals rows[] = {{"flat", Normals::exact, true, false},
+                                          {"smooth", Normals::smooth, true, true},
+                                          {"exact", Normals::exact, false, true}};
   return rows;
 }
 
@@ -87,7 +92,7 @@ bool has_flat_normals(const Dataset& dataset) {
 
 std::string word_of(Normals normals, bool flat) {
   for (const NamedNormals& row : named_normals())
-    if (row.normals == normals && row.of_meshes == flat) return row.name;
+    if (row.normals == normals && (flat ? row.of_meshes : row.of_grids)) return row.name;
   return {};
 }
 

@@ -192,16 +192,20 @@ void Sweep::set_isovalue(double isovalue, ResolvedScene& plan) const {
     if (plan.origins[l].spec == isovalue_layer_) plan.scene.layers[l].isovalue = isovalue;
 }
 
-/// Finds the box of what is shown at the keys, and the camera distance of all frames of a camera
-/// given by angles.
+/// Finds what is shown at the keys, and the camera distance of all frames of a camera given by
+/// angles.
 void Sweep::find_reach(ResolvedScene& plan) {
-  shown_ = Box3();
+  shown_ = Shown();
+  const auto add = [&](const Shown& shown) {
+    shown_->box.extendBy(shown.box);
+    shown_->corners.insert(shown_->corners.end(), shown.corners.begin(), shown.corners.end());
+  };
   if (isovalue_.is_empty())
-    shown_ = shown_box(plan);
+    add(what_is_shown(plan));
   else
     for (const KeyframeSpec& key : keys_) {
       set_isovalue(isovalue_.at(key.time), plan);
-      shown_->extendBy(shown_box(plan));
+      add(what_is_shown(plan));
     }
   constexpr int most_looked_at = 720;  // a full turn by half degrees
   const int step = 1 + frame_count_ / most_looked_at;
@@ -209,7 +213,7 @@ void Sweep::find_reach(ResolvedScene& plan) {
     SceneSpec scene_spec = spec_at(time_of(frame));
     scene_spec.camera.zoom = 1;
     place_camera(
-        scene_spec, [&] { return *shown_; }, plan);
+        scene_spec, [&]() -> const Shown& { return *shown_; }, shown_->box.center(), plan);
     const Camera& camera = plan.scene.camera;
     distance_ = std::max(distance_, (camera.position - camera.target).length());
     orthographic_height_ = std::max(orthographic_height_, camera.orthographic_height);
@@ -224,10 +228,10 @@ void Sweep::plan_frame(int frame, ResolvedScene& plan) {
   }
   SceneSpec scene_spec = spec_at(time);
   if (!isovalue_.is_empty()) set_isovalue(isovalue_.at(time), plan);
-  const ShownBox shown = [&] { return *shown_; };
+  const FindShown find_shown = [&]() -> const Shown& { return *shown_; };
   CameraSpec& said = scene_spec.camera;
   if (!said.position && !said.target && !said.up) {
-    place_camera(scene_spec, shown, plan);
+    place_camera(scene_spec, find_shown, shown_->box.center(), plan);
     const Camera& camera = plan.scene.camera;
     said.position = camera.target + (camera.position - camera.target).normalized() * distance_;
     said.target = camera.target;
@@ -235,7 +239,7 @@ void Sweep::plan_frame(int frame, ResolvedScene& plan) {
     if (camera.orthographic && !said.orthographic_height)
       said.orthographic_height = orthographic_height_ / said.zoom.value_or(1);
   }
-  aim_camera(scene_spec, shown, plan);
+  aim_camera(scene_spec, find_shown, plan);
 }
 
 std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number) {

@@ -46,7 +46,8 @@ Rows rows_of_isosurfaces() {
               "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value(normals_words()),
               "Surface normals. Meshes: \"flat\", the default, is the exact gradient of each cell; \"smooth\" is "
-              "linear between averages at the points. Grids: \"exact\" is the gradient of the trilinear field"),
+              "linear between averages at the points. Grids: \"smooth\", the default, is interpolated between central "
+              "differences; \"exact\" is the gradient of the trilinear field"),
           row("color_by", &LayerSpec::color_by, text_value(),
               "Field of the same file that colours the surface; where it has no data, \"color\" is used"),
           row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
@@ -60,8 +61,8 @@ Rows rows_of_triangles() {
   return {row("color", &LayerSpec::color, color_value(),
               "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value({"flat", "smooth"}),
-              "Surface normals: \"flat\", the default, is the normal of each triangle; \"smooth\" is linear between "
-              "averages at the corners")};
+              "Surface normals: \"smooth\", the default, is linear between averages at the corners, up to edges of 30 "
+              "degrees; \"flat\" is the normal of each triangle")};
 }
 
 Rows rows_of_lit_surfaces() {
@@ -70,7 +71,7 @@ Rows rows_of_lit_surfaces() {
               "\"color\" is used"),
           row("ambient", &LayerSpec::ambient, number_within(limits::share), "Ambient light; default 0.12"),
           row("specular", &LayerSpec::specular, number_within(limits::share),
-              "Specular strength; 0 computes none; default 0.25"),
+              "Specular strength; 0 computes none; default 0.15"),
           row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
               "Specular exponent; larger values give smaller and sharper highlights; default 40"),
           row("opacity", &LayerSpec::opacity, number_within(limits::share),
@@ -318,11 +319,14 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
   static const std::vector<Row<CameraSpec>> rows{
       row("view", &CameraSpec::view, word_value(view_words()),
           "Side from which the camera looks; default \"iso\", three-quarter"),
-      row("azimuth", &CameraSpec::azimuth_deg, number(), "Degrees around the world's z axis; 0 looks along +y"),
+      row("up_axis", &CameraSpec::up_axis, word_value(up_axis_words()),
+          "Axis of the world that is up; default y if all data are surfaces from .obj or .ply files, else z. "
+          "Views and angles count from it"),
+      row("azimuth", &CameraSpec::azimuth_deg, number(), "Degrees around the axis that is up; 0 looks from the front"),
       row("elevation", &CameraSpec::elevation_deg, number_within(limits::elevation_deg),
           "Degrees above the horizon; 90 looks straight down"),
       row("zoom", &CameraSpec::zoom, number_within(limits::zoom),
-          "1, the default: the shown data just fits; 2: twice as large"),
+          "1, the default: the shown data fill 90 % of the width or height; 2: twice as large"),
       row("fov", &CameraSpec::fov_deg, number_within(limits::fov_deg), "Vertical field of view in degrees; default 30"),
       row("ortho", &CameraSpec::orthographic, yes_or_no(), "true: orthographic projection"),
       row("ortho_height", &CameraSpec::orthographic_height, number_above_zero(),
@@ -340,13 +344,14 @@ const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
       row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [1280, 720]"),
       row("background", &PictureSpec::background, color_value(),
-          "Background colour; default white, but black if only projections are shown"),
+          "Background colour; default the style's, but black if only projections are shown"),
       row("channels", &PictureSpec::channels, words_value(channel_words()), "Extra channels (EXR only)"),
       row("show", &PictureSpec::show, word_value(show_words()), "Heat map instead of colours; default \"color\""),
       row("hierarchy", &PictureSpec::hierarchy, yes_or_no(),
           "false: visit every leaf cell, for comparison; the picture is the same at double"),
       row("antialias", &PictureSpec::antialias, whole_number_within(limits::pixel_samples),
-          "Maximum samples per pixel; adaptive: more at edges, where neighbours differ; default 1, in the centre"),
+          "Maximum samples per pixel; adaptive: more at edges, where neighbours differ; default 8; in heat maps and if "
+          "only projections are shown 1, in the centre"),
       row("frames", &PictureSpec::frames, whole_number_within(limits::frames),
           "Number of pictures from the first of the camera's \"keyframes\" to the last, at even times; default 25 per "
           "unit of time")};
@@ -372,7 +377,7 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
   static const std::vector<Row<AnnotationsSpec>> rows{
       switched_row("axes", &AnnotationsSpec::axes, axes_rows(), "Arrows along the world axes, in a corner"),
       row("box", &AnnotationsSpec::box, yes_or_no(),
-          "Box around the shown data, with ticks in world units; unless a zoom is given, it is 0.75, which leaves room "
+          "Box around the shown data, with ticks in world units; unless a zoom is given, it is 0.8, which leaves room "
           "for them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),
@@ -387,8 +392,10 @@ const std::vector<Row<SceneSpec>>& scene_rows() {
       required(row("data", &SceneSpec::data, data_value(), "Files and their fields, by names of your choice")),
       required(
           row("layers", &SceneSpec::layers, list_by_type(layer_kinds(), "layer", {1, most_layers}), "What is shown")),
+      row("style", &SceneSpec::style, word_value(style_words()),
+          concat("Lights, background, samples, highlight and normals of what says nothing else. ", style_help())),
       row("lights", &SceneSpec::lights, list_by_type(light_kinds(), "light", {0, most_lights}),
-          "Lights; default one white light at the camera"),
+          "Lights; default the style's"),
       row("effects", &SceneSpec::effects, object_value(effect_rows()),
           "Effects of the whole picture; each key switches one on"),
       row("clip", &SceneSpec::clip, object_value(clip_rows()),

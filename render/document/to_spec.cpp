@@ -4,6 +4,7 @@
 #include "render/document/lights.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
+#include "render/document/styles.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
 
@@ -15,6 +16,14 @@ std::string name_of_texture(const ResolvedScene& plan, const Texture& texture) {
   for (std::size_t i = 0; i < plan.textures.size(); ++i)
     if (&plan.textures[i].grid() == &texture.grid()) return plan.texture_data[i].name;
   return {};
+}
+
+/// A style that has the scene's lights; nothing where none has.
+std::optional<std::string> style_of_lights(const ResolvedScene& plan) {
+  if (has_light_of(plan.scene, plan.style)) return style_named(plan.style).name;
+  for (const Style& style : styles())
+    if (has_light_of(plan.scene, style.name)) return style.name;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -59,7 +68,10 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     scene_spec.layers.push_back(std::move(spec));
   }
   scene_spec.clip = clip_spec(plan.scene.clip);
-  scene_spec.lights = light_specs(plan.scene.lights);
+  if (const auto style = style_of_lights(plan))
+    scene_spec.style = *style;
+  else
+    scene_spec.lights = light_specs(plan.scene.lights);
   scene_spec.effects = effects_spec(plan.scene);
   scene_spec.camera.position = camera.position;
   scene_spec.camera.target = camera.target;
@@ -75,7 +87,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
   if (plan.frame.channels.any()) scene_spec.image.channels = words_of(plan.frame.channels);
   if (plan.page) scene_spec.image.show = word_of(*plan.page);
   if (!plan.frame.use_hierarchy) scene_spec.image.hierarchy = false;
-  if (plan.frame.antialiasing > 1) scene_spec.image.antialias = plan.frame.antialiasing;
+  scene_spec.image.antialias = plan.frame.antialiasing;
   return scene_spec;
 }
 

@@ -34,6 +34,20 @@ RHORAY_INLINE GroupColors group_of(TileColors& colors, std::size_t first) {
   return {colors.red + first, colors.green + first, colors.blue + first, colors.alpha + first};
 }
 
+/// Looks up what effects need at the shown hits of a group. Hits that are not shown keep their own
+/// gradient: it decides on which side of the surface a ray goes on, once they are.
+RHORAY_INLINE void look_up(const LayerShading& shading, LayerWork& work, std::size_t first, const Lanes& shown,
+                           double* field_values) {
+  double own[3][group_size];
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 0; i < group_size; ++i) own[axis][i] = work.hits.gradient[axis].data()[first + i];
+  (*shading.lookup)(work.rays, work.hits, first, field_values);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double* gradient = work.hits.gradient[axis].data() + first;
+    for (std::size_t i = 0; i < group_size; ++i) gradient[i] = shown[i] > 0 ? gradient[i] : own[axis][i];
+  }
+}
+
 /// Calls act(first, shown lanes, their colours) for groups with shown hits of a layer.
 /// @param is_shown  (ray of the batch)
 template <class IsShown, class Act>
@@ -47,7 +61,7 @@ RHORAY_INLINE void for_each_shown_group(const LayerShading& shading, LayerWork& 
     if (count == 0) continue;
     Colors colors;
     double field_values[group_size];
-    if (shading.lookup) (*shading.lookup)(work.rays, work.hits, first, field_values);
+    if (shading.lookup) look_up(shading, work, first, shown, field_values);
     CoveringColors texture;
     if (shading.texture)
       counts.texture_lookups +=

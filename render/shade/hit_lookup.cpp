@@ -12,7 +12,9 @@
 #include "formats/base/text.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/dataset/load_view.h"
+#include "render/grid/smooth_gradient.h"
 #include "render/query/compiled_for.h"
+#include "render/triangles/corner_normals.h"
 #include "render/triangles/point_gradients.h"
 
 namespace rhoray::render {
@@ -103,13 +105,15 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
   }
 }
 
-/// Misses get an arbitrary cell.
+/// Misses get an arbitrary cell, and so do hits that are not shown and are left from other data.
 RHORAY_INLINE void find_cells(const TetData& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
   Numbers place[3], away[4][3], field[4];
   find_places(rays, hits, first, place);
+  const std::uint64_t cell_count = view.description().cell_count;
   for (std::size_t i = 0; i < group_size; ++i) {
-    const auto vertices = view.vertices(hits.t[first + i] < infinity ? hits.tet[first + i] : 0);
+    const std::uint32_t tet = hits.tet[first + i];
+    const auto vertices = view.vertices(hits.t[first + i] < infinity && tet < cell_count ? tet : 0);
     const auto points = view.points_at(vertices);
     for (std::size_t k = 0; k < 4; ++k) {
       cells.point[k][i] = vertices[k];
@@ -175,19 +179,21 @@ std::array<double, 3> weights_at(const TrianglePoints& points, const Vec3& place
   return weight;
 }
 
-/// Keeps the triangle's own normal where the smooth one is zero or not finite.
-void replace_by_smooth(const TriangleData& view, const PointGradients& normals, const Ray& ray, std::size_t r,
-                       HitBatch& hits) {
-  const auto vertices = view.vertices(hits.tet[r]);
-  const std::array<double, 3> weight = weights_at(view.points_at(vertices), ray.at(hits.t[r]));
-  Vec3 smooth(0, 0, 0);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::array<double, 3>& normal = normals.of_points()[vertices[c]];
-    smooth += weight[c] * Vec3(normal[0], normal[1], normal[2]);
-  }
-  const double size = smooth.length2();
+/// Replaces a gradient, unless the smooth one is zero or not finite.
+void replace_gradient(const Vec3& smooth, HitBatch& hits, std::size_t r) {
+  const double size = std::abs(smooth.x) + std::abs(smooth.y) + std::abs(smooth.z);
   if (!(size > 0 && size < infinity)) return;
   for (int axis = 0; axis < 3; ++axis) hits.gradient[axis][r] = smooth[axis];
+}
+
+void replace_by_smooth(const TriangleData& view, const CornerNormals& normals, const Ray& ray, std::size_t r,
+                       HitBatch& hits) {
+  const std::uint32_t triangle = hits.tet[r];
+  if (triangle >= view.triangle_count()) return;  // not shown, left from other data
+  const std::array<double, 3> weight = weights_at(view.points_at(view.vertices(triangle)), ray.at(hits.t[r]));
+  Vec3 smooth(0, 0, 0);
+  for (std::size_t c = 0; c < 3; ++c) smooth += weight[c] * normals.of(triangle, c);
+  replace_gradient(smooth, hits, r);
 }
 
 // Grids.
@@ -198,8 +204,10 @@ RHORAY_INLINE void look_up_in_grid(const Grid& grid, const RayBatch& rays, const
   Numbers place[3], corner[8];
   find_places(rays, hits, first, place);
   const Index3 count = grid.lattice().leaf_count;
+  const auto cell_count = static_cast<std::uint64_t>(volume(count));
   for (std::size_t i = 0; i < group_size; ++i) {
-    const std::uint64_t id = hits.t[first + i] < infinity ? hits.cell[first + i] : 0;
+    const std::uint64_t own = hits.cell[first + i];
+    const std::uint64_t id = hits.t[first + i] < infinity && own < cell_count ? own : 0;
     const auto of_row = static_cast<std::int64_t>(id) / count.x;
     const Index3 cell(static_cast<std::int64_t>(id) % count.x, of_row % count.y, of_row / count.y);
     const TrilinearCell corners = grid.cell(cell);
@@ -216,6 +224,20 @@ RHORAY_INLINE void look_up_in_grid(const Grid& grid, const RayBatch& rays, const
     for (std::size_t c = 0; c < 8; ++c) cell.corner[c] = corner[c][i];
     values[i] = cell.at({place[0][i], place[1][i], place[2][i]});
   }
+}
+
+template <class Grid>
+void replace_by_smooth(const Grid& grid, ReadSurroundings read, const Ray& ray, std::size_t r, HitBatch& hits) {
+  const Index3 count = grid.lattice().leaf_count;
+  if (hits.cell[r] >= static_cast<std::uint64_t>(volume(count))) return;  // not shown, left from other data
+  const auto id = static_cast<std::int64_t>(hits.cell[r]);
+  const Index3 cell(id % count.x, id / count.x % count.y, id / count.x / count.y);
+  Vec3 place = ray.at(hits.t[r]);
+  for (int axis = 0; axis < 3; ++axis)
+    place[axis] = std::clamp(grid.geometry().in_cell(axis, place[axis], cell[axis]), 0.0, 1.0);
+  CellSurroundings around;
+  read(grid, cell, around);
+  replace_gradient(smooth_gradient(grid.geometry(), cell, place, around), hits, r);
 }
 
 // Choice of the lookup.
@@ -242,23 +264,36 @@ LookUp look_up_for(const TetData& view, const LoadedDataset& dataset, const HitA
 }
 
 template <class Geometry>
-LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned, Machine machine) {
-  if (view.packed())
-    return in_grid(PlacedGrid<Geometry>(*view.packed(), *view.packed()->find_field(*attributes.field)), machine);
-  if (*attributes.field != dataset.field.name)
+LookUp field_lookup(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const std::string& field,
+                    Machine machine) {
+  if (view.packed()) return in_grid(PlacedGrid<Geometry>(*view.packed(), *view.packed()->find_field(field)), machine);
+  if (field != dataset.field.name)
     throw Error(ErrorCode::unsupported,
-                concat(dataset.file.name(), ": field '", *attributes.field,
+                concat(dataset.file.name(), ": field '", field,
                        "' is another grid, with other voxels; a surface can be coloured only by its own field, '",
                        dataset.field.name, "'"));
   return in_grid(view, machine);
 }
 
+template <class Geometry>
+LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
+                   unsigned, Machine machine) {
+  LookUp of_field;
+  if (attributes.field) of_field = field_lookup(view, dataset, *attributes.field, machine);
+  if (!attributes.smooth_gradients) return of_field;
+  return [&view, read = surroundings_reader(view), of_field = std::move(of_field)](const RayBatch& rays, HitBatch& hits,
+                                                                                   std::size_t first, double* values) {
+    for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
+      if (hits.t[r] < infinity) replace_by_smooth(view, read, rays[r], r, hits);
+    if (of_field) of_field(rays, hits, first, values);
+  };
+}
+
 LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
                    unsigned threads, Machine) {
   if (attributes.field) throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no fields"));
-  return [&view, normals = dataset.point_gradients->of(view, threads)](const RayBatch& rays, HitBatch& hits,
-                                                                       std::size_t first, double*) {
+  return [&view, normals = dataset.corner_normals->of(view, threads)](const RayBatch& rays, HitBatch& hits,
+                                                                      std::size_t first, double*) {
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
   };
@@ -268,9 +303,6 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
 
 HitLookup::HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads, Machine machine) {
   RHORAY_CHECK(!attributes.none());
-  if (attributes.smooth_gradients && !dataset.point_gradients)
-    throw Error(ErrorCode::usage, concat(dataset.file.name(), ": only meshes have smooth normals"),
-                "the normals of a grid are the exact gradients of its trilinear field");
   if (attributes.field) check_field_name(dataset.file, *attributes.field, dataset.field_names);
   look_up_ = std::visit([&](const auto& view) { return look_up_for(view, dataset, attributes, threads, machine); },
                         dataset.view);

@@ -14,7 +14,7 @@ namespace rhoray::render {
 /// Attributes needed at hits besides those that kernels return.
 struct HitAttributes {
   /// In meshes: linear in the hit cell between gradients at its points; in surfaces: between
-  /// normals.
+  /// normals; in grids: trilinear between central differences (grid/smooth_gradient.h).
   bool smooth_gradients = false;
   std::optional<std::string> field;  ///< a field of the same file, including the dataset's own
 
@@ -32,9 +32,9 @@ struct HitAttributes {
 /// is moved into its cell where rounding has put it outside.
 class HitLookup {
  public:
-  /// Computes the data kept with the dataset (point_gradients.h) with `threads` threads (0: all
-  /// cores). Refuses smooth gradients in grids and an unknown field (ErrorCode::usage), and another
-  /// grid of an OpenVDB file (ErrorCode::unsupported). The numbers are the same on every machine.
+  /// Computes the data kept with the dataset (point_gradients.h, corner_normals.h) with `threads`
+  /// threads (0: all cores). Refuses an unknown field (ErrorCode::usage), and another grid of an
+  /// OpenVDB file (ErrorCode::unsupported). The numbers are the same on every machine.
   HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
             Machine machine = chosen_machine());
 

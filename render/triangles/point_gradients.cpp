@@ -5,7 +5,6 @@
 
 #include "formats/base/parallel.h"
 #include "formats/base/vector.h"
-#include "render/cell/triangle_crossing.h"
 
 namespace rhoray::render {
 
@@ -27,15 +26,6 @@ WeightedGradient weighted_gradient(const std::array<std::array<double, 3>, 4>& p
   const Vec3 gradient =
       (values[1] - values[0]) * bc + (values[2] - values[0]) * c.cross(a) + (values[3] - values[0]) * a.cross(b);
   return six_volumes < 0 ? WeightedGradient{-gradient, -six_volumes} : WeightedGradient{gradient, six_volumes};
-}
-
-double angle_at(const TrianglePoints& points, std::size_t corner) {
-  const auto edge = [&](std::size_t to) {
-    const auto &a = points[corner], &b = points[(corner + to) % 3];
-    return Vec3(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-  };
-  const Vec3 a = edge(1), b = edge(2);
-  return std::atan2(a.cross(b).length(), a.dot(b));
 }
 
 }  // namespace
@@ -64,26 +54,6 @@ PointGradients::PointGradients(const TetData& view, unsigned threads)
     for (std::uint64_t point = first; point < end; ++point)
       for (double& component : gradients_[point])
         component = weights[point - first] > 0 ? component / weights[point - first] : 0;
-  });
-}
-
-PointGradients::PointGradients(const TriangleData& view, unsigned threads)
-    : gradients_(view.mesh().description().point_count, std::array<double, 3>{}) {
-  constexpr std::uint64_t fewest_points = 1 << 14;
-  for_each_range(gradients_.size(), fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
-    for (std::uint32_t triangle = 0; triangle < view.triangle_count(); ++triangle) {
-      const auto vertices = view.vertices(triangle);
-      const auto is_own = [&](std::uint32_t point) { return point >= first && point < end; };
-      if (std::none_of(vertices.begin(), vertices.end(), is_own)) continue;
-      const TrianglePoints points = view.points_at(vertices);
-      const Vec3 normal = triangle_normal(points).normalized();
-      for (std::size_t corner = 0; corner < 3; ++corner) {
-        if (!is_own(vertices[corner])) continue;
-        const Vec3 weighted = angle_at(points, corner) * normal;
-        for (int axis = 0; axis < 3; ++axis)
-          gradients_[vertices[corner]][static_cast<std::size_t>(axis)] += weighted[axis];
-      }
-    }
   });
 }
 

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <array>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include "render/tets/tet_data.h"
-#include "render/triangles/triangle_data.h"
+#include "render/triangles/computed_once.h"
 
 namespace rhoray::render {
 
@@ -17,16 +15,10 @@ namespace rhoray::render {
 /// get little weight, and no cell is divided by its volume.
 ///
 /// Cells without data do not count. Zero where a point's cells have no volume.
-///
-/// For a surface: the mean of the unit normals of the triangles around each point, weighted by
-/// their angles there (G. Thuermer, C. Wuethrich, Journal of Graphics Tools 3(1), 1998). It does
-/// not depend on how faces are triangulated. Triangles without area do not count; those with
-/// opposite orientation cancel.
 class PointGradients {
  public:
   /// @param threads  0 = all cores; the result is the same for any number
   PointGradients(const TetData& view, unsigned threads);
-  PointGradients(const TriangleData& view, unsigned threads);
 
   /// Gradients in the mesh's frame.
   std::span<const std::array<double, 3>> of_points() const { return gradients_; }
@@ -35,19 +27,6 @@ class PointGradients {
   std::vector<std::array<double, 3>> gradients_;
 };
 
-/// The gradients of one mesh or surface, computed at the first call. Any thread may call.
-class PointGradientsCache {
- public:
-  template <class View>
-  std::shared_ptr<const PointGradients> of(const View& view, unsigned threads) {
-    const std::lock_guard lock(mutex_);
-    if (!gradients_) gradients_ = std::make_shared<const PointGradients>(view, threads);
-    return gradients_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::shared_ptr<const PointGradients> gradients_;
-};
+class PointGradientsCache : public ComputedOnce<PointGradients> {};
 
 }  // namespace rhoray::render

@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <vector>
 
+#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "render/frame/camera_rays.h"
 
@@ -40,29 +43,57 @@ std::array<double, 2> place_in_picture(const Camera& camera, double aspect, cons
   return {q.dot(right) / (half * aspect), q.dot(above) / half};
 }
 
-TEST(FitCamera, shows_the_whole_box_and_fills_the_picture_from_every_side) {
-  const std::array<Box3, 4> boxes{Box3({-1, -2, -3}, {4, 2, 1}), Box3({100, 100, 100}, {101, 120, 100.5}),
-                                  Box3({0, 0, 0}, {1e-6, 2e-6, 3e-6}), Box3({-1e6, 5, 7}, {1e6, 6, 9})};
-  for (const Box3& box : boxes)
+/// The rectangle around points in the picture: across and up, each from -1 to 1.
+Box3 rectangle_around(const Camera& camera, double aspect, std::span<const Vec3> points) {
+  Box3 rectangle;
+  for (const Vec3& p : points) {
+    EXPECT_GT((p - camera.position).dot(camera.target - camera.position), 0) << "behind the eye";
+    const auto [x, y] = place_in_picture(camera, aspect, p);
+    rectangle.extendBy(Vec3(x, y, 0));
+  }
+  return rectangle;
+}
+
+TEST(FitCamera, puts_points_into_the_middle_and_fills_nine_tenths_of_the_width_or_height) {
+  std::vector<std::vector<Vec3>> clouds;
+  for (const Box3& box : {Box3({-1, -2, -3}, {4, 2, 1}), Box3({100, 100, 100}, {101, 120, 100.5}),
+                          Box3({0, 0, 0}, {1e-6, 2e-6, 3e-6}), Box3({-1e6, 5, 7}, {1e6, 6, 9})}) {
+    const auto corners = corners_of(box);
+    clouds.emplace_back(corners.begin(), corners.end());
+  }
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (std::vector<Vec3>& cloud : std::vector<std::vector<Vec3>>(4)) {
+    for (int i = 0; i < 30; ++i) cloud.emplace_back(share(random), 2 * share(random), share(random) * share(random));
+    clouds.push_back(cloud);
+  }
+  for (const std::vector<Vec3>& points : clouds)
     for (const std::string_view name : names)
       for (const double aspect : {0.3, 1.0, 16.0 / 9})
         for (const bool orthographic : {false, true})
           for (const double fov : {5.0, 30.0, 120.0}) {
+            if (fov > 90 && points.size() > 8) continue;  // the eye would be at the nearest point
             View view = named_view(name);
             view.orthographic = orthographic;
             view.vertical_fov_deg = fov;
-            const Camera camera = fit_camera(box, view, aspect);
-            double furthest = 0;
-            for (int corner = 0; corner < 8; ++corner) {
-              const Vec3 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                           corner & 4 ? box.max.z : box.min.z);
-              EXPECT_GT((p - camera.position).dot(camera.target - camera.position), 0) << "behind the eye";
-              const auto [x, y] = place_in_picture(camera, aspect, p);
-              furthest = std::max({furthest, std::abs(x), std::abs(y)});
-            }
-            EXPECT_LE(furthest, 1) << name;
-            EXPECT_GT(furthest, 0.95) << name;
+            const Box3 seen = rectangle_around(fit_camera_to(points, view, aspect), aspect, points);
+            const Vec3 size = seen.size(), middle = seen.center();
+            EXPECT_NEAR(std::max(size.x, size.y), 2 * 0.9, 1e-6) << name << ' ' << fov;
+            EXPECT_NEAR(middle.x, 0, 1e-6) << name << ' ' << fov;
+            EXPECT_NEAR(middle.y, 0, 1e-6) << name << ' ' << fov;
           }
+}
+
+TEST(FitCamera, shows_all_around_a_given_target) {
+  const std::array<Vec3, 4> points{Vec3(0, 0, 0), {5, 1, 0}, {0, 2, 1}, {1, 1, 4}};
+  for (const bool orthographic : {false, true})
+    for (const double azimuth : {0.0, 30.0, 200.0}) {
+      const View view{.azimuth_deg = azimuth, .orthographic = orthographic, .target = Vec3(1, 1, 1)};
+      const Camera camera = fit_camera_to(points, view, 1.5);
+      EXPECT_EQ(camera.target, Vec3(1, 1, 1));
+      const Box3 seen = rectangle_around(camera, 1.5, points);
+      EXPECT_NEAR(std::max({seen.max.x, seen.max.y, -seen.min.x, -seen.min.y}), 0.9, 1e-9);
+    }
 }
 
 TEST(FitCamera, zooms_by_the_given_factor) {
@@ -96,9 +127,16 @@ TEST(FitCamera, looks_from_the_named_side_with_exact_axes) {
   EXPECT_GT(iso.position.z, 0) << "from above";
 }
 
-TEST(FitCamera, looks_at_a_single_point_too) {
-  for (const bool orthographic : {false, true})
+TEST(FitCamera, looks_at_a_single_point_and_along_a_line_too) {
+  const std::array<Vec3, 2> line{Vec3(0, 0, 0), {0, 5, 0}};
+  for (const bool orthographic : {false, true}) {
     EXPECT_NO_THROW(CameraRays(fit_camera(Box3(Vec3(1, 2, 3)), {.orthographic = orthographic}, 1), 4, 4));
+    View view = named_view("-y");
+    view.orthographic = orthographic;
+    const Camera camera = fit_camera_to(line, view, 1);
+    EXPECT_LT(camera.position.y, -0.4) << "outside";
+    EXPECT_NO_THROW(CameraRays(camera, 4, 4));
+  }
 }
 
 TEST(FitCamera, refuses_what_cannot_be_shown) {
@@ -110,9 +148,51 @@ TEST(FitCamera, refuses_what_cannot_be_shown) {
     expect_usage_error([&] { fit_camera(box, {.vertical_fov_deg = bad}, 1); });
 }
 
+TEST(ViewDirection, of_words_depends_on_the_frame) {
+  using render::ViewFrame;
+  struct Row {
+    std::string_view word;
+    Vec3 z_up, y_up, patient;
+  };
+  const Row rows[] = {{"front", {0, -1, 0}, {0, 0, 1}, {0, 1, 0}}, {"back", {0, 1, 0}, {0, 0, -1}, {0, -1, 0}},
+                      {"right", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},  {"left", {-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}},
+                      {"top", {0, 0, 1}, {0, 1, 0}, {0, 0, 1}},    {"bottom", {0, 0, -1}, {0, -1, 0}, {0, 0, -1}},
+                      {"+x", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},     {"-z", {0, 0, -1}, {0, 0, -1}, {0, 0, -1}}};
+  const Box3 box({-1, -1, -1}, {1, 1, 1});
+  for (const Row& row : rows)
+    for (const auto& [frame, expected] : {std::pair{ViewFrame::engineering_z_up, row.z_up},
+                                          {ViewFrame::engineering_y_up, row.y_up},
+                                          {ViewFrame::anatomical_ras, row.patient}}) {
+      EXPECT_EQ(render::view_direction(row.word, frame), expected) << row.word;
+      const Camera camera = fit_camera(box, named_view(row.word, frame), 1);
+      EXPECT_EQ(camera.position.normalized(), expected) << row.word;
+      EXPECT_EQ(std::abs(camera.up.dot(expected)), 0) << row.word;
+      const Vec3 up = render::axes_of(frame).up;
+      if (expected.dot(up) == 0) {
+        EXPECT_EQ(camera.up, up) << row.word;
+      }
+    }
+}
+
+TEST(ViewAxes, are_right_handed_with_the_given_axis_up) {
+  for (const auto& [word, up] : {std::pair{"x", Vec3(1, 0, 0)},
+                                 {"y", Vec3(0, 1, 0)},
+                                 {"z", Vec3(0, 0, 1)},
+                                 {"-x", Vec3(-1, 0, 0)},
+                                 {"-y", Vec3(0, -1, 0)},
+                                 {"-z", Vec3(0, 0, -1)}}) {
+    const render::ViewAxes axes = render::axes_with_up(word);
+    EXPECT_EQ(axes.up, up);
+    EXPECT_EQ(axes.right.cross(axes.ahead), up) << word;
+    EXPECT_EQ(fit_camera(Box3({0, 0, 0}, {1, 2, 3}), named_view("front", axes), 1).up, up);
+  }
+  EXPECT_EQ(render::axes_with_up("z"), render::ViewAxes());
+  EXPECT_EQ(render::axes_with_up("y"), render::axes_of(render::ViewFrame::engineering_y_up));
+  for (const char* word : {"", "+z", "w", "zz"}) expect_usage_error([&] { render::axes_with_up(word); });
+}
+
 TEST(NamedView, refuses_other_words) {
-  expect_usage_error([] { named_view("front"); });
-  expect_usage_error([] { named_view(""); });
+  for (const char* word : {"frontal", "", "x", "+w", "--x"}) expect_usage_error([&] { named_view(word); });
 }
 
 TEST(CameraRays, put_pixel_0_0_into_the_upper_left_corner) {

@@ -176,7 +176,7 @@ TEST(AccuracyReport, measures_every_effect_of_the_scene_by_its_number_of_samples
   const std::string page = read_file(bench / "out/report.html");
   EXPECT_THAT(page, HasSubstr("Pictures that differ only in appearance"));
   EXPECT_THAT(page, HasSubstr("Soft shadows with this many rays"));
-  run_well(bench, "ball.rho --iso 60 -o plain" + small);
+  run_well(bench, "ball.rho --iso 60 --style fast -o plain" + small);
   for (const json& row : results_of(bench, "plain").at("rows"))
     EXPECT_THAT(row.at("group").get<std::string>(), testing::Not(HasSubstr("samples"))) << "of a scene without effects";
 }
@@ -186,6 +186,13 @@ TEST(AccuracyReport, measures_normals_the_other_way_than_the_scene_has_them) {
   bench.make_box();
   run_well(bench, "box.rho --field length --iso 0.8 --normals smooth -o out --time-limit 30" + small);
   EXPECT_GT(row_named(results_of(bench, "out"), "flat normals").at("normal_p99_deg"), 0);
+  EXPECT_THAT(read_file(bench / "out/report.html"), HasSubstr("Smooth and flat normals differ by"));
+  bench.make_ball();
+  run_well(bench, "ball.rho --iso 100 -o grid --time-limit 30" + small);
+  const json row = row_named(results_of(bench, "grid"), "exact normals");
+  EXPECT_GT(row.at("normal_p99_deg"), 0);
+  EXPECT_LT(row.at("normal_max_deg"), 20);
+  EXPECT_THAT(read_file(bench / "grid/report.html"), HasSubstr("Smooth and exact normals differ by"));
 }
 
 TEST(AccuracyReport, judges_what_a_clip_region_leaves_and_leaves_slices_out) {

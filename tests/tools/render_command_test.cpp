@@ -89,7 +89,7 @@ TEST(RenderCommand, says_which_cell_a_pixel_shows) {
   EXPECT_EQ(bench.rhoray(with_pick).exit_code, 2);
 }
 
-TEST(RenderCommand, draws_a_ball_in_the_middle_of_a_white_picture) {
+TEST(RenderCommand, draws_a_ball_in_the_middle_of_an_off_white_picture) {
   const Workbench bench;
   bench.make_ball();
   const RunResult result = bench.rhoray({"render", "ball.rho", "--iso", "100", "--size", "96x64", "-o", "ball.png"});
@@ -100,9 +100,9 @@ TEST(RenderCommand, draws_a_ball_in_the_middle_of_a_white_picture) {
   EXPECT_EQ(picture.spec.height, 64);
   EXPECT_EQ(picture.spec.nchannels, 3);
   EXPECT_EQ(picture.spec.format, OIIO::TypeDesc::UINT8);
-  for (const char* channel : {"R", "G", "B"}) {
-    EXPECT_EQ(picture.at(0, 0, channel), 1);
-    EXPECT_EQ(picture.at(95, 63, channel), 1);
+  for (const auto& [channel, background] : {std::pair{"R", 0xf4}, {"G", 0xf4}, {"B", 0xf2}}) {
+    EXPECT_FLOAT_EQ(picture.at(0, 0, channel), static_cast<float>(background) / 255);
+    EXPECT_FLOAT_EQ(picture.at(95, 63, channel), static_cast<float>(background) / 255);
     EXPECT_LT(picture.at(48, 32, channel), 0.98);
     EXPECT_GT(picture.at(48, 32, channel), 0.2);
   }
@@ -125,7 +125,10 @@ TEST(RenderCommand, ends_with_a_command_that_makes_the_same_bytes_again_and_keep
       {"a box.rho", "-o", "p.png", "--field", "length", "--specular", "0", "--fov", "45"},
       {"a box.rho", "-o", "p.tif", "--camera-position", "3,2,1", "--camera-target", "0.5,0.5,0.5", "--camera-up",
        "0,1,0"},
-      {"a box.rho", "-o", "p.exr", "--mode", "mip"}};
+      {"a box.rho", "-o", "p.exr", "--mode", "mip"},
+      {"ball.rho", "-o", "p.png", "--style", "fast", "--iso", "100"},
+      {"ball.rho", "-o", "p.png", "--style", "paper", "--specular", "0.3", "--view", "front"},
+      {"ball.rho", "-o", "p.png", "--style", "presentation", "--up", "y", "--normals", "exact"}};
   struct Drawn {
     std::filesystem::path picture;
     std::string command;
@@ -212,6 +215,72 @@ TEST(RenderCommand, prints_choices_and_statistics_as_json) {
   EXPECT_EQ(json["reproduce"], line_after(result.err, "reproduce: "));
 }
 
+TEST(RenderCommand, has_styles_whose_choices_single_options_replace) {
+  const Workbench bench;
+  bench.make_ball();
+  const auto scene = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"render", "ball.rho", "--iso", "100", "--print-scene"};
+    words.insert(words.end(), options.begin(), options.end());
+    const RunResult result = bench.rhoray(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  struct Row {
+    std::string style;
+    double specular, white;
+    int antialias;
+    std::string normals;
+  };
+  for (const Row& row : {Row{"default", 0.15, 0.9, 8, "smooth"},
+                         {"paper", 0.15, 1, 8, "smooth"},
+                         {"fast", 0.25, 1, 1, "exact"},
+                         {"presentation", 0.15, 0.9, 8, "smooth"}}) {
+    const nlohmann::json json = scene({"--style", row.style});
+    EXPECT_EQ(json["style"], row.style);
+    EXPECT_FALSE(json.contains("lights"));
+    EXPECT_EQ(json["layers"][0]["specular"], row.specular);
+    EXPECT_EQ(json["layers"][0]["normals"], row.normals);
+    EXPECT_EQ(json["image"]["antialias"], row.antialias);
+    EXPECT_NEAR(json["image"]["background"][0], row.white, 0.01);
+    EXPECT_EQ(json.contains("effects"), row.style == "presentation");
+  }
+  EXPECT_EQ(scene({}), scene({"--style", "default"}));
+  const nlohmann::json other = scene({"--style", "fast", "--antialias", "4", "--specular", "0", "--background", "0,0,1",
+                                      "--normals", "smooth", "--shadows"});
+  EXPECT_EQ(other["image"]["antialias"], 4);
+  EXPECT_EQ(other["layers"][0]["specular"], 0);
+  EXPECT_EQ(other["layers"][0]["normals"], "smooth");
+  EXPECT_EQ(other["image"]["background"], nlohmann::json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(other["lights"].size(), 2U);
+  EXPECT_EQ(other["lights"][0]["shadows"], true);
+  const nlohmann::json projection = scene({"--mode", "mip", "--style", "paper"});
+  EXPECT_EQ(projection["image"]["background"], nlohmann::json({0.0, 0.0, 0.0}));
+  EXPECT_EQ(projection["image"]["antialias"], 1);
+}
+
+TEST(RenderCommand, looks_from_sides_of_data_that_stand_on_any_axis) {
+  const Workbench bench;
+  bench.make_ball();
+  const auto back = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"render", "ball.rho", "--iso", "100", "--print-scene"};
+    words.insert(words.end(), options.begin(), options.end());
+    const nlohmann::json camera = nlohmann::json::parse(bench.rhoray(words).out)["camera"];
+    Vec3 way;
+    for (int axis = 0; axis < 3; ++axis)
+      way[axis] = camera["position"][static_cast<std::size_t>(axis)].get<double>() -
+                  camera["target"][static_cast<std::size_t>(axis)].get<double>();
+    return way.normalized();
+  };
+  for (const auto& [options, expected] : {std::pair{std::vector<std::string>{"--view", "front"}, Vec3(0, -1, 0)},
+                                          {{"--view", "right"}, Vec3(1, 0, 0)},
+                                          {{"--view", "top"}, Vec3(0, 0, 1)},
+                                          {{"--view", "front", "--up", "y"}, Vec3(0, 0, 1)},
+                                          {{"--view", "top", "--up", "y"}, Vec3(0, 1, 0)},
+                                          {{"--view", "-z", "--up", "y"}, Vec3(0, 0, -1)},
+                                          {{"--view", "bottom", "--up", "-x"}, Vec3(1, 0, 0)}})
+    EXPECT_LT((back(options) - expected).length(), 1e-12) << testing::PrintToString(options);
+}
+
 TEST(RenderCommand, colours_and_smooths_a_mesh_when_asked_and_reproduces_it) {
   const Workbench bench;
   bench.make_box();
@@ -232,8 +301,8 @@ TEST(RenderCommand, colours_and_smooths_a_mesh_when_asked_and_reproduces_it) {
   const nlohmann::json on = with(
       {"--normals", "smooth", "--color-by", "height", "--colormap", "coolwarm", "--range", "0.1,0.8", "-o", "on.exr"});
   EXPECT_GT(on["statistics"]["hits"], 100);
-  EXPECT_EQ(on["statistics"]["normals_smoothed"], on["statistics"]["hits"]);
-  EXPECT_EQ(on["statistics"]["colors_looked_up"], on["statistics"]["hits"]);
+  EXPECT_EQ(on["statistics"]["normals_smoothed"], on["statistics"]["colors_looked_up"]);
+  EXPECT_GE(on["statistics"]["colors_looked_up"], on["statistics"]["hits"]);
   EXPECT_NE(read_picture(bench / "flat.exr").pixels, read_picture(bench / "smooth.exr").pixels);
   EXPECT_NE(read_picture(bench / "smooth.exr").pixels, read_picture(bench / "on.exr").pixels);
   const std::string reproduce = on["reproduce"];
@@ -253,7 +322,7 @@ TEST(RenderCommand, refuses_looks_that_do_not_apply) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_THAT(result.err, HasSubstr(reason));
   };
-  refused({"ball.rho", "--normals", "smooth"}, "'smooth' applies only to meshes, and ball.rho is a grid");
+  refused({"ball.rho", "--normals", "flat"}, "'flat' applies only to meshes, and ball.rho is a grid");
   refused({"box.rho", "--normals", "exact"}, "'exact' applies only to grids, and box.rho is a mesh");
   refused({"box.rho", "--normals", "round"}, "flat");
   refused({"box.rho", "--color-by", "heigth"}, "did you mean height?");

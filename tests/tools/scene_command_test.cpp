@@ -281,12 +281,16 @@ TEST(SceneCommand, lights_as_options_do) {
     std::vector<std::string> options;
     const char* members;
   } cases[] = {
-      {{"--shadows"}, R"("lights": [{"type": "directional", "azimuth": -40, "elevation": 40, "from": "camera",
-         "intensity": 0.8, "shadows": true}, {"type": "head", "intensity": 0.35}])"},
-      {{"--light", "70,10"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10, "intensity": 0.8},
-         {"type": "head", "intensity": 0.35}])"},
+      {{"--shadows"}, R"("lights": [{"type": "directional", "azimuth": -30, "elevation": 40, "from": "camera",
+         "intensity": 0.9, "shadows": true}, {"type": "directional", "azimuth": 50, "from": "camera",
+         "intensity": 0.3}])"},
+      {{"--light", "70,10"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10, "intensity": 0.9},
+         {"type": "directional", "azimuth": 50, "from": "camera", "intensity": 0.3}])"},
       {{"--light", "70,10", "--light-size", "8"}, R"("lights": [{"type": "directional", "azimuth": 70, "elevation": 10,
-         "intensity": 0.8, "shadows": true, "angular_diameter": 8}, {"type": "head", "intensity": 0.35}])"},
+         "intensity": 0.9, "shadows": true, "angular_diameter": 8}, {"type": "directional", "azimuth": 50,
+         "from": "camera", "intensity": 0.3}])"},
+      {{"--style", "fast"}, R"("style": "fast")"},
+      {{"--style", "presentation"}, R"("style": "presentation")"},
       {{"--ao"}, R"("effects": {"ambient_occlusion": {"samples": 16}})"},
       {{"--fog", "30,90"}, R"("effects": {"fog": {"range": [30, 90]}})"}};
   /// Bytes of p.png: the pixels, and the scene and command stored in it.

@@ -278,12 +278,15 @@ TEST_F(SceneDocument, fits_occlusion_and_fog_to_what_is_shown_where_they_say_no_
   EXPECT_NEAR(plan.scene.fog->range.hi, to_front + 2 * box.size().y, 1e-9);
 }
 
-TEST_F(SceneDocument, without_lights_has_one_white_light_at_the_eye_and_no_effects) {
+TEST_F(SceneDocument, without_lights_has_a_key_and_a_fill_light_and_no_effects) {
   write_file(bench() / "s.json", with("accuracy", "\"double\""));
   const render::ResolvedScene plan = planned(bench() / "s.json");
-  ASSERT_EQ(plan.scene.lights.size(), 1U);
-  EXPECT_EQ(plan.scene.lights[0].kind, render::Light::Kind::head);
-  EXPECT_EQ(plan.scene.lights[0].color, Vec3(1, 1, 1));
+  ASSERT_EQ(plan.scene.lights.size(), 2U);
+  for (const render::Light& light : plan.scene.lights) {
+    EXPECT_EQ(light.kind, render::Light::Kind::directional);
+    EXPECT_FALSE(light.casts_shadows);
+  }
+  EXPECT_NEAR(plan.scene.lights[1].color.x, plan.scene.lights[0].color.x / 3, 1e-15);
   EXPECT_EQ(plan.scene.occlusion.radius, 0);
   EXPECT_FALSE(plan.scene.fog);
   EXPECT_FALSE(tools::scene_json(render::to_spec(plan)).contains("lights"));

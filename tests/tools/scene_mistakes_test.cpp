@@ -22,7 +22,8 @@ std::vector<Mistake> mistakes() {
   const std::string isovalue = "expected a number, \"auto\" or a percentile such as \"p95\"";
   const std::string color = "expected a colour: \"#rrggbb\", or linear [r, g, b] from 0 to 1";
   const std::string size = "expected [width, height] from 1 to 65536, or \"720p\", \"1080p\", \"4k\"";
-  const std::string views = R"(expected one of "iso", "+x", "-x", "+y", "-y", "+z", "-z")";
+  const std::string views = R"(expected one of "iso", "front", "back", "left", "right", "top", "bottom", )"
+                            R"("+x", "-x", "+y", "-y", "+z", "-z")";
   const std::string channels = R"("depth", "normal", "cell", "value", "error", "roots", "iterations", "cost")";
   const std::string levels = R"(expected one of "preview", "float", "double", "certified", "exact")";
   std::string deep = R"({"data": )";
@@ -134,9 +135,9 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/1/colormap: found \"viridsi\"; expected one of \"viridis\", \"cubehelix\", \"gray\", "
        "\"coolwarm\"",
        "did you mean viridis?"},
-      {with_layer(R"("normals": "smooth")"),
-       "s.json: /layers/1/normals: 'smooth' applies only to meshes, and ball.rho is a grid",
-       "use exact, the gradient of the trilinear field"},
+      {with_layer(R"("normals": "flat")"),
+       "s.json: /layers/1/normals: 'flat' applies only to meshes, and ball.rho is a grid",
+       "use exact, the gradient of the trilinear field, or smooth"},
       {with("layers", R"([{"type": "mip", "normals": "flat"}])"),
        "s.json: /layers/0/normals: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with("layers", R"([{"type": "mip", "isovalue": 4}])"),
@@ -270,7 +271,7 @@ std::vector<Mistake> mistakes() {
 
       // camera
       {with("camera", "[]"), "s.json: /camera: found []; expected an object"},
-      {with("camera", R"({"view": "front"})"), "s.json: /camera/view: found \"front\"; " + views},
+      {with("camera", R"({"view": "nowhere"})"), "s.json: /camera/view: found \"nowhere\"; " + views},
       {with("camera", R"({"elevation": 91})"), "s.json: /camera/elevation: found 91; expected a number from -90 to 90"},
       {with("camera", R"({"zoom": 0})"), "s.json: /camera/zoom: found 0; expected a number from 1e-06 to 1e+06"},
       {with("camera", R"({"fov": "wide"})"),

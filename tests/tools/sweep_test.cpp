@@ -78,7 +78,7 @@ class SweepCommand : public testing::Test {
 
   static std::string scene(const std::string& keys, const std::string& more = "") {
     return concat(R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "isosurface", "isovalue": 100}],
-      "image": {"size": [48, 36]}, "camera": {"elevation": 20, "keyframes": )",
+      "image": {"size": [48, 36], "background": "#ffffff", "antialias": 1}, "camera": {"elevation": 20, "keyframes": )",
                   keys, "}", more, "}");
   }
 

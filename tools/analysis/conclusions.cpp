@@ -157,6 +157,20 @@ void say_order(const Rows& rows, std::vector<std::string>& out) {
   }
 }
 
+/// Says how far smooth normals are from those of the field.
+void say_normals(const Rows& rows, std::vector<std::string>& out) {
+  for (const ResultRow& row : rows) {
+    const Measured& measured = *row.measured;
+    if (measured.variant.group != group_normals || !measured.picture_errors || !measured.picture_errors->normal_deg)
+      continue;
+    const render::Quantiles& angle = *measured.picture_errors->normal_deg;
+    out.push_back(concat("Smooth and ", measured.variant.name == "flat normals" ? "flat" : "exact",
+                         " normals differ by ", short_number(angle.median, 2), " degrees in the median, by at most ",
+                         short_number(angle.p99, 2), " in 99 % of the pixels and by ", short_number(angle.largest, 2),
+                         " at most. They change the shading, not the surface."));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> conclusions_of(const LayerStudy& layer) {
@@ -168,6 +182,7 @@ std::vector<std::string> conclusions_of(const LayerStudy& layer) {
   say_sampled(layer, rows, out);
   say_order(rows, out);
   say_copies(layer, rows, out);
+  say_normals(rows, out);
   return out;
 }
 

@@ -71,7 +71,6 @@ LayerStudy::Setup LayerStudy::setup(const Variant& variant, const render::Pictur
   layer.method = variant.method.value_or(render::default_method(data.dataset, layer.mode));
   if (variant.normals) layer.material.normals = *variant.normals;
   if (variant.data.kind != DataForm::Kind::original) layer.material.color_by.reset();
-  if (!data.dataset.is_mesh()) layer.material.normals = render::Normals::exact;
   if (variant.effect == SampledEffect::occlusion) made.scene.occlusion.samples = variant.samples;
   if (variant.effect == SampledEffect::edges) made.frame.antialiasing = variant.samples;
   if (variant.effect == SampledEffect::soft_shadows)

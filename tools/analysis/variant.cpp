@@ -151,10 +151,12 @@ std::vector<Variant> variants_of(const render::Scene& scene, const render::Datas
         const DataForm form{row.kind, size};
         all.push_back({.group = row.group, .name = text_of(form), .data = form, .has_picture = size == row.shown_size});
       }
-  if (is_mesh && !is_projection) {
+  if (!is_projection) {
     const bool is_smooth = layer.material.normals == render::Normals::smooth;
     all.push_back({.group = group_normals,
-                   .name = is_smooth ? "flat normals" : "smooth normals",
+                   .name = !is_smooth ? "smooth normals"
+                           : is_mesh  ? "flat normals"
+                                      : "exact normals",
                    .normals = is_smooth ? render::Normals::exact : render::Normals::smooth,
                    .has_picture = true});
   }

@@ -53,9 +53,12 @@ constexpr Words words[] = {
     {all, group_grids, "grid N",
      "The mesh resampled on a grid with N samples on its longest axis, trilinear between them."},
     {all, group_vdb, "OpenVDB N", "The same grid as OpenVDB."},
-    {surfaces, group_normals, "smooth, flat normals",
+    {mesh_surfaces, group_normals, "smooth, flat normals",
      "Normals of the surface: the gradient of each cell (flat), or a gradient that is linear in the cell between "
      "averages at its points (smooth). Neither moves the surface."},
+    {grid_surfaces, group_normals, "smooth, exact normals",
+     "Normals of the surface: the gradient of the trilinear field (exact), or one interpolated between central "
+     "differences at the samples (smooth). Neither moves the surface."},
     {surfaces, group_occlusion, "N rays a hit",
      "Ambient occlusion with this many rays, compared with a picture with 1024 rays per hit."},
     {surfaces, group_shadows, "N rays to a light",

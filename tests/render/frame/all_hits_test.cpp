@@ -132,6 +132,23 @@ TEST(OnePass, shows_what_is_shown_crossing_by_crossing) {
   }
 }
 
+// Lists of crossings keep entries of other rays, and of data with more cells. These were looked up.
+TEST(OnePass, has_smooth_normals_whatever_its_memory_held_before) {
+  const Shown shown;
+  render::RenderContext memory;
+  for (const std::size_t dataset : {1U, 0U, 3U, 0U}) {
+    std::vector<Layer> layers{surface(dataset, 0.4, {1, 0, 0}, 0.5), surface(dataset, 0.55, {0, 1, 0}, 0.3)};
+    for (Layer& layer : layers) layer.material.normals = render::Normals::smooth;
+    const Scene scene = scene_of(layers);
+    const Picture found = picture_of(shown.datasets, scene, true), reference = picture_of(shown.datasets, scene, false);
+    expect_the_same(found, reference, edge * edge / 1000);
+    Framebuffer kept;
+    render::render(shown.datasets, scene, {.width = edge, .height = edge, .channels = all_channels, .threads = 1}, kept,
+                   memory);
+    EXPECT_EQ(kept.color, found.pixels.color);
+  }
+}
+
 TEST(OnePass, goes_on_where_a_ray_crosses_more_than_a_list_holds) {
   const Shown shown;
   const Scene scene = scene_of({surface(2, 0, {1, 0, 0}, 0.1), surface(2, 12.3, {0, 1, 0}, 0.1)});

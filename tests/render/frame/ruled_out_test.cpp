@@ -90,7 +90,7 @@ std::vector<render::Camera> cameras_of(const render::Dataset& dataset) {
   const Box3 box = dataset.bounds();
   const Vec3 middle = box.center(), size = box.size();
   render::Camera far = fit_camera(box, render::named_view("iso"), 1.3);
-  far.position = middle + 2.0 * (far.position - middle);
+  far.position = middle + 2.4 * (far.position - middle);
   render::Camera flat = far;
   flat.orthographic = true;
   flat.orthographic_height = 2.2 * size.length();

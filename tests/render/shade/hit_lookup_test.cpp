@@ -382,7 +382,7 @@ TEST(HitLookup, gives_the_same_bits_on_every_machine) {
   TracedDataset grid(made_grid({.sample_count = {17, 12, 14}}, grid_fields()).file(), "value");
   for (const TracedDataset* traced : {&mesh, &grid}) {
     const auto rays = rays_through(traced->dataset().implementation().bounds_data, 256);
-    const HitAttributes attributes{.smooth_gradients = traced->dataset().is_mesh(), .field = "other"};
+    const HitAttributes attributes{.smooth_gradients = true, .field = "other"};
     const auto on = [&](Machine machine) {
       return answered(traced->dataset(), rays, 0.3, render::Method{}, attributes, machine);
     };
@@ -402,8 +402,8 @@ TEST(HitLookup, refuses_what_does_not_apply) {
   TracedDataset grid(made_grid({}, grid_fields()).file());
   expect_error(ErrorCode::usage, "no field 'colour'; it has 'value'",
                [&] { HitLookup(mesh.dataset().implementation(), {.smooth_gradients = false, .field = "colour"}, 1); });
-  expect_error(ErrorCode::usage, "only meshes have smooth normals",
-               [&] { HitLookup(grid.dataset().implementation(), {.smooth_gradients = true, .field = {}}, 1); });
+  expect_error(ErrorCode::usage, "no field 'colour'",
+               [&] { HitLookup(grid.dataset().implementation(), {.smooth_gradients = true, .field = "colour"}, 1); });
 }
 
 }  // namespace

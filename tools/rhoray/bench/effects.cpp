@@ -96,10 +96,8 @@ bool shine(render::SceneSpec& scene, const Asked&) {
     return true;
   });
 }
-bool smooth(render::SceneSpec& scene, const Asked& asked) {
-  return change_surfaces(scene, [&](render::LayerSpec& layer) {
-    const render::Dataset& dataset = asked.volume(layer.data);
-    if (!dataset.is_mesh() && !dataset.is_surface()) return false;
+bool smooth(render::SceneSpec& scene, const Asked&) {
+  return change_surfaces(scene, [](render::LayerSpec& layer) {
     layer.normals = "smooth";
     return true;
   });
@@ -212,7 +210,7 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](render::SceneSpe
 
 /// Its layers with a matte material under a light at the camera; slices are left out.
 render::SceneSpec plain_scene(const render::SceneSpec& asked) {
-  render::SceneSpec scene{.data = asked.data};
+  render::SceneSpec scene{.data = asked.data, .style = "fast"};
   scene.camera = asked.camera;
   scene.image.size = asked.image.size, scene.image.background = asked.image.background;
   for (const render::LayerSpec& layer : asked.layers) {

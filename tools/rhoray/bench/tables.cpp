@@ -56,6 +56,7 @@ render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render:
 std::vector<Shot> shots(const BenchOptions& options, const render::Dataset& dataset) {
   std::vector<Shot> list;
   render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
+  scene_spec.style = "fast";
   scene_spec.image.size = options.size;
   scene_spec.accuracy = options.accuracy;
   scene_spec.camera.view = options.view;

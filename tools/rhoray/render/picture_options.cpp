@@ -137,33 +137,36 @@ void add_texture(const std::filesystem::path& file, render::SceneSpec& scene) {
   scene.layers[0].texture = "texture";
 }
 
-/// A key light, and a weaker one at the camera that fills its shadows.
-/// @param towards  the key light, in the world; nothing: from the upper left of the camera
-std::vector<render::LightSpec> key_and_fill(const std::optional<Angles>& towards, bool shadows,
-                                            const std::optional<double>& angular_diameter_deg) {
-  render::LightSpec key{.type = render::Light::Kind::directional, .intensity = 0.8, .shadows = shadows};
-  key.angular_diameter_deg = angular_diameter_deg;
-  key.azimuth_deg = towards ? towards->azimuth_deg : -40;
-  key.elevation_deg = towards ? towards->elevation_deg : 40;
-  if (!towards) key.from = "camera";
-  return {key, {.type = render::Light::Kind::head, .intensity = 0.35}};
-}
-
-/// The lights that options ask for; nothing where they ask for none.
-std::optional<std::vector<render::LightSpec>> lights_of(const PictureOptions& options) {
+/// The lights that options ask for; nothing where they ask for none. The style's first light is its
+/// key light; a style without one gets the default's lights.
+std::optional<std::vector<render::LightSpec>> lights_of(const PictureOptions& options, const std::string& style) {
   if (!options.shadows && !options.key_light && !options.key_light_size) return std::nullopt;
-  return key_and_fill(options.key_light, options.shadows || options.key_light_size, options.key_light_size);
+  std::vector<render::LightSpec> lights = render::lights_of_style(style);
+  if (lights[0].type != render::Light::Kind::directional) lights = render::lights_of_style({});
+  render::LightSpec& key = lights[0];
+  if (options.shadows || options.key_light_size) key.shadows = true;
+  if (options.key_light_size) {
+    key.angular_diameter_deg = options.key_light_size;
+    key.samples = render::Light{}.samples;
+  }
+  if (options.key_light) {
+    key.azimuth_deg = options.key_light->azimuth_deg, key.elevation_deg = options.key_light->elevation_deg;
+    key.from.clear();
+  }
+  return lights;
 }
 
 /// A view by a word or angles replaces a place that was given; an angle of view, an orthographic
 /// one.
 render::CameraSpec camera_under(render::CameraSpec camera, const render::CameraSpec& said) {
   if (said.view) camera.azimuth_deg = camera.elevation_deg = std::nullopt;
-  if (said.view || said.azimuth_deg || said.elevation_deg) camera.position = camera.target = camera.up = std::nullopt;
+  if (said.view || said.azimuth_deg || said.elevation_deg || said.up_axis)
+    camera.position = camera.target = camera.up = std::nullopt;
   if (said.fov_deg) camera.orthographic = std::nullopt, camera.orthographic_height = std::nullopt;
   using Camera = render::CameraSpec;
   replace(camera, said, &Camera::view, &Camera::azimuth_deg, &Camera::elevation_deg, &Camera::zoom, &Camera::fov_deg,
-          &Camera::orthographic, &Camera::orthographic_height, &Camera::position, &Camera::target, &Camera::up);
+          &Camera::orthographic, &Camera::orthographic_height, &Camera::position, &Camera::target, &Camera::up,
+          &Camera::up_axis);
   return camera;
 }
 
@@ -203,10 +206,11 @@ std::vector<Option> picture_options(PictureOptions& options) {
             layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", render::limits::share, layer.opacity)),
             with_details(layers(choice_option(
                              "--normals", render::normals_words(),
-                             "Surface normals: flat or smooth for meshes, exact for grids; default flat for meshes",
+                             "Surface normals: smooth, exact (grids) or flat; default flat for meshes, else smooth",
                              layer.normals)),
-                         "flat: exact gradient of each cell, or normal of each triangle. smooth: linear between "
-                         "averages at the points. exact: gradient of the trilinear field")}),
+                         "smooth: interpolated between central differences of a grid, or averages at the points; "
+                         "triangles keep edges of 30 degrees and more. exact: gradient of the trilinear field. flat: "
+                         "exact gradient of each cell, or normal of each triangle")}),
        in_group(
            "Colour",
            {with_details(layers(value_option("--surface-color", "COLOR",
@@ -225,18 +229,22 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                              options.texture)),
                          "The texture is placed in world axes"),
             value_option("--background", "COLOR",
-                         "Background colour, written as for --surface-color; default white (MIP: black)",
+                         "Background colour, written as for --surface-color; default the style's (MIP: black)",
                          image.background)}),
        in_group(
            "Light",
-           {with_details(flag_option("--shadows", "Cast shadows from a key light at the upper left, or from --light",
-                                     options.shadows),
-                         "A weaker light at the camera brightens the shadows. By default, one light at the camera "
-                         "casts no shadows"),
-            with_details(angles_option("--light", "Add a key light in this direction: azimuth and elevation in degrees",
+           {with_details(choice_option("--style", render::style_words(),
+                                       "Lights, background, samples, highlight and normals, unless other options set "
+                                       "them; default default",
+                                       scene.style),
+                         render::style_help()),
+            with_details(flag_option("--shadows", "Cast shadows from the key light", options.shadows),
+                         "The key light shines from 30 degrees left of the camera and 40 above it, or from --light. A "
+                         "fill light from the other side, a third as strong, casts none"),
+            with_details(angles_option("--light", "Direction of the key light: azimuth and elevation in degrees",
                                        options.key_light),
-                         "The angles are those of a camera. A weaker light at the camera is added too. The key light "
-                         "casts shadows only with --shadows or --light-size"),
+                         "The angles are those of a camera. The key light casts shadows only with --shadows, "
+                         "--light-size or a style that has them"),
             with_details(
                 number_option("--light-size", "DEG", "Angular diameter of the key light, for soft shadows; default 0",
                               render::limits::angular_diameter_deg, options.key_light_size),
@@ -249,7 +257,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
              [&effects = scene.effects](const std::string& text) { read_value(text, effects.fog.emplace().range); }},
             layers(number_option("--ambient", "A", "Ambient light, 0 to 1; default 0.12", render::limits::share,
                                  layer.ambient)),
-            layers(number_option("--specular", "S", "Specular strength, 0 to 1; default 0.25", render::limits::share,
+            layers(number_option("--specular", "S", "Specular strength, 0 to 1; default 0.15", render::limits::share,
                                  layer.specular)),
             layers(number_option("--shininess", "N", "Specular exponent; default 40", render::limits::shininess,
                                  layer.shininess))}),
@@ -257,11 +265,16 @@ std::vector<Option> picture_options(PictureOptions& options) {
            "Camera",
            {choice_option("--view", render::view_words(),
                           "Side from which the camera looks; iso: three-quarter view; default iso", camera.view),
-            value_option("--azimuth", "DEG", "Camera azimuth around the z axis; 0 looks along +y", camera.azimuth_deg),
+            with_details(choice_option("--up", render::up_axis_words(), "Axis of the data that is up; default z",
+                                       camera.up_axis),
+                         "For surfaces packed from .obj or .ply the default is y. With z, front looks along +y; "
+                         "with y, along -z"),
+            value_option("--azimuth", "DEG", "Camera azimuth around the axis that is up; 0 looks from the front",
+                         camera.azimuth_deg),
             number_option("--elevation", "DEG", "Camera elevation; 90 looks straight down",
                           render::limits::elevation_deg, camera.elevation_deg),
-            number_option("--zoom", "FACTOR", "Zoom factor; 1 just fits the data; default 1", render::limits::zoom,
-                          camera.zoom),
+            number_option("--zoom", "FACTOR", "Zoom factor; at 1 the data fill 90 % of the width or height; default 1",
+                          render::limits::zoom, camera.zoom),
             number_option("--fov", "DEG", "Vertical field of view in degrees; default 30", render::limits::fov_deg,
                           camera.fov_deg),
             constant_option("--ortho", "Use an orthographic projection", true, camera.orthographic),
@@ -312,9 +325,9 @@ std::vector<Option> image_options(PictureOptions& options) {
   render::PictureSpec& image = options.scene_spec.image;
   return {
       value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
-      with_details(number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 1",
+      with_details(number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 8 (MIP: 1)",
                                  render::limits::pixel_samples, image.antialias),
-                   "Pixels at edges get more samples than others"),
+                   "Only pixels at edges get more than one"),
       with_details(
           value_option("--channels", "A,B", "Extra EXR channels, such as depth, normal, value", image.channels),
           concat("All: ", joined(render::channel_words()), ". error needs --accuracy certified or exact")),
@@ -383,7 +396,7 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::
   render::SceneSpec scene_spec = options.scene_spec;
   scene_spec.data[0].file = files.front();
   if (!options.texture.empty()) add_texture(options.texture, scene_spec);
-  scene_spec.lights = lights_of(options);
+  scene_spec.lights = lights_of(options, scene_spec.style);
   scene_spec.layers[0].type = options.mode == "mip" ? render::LayerType::mip : render::LayerType::isosurface;
   if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
@@ -402,7 +415,8 @@ render::SceneSpec with_options(render::SceneSpec document, const PictureOptions&
                 "set it in a layer of the document");
   const render::SceneSpec& said = options.scene_spec;
   document.camera = camera_under(document.camera, said.camera);
-  if (const auto lights = lights_of(options)) document.lights = lights;
+  if (!said.style.empty()) document.style = said.style;
+  if (const auto lights = lights_of(options, document.style)) document.lights = lights;
   using Image = render::PictureSpec;
   using Annotations = render::AnnotationsSpec;
   replace(document.effects, said.effects, &render::EffectsSpec::occlusion, &render::EffectsSpec::fog);
@@ -488,6 +502,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--shininess", concat(*layer.shininess));
     add("--opacity", concat(*layer.opacity));
   }
+  add("--style", scene_spec.style);
   if (layer.method.empty())
     add("--accuracy", layer.accuracy);
   else
@@ -507,7 +522,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   if (image.channels) add("--channels", joined(*image.channels, ","));
   if (image.show) add("--show", *image.show);
   if (image.hierarchy) words.push_back("--no-hierarchy");
-  if (image.antialias) add("--antialias", concat(*image.antialias));
+  add("--antialias", concat(*image.antialias));
   if (annotations.axes) words.push_back("--axes");
   if (annotations.box.value_or(false)) words.push_back("--box");
   if (annotations.color_bar) words.push_back("--colorbar");

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+namespace rhoray::render {
+
+/// What is kept with one mesh or surface, computed at the first call. Any thread may call.
+template <class Computed>
+class ComputedOnce {
+ public:
+  /// @param threads  0 = all cores
+  template <class View>
+  std::shared_ptr<const Computed> of(const View& view, unsigned threads) {
+    const std::lock_guard lock(mutex_);
+    if (!computed_) computed_ = std::make_shared<const Computed>(view, threads);
+    return computed_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const Computed> computed_;
+};
+
+}  // namespace rhoray::render
