@@ -44,10 +44,11 @@ TEST(Formats, lists_what_is_read_and_written) {
 
 /// What is written for other programs and is a volume, mesh or surface can be read again.
 TEST(Formats, that_are_exported_are_read_but_for_nanovdb) {
-  for (const ExportFormat& format : export_formats)
-    if (std::string_view(format.extension) != ".nvdb")
-      EXPECT_NE(preprocess::foreign_kind(std::string("a") + format.extension), preprocess::ForeignKind::unknown)
-          << format.extension;
+  for (const ExportFormat& format : export_formats) {
+    const bool is_read =
+        preprocess::foreign_kind(std::string("a") + format.extension) != preprocess::ForeignKind::unknown;
+    EXPECT_EQ(is_read, std::string_view(format.extension) != ".nvdb") << format.extension;
+  }
 }
 
 }  // namespace
