@@ -153,7 +153,7 @@ TEST(Help, starts_with_summary_usage_and_at_most_three_examples) {
     EXPECT_THAT(lines[1], EndsWith(" [OPTIONS]"));
     EXPECT_EQ(lines[3], "Examples:");
     const auto examples = std::count_if(lines.begin(), lines.end(), [&](const std::string& line) {
-      return line.starts_with(concat("  rhoray ", each.name, " "));
+      return line.starts_with(concat("  rhoray ", each.name));
     });
     EXPECT_GE(examples, 2);
     EXPECT_LE(examples, 3);

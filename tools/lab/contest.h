@@ -52,7 +52,7 @@ struct Subject {
   std::vector<tools::StudyView> views;
   double unit;            ///< unit of errors along the ray, in world units
   std::string unit_name;  ///< "voxel"
-  Json about;      ///< for the tables' context
+  Json about;             ///< for the tables' context
 
   /// @param data  without its bounds and range, which the packed file provides
   Subject(const ContestSettings& settings, const PeerData& data, double unit, const std::string& unit_name);

@@ -17,7 +17,7 @@ namespace rhoray::study {
 inline Json context_with(const Json& peculiar) {
   const tools::Machine machine = tools::this_machine();
   Json context{{"processor", machine.processor}, {"cores", machine.core_count}, {"system", machine.system},
-                      {"version", tools::version()},    {"commit", tools::commit()},   {"compiler", tools::compiler()}};
+               {"version", tools::version()},    {"commit", tools::commit()},   {"compiler", tools::compiler()}};
   context.update(peculiar);
   return context;
 }

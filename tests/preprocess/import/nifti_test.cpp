@@ -221,7 +221,7 @@ TEST(Nifti, refuses_what_it_cannot_mean) {
   refuses(File().set_all<std::int16_t>(40, {3, 30000, 30000, 30000}).content(), ErrorCode::invalid, {"samples"});
   refuses(File().set<std::int16_t>(70, 128).content(), ErrorCode::unsupported, {"datatype", "128"});
   refuses(File().set<float>(108, NAN).content(), ErrorCode::invalid, {"vox_offset"});
-  refuses(File().set<float>(108, 1e6F).content(), ErrorCode::invalid, {"vox_offset"});
+  refuses(File().set<float>(108, 1e6F).content(), ErrorCode::invalid, {"samples", "after the first 1000000"});
   refuses(File().set<std::int16_t>(254, 1).content(), ErrorCode::invalid, {"one plane"});
 }
 
