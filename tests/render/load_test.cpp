@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "formats/base/error.h"
+#include "tests/render/support/rays.h"
 #include "tests/render/support/traced_dataset.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -65,6 +68,28 @@ TEST(IsosurfaceBounds, hold_the_surface_and_little_more) {
     }
     EXPECT_TRUE(traced->dataset().isosurface_bounds(1000).isEmpty());
     EXPECT_TRUE(traced->dataset().isosurface_bounds(-1).isEmpty());
+  }
+}
+
+// The distances of tangent planes from the middle of a ball of radius 8. Cells have an edge of 1 in
+// the grid and of 4 in the mesh, whose facets cut off a little of the ball.
+TEST(ShownBoxes, hold_the_surface_and_little_more_in_every_direction) {
+  const auto field = distance_field({20, 20, 20});
+  const TracedDataset grid(sampled_volume<float>({41, 41, 41}, {}, field));
+  const TracedDataset mesh(box_mesh({.cells = {10, 10, 10}, .box = Box3({0, 0, 0}, {40, 40, 40})}, field));
+  Dice dice(5);
+  for (const TracedDataset* traced : {&grid, &mesh}) {
+    const auto boxes = traced->dataset().shown_boxes(8);
+    EXPECT_LT(boxes.size(), 128U * 128U);
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 direction = dice.direction();
+      double farthest = 0;
+      for (const auto& corners : boxes)
+        for (const Vec3& corner : corners) farthest = std::max(farthest, direction.dot(corner - Vec3(20, 20, 20)));
+      EXPECT_GE(farthest, traced == &grid ? 7.9 : 7.0);
+      EXPECT_LE(farthest, traced == &grid ? 9.8 : 8.6);
+    }
+    EXPECT_TRUE(traced->dataset().shown_boxes(1000).empty());
   }
 }
 

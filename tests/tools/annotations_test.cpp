@@ -284,8 +284,23 @@ Picture read(const std::filesystem::path& file) {
 TEST(AnnotationCommand, draws_over_colours_and_leaves_channels_and_rays_alone) {
   const Workbench bench;
   bench.make_ball();
-  const std::vector<std::string> plain{"render", "ball.rho", "--iso",      "100",          "--size", "200x150",
-                                       "--zoom", "0.75",     "--channels", "depth,normal", "--json", "-o"};
+  // With a box, the camera would be fitted to it.
+  const std::vector<std::string> plain{"render",
+                                       "ball.rho",
+                                       "--iso",
+                                       "100",
+                                       "--size",
+                                       "200x150",
+                                       "--camera-position",
+                                       "-40,-60,40",
+                                       "--camera-target",
+                                       "11,11,11",
+                                       "--camera-up",
+                                       "0,0,1",
+                                       "--channels",
+                                       "depth,normal",
+                                       "--json",
+                                       "-o"};
   const auto with = [&](const char* output, const std::vector<std::string>& more) {
     std::vector<std::string> words = plain;
     words.emplace_back(output);

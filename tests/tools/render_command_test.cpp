@@ -198,7 +198,7 @@ TEST(RenderCommand, prints_choices_and_statistics_as_json) {
   const Workbench bench;
   bench.make_ball();
   const RunResult result =
-      bench.rhoray({"render", "ball.rho", "--size", "32x16", "-o", "ball.png", "--json", "--stats"});
+      bench.rhoray({"render", "ball.rho", "--style", "fast", "--size", "32x16", "-o", "ball.png", "--json", "--stats"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["mode"], "iso");
@@ -279,6 +279,24 @@ TEST(RenderCommand, looks_from_sides_of_data_that_stand_on_any_axis) {
                                           {{"--view", "-z", "--up", "y"}, Vec3(0, 0, -1)},
                                           {{"--view", "bottom", "--up", "-x"}, Vec3(1, 0, 0)}})
     EXPECT_LT((back(options) - expected).length(), 1e-12) << testing::PrintToString(options);
+}
+
+TEST(RenderCommand, has_y_up_in_surfaces_from_ply_and_z_in_others) {
+  const Workbench bench;
+  bench.make_cube();
+  write_file(bench / "tip.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+             "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  ASSERT_EQ(bench.rhoray({"pack", "tip.ply", "-o", "tip.rho", "-q"}).exit_code, 0);
+  const auto up = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"render", "--print-scene"};
+    words.insert(words.end(), options.begin(), options.end());
+    return nlohmann::json::parse(bench.rhoray(words).out)["camera"]["up"];
+  };
+  EXPECT_EQ(up({"tip.rho"}), nlohmann::json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(up({"tip.rho", "--up", "z"}), nlohmann::json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(up({"cube.rho"}), nlohmann::json({0.0, 0.0, 1.0}));
 }
 
 TEST(RenderCommand, colours_and_smooths_a_mesh_when_asked_and_reproduces_it) {
