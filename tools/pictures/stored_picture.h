@@ -21,7 +21,7 @@ struct StoredPicture {
   std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
   /// As stored; integers are divided by the largest value of their type.
   std::vector<float> numbers;
-  std::vector<PictureText> texts;  ///< all that the file holds
+  std::vector<PictureText> texts{};  ///< all that the file holds
 };
 
 }  // namespace rhoray::tools
