@@ -60,7 +60,7 @@ struct GridDescription {
   /// x_i, y_j, z_k: finite, strictly increasing, sample_count of them. An empty axis means 0, 1, 2,
   /// ...
   std::array<std::vector<double>, 3> axes;
-  std::string length_unit;  ///< of world coordinates; empty: not given by the source
+  std::string length_unit;       ///< of world coordinates; empty: not given by the source
   Space space = Space::unknown;  ///< of world coordinates
   /// at least one, with distinct names; a sparse layout holds only F32 and F64
   std::vector<FieldSummary> fields;

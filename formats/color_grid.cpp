@@ -59,12 +59,12 @@ std::vector<ArraySpec> color_grid_arrays(const ColorGridDescription& grid) {
 
 FileDescription describe(const ColorGridDescription& grid) {
   Json json{{"sample_count", details::index_json(grid.layout.sample_count)},
-                  {"brick_edge", grid.layout.brick_edge},
-                  {"superbrick_edge", details::index_json(grid.layout.superbrick_edge)},
-                  {"world_from_grid", details::affine_json(grid.world_from_grid)},
-                  {"length_unit", grid.length_unit},
-                  {"component_count", grid.component_count},
-                  {"provenance", details::provenance_json(grid.provenance)}};
+            {"brick_edge", grid.layout.brick_edge},
+            {"superbrick_edge", details::index_json(grid.layout.superbrick_edge)},
+            {"world_from_grid", details::affine_json(grid.world_from_grid)},
+            {"length_unit", grid.length_unit},
+            {"component_count", grid.component_count},
+            {"provenance", details::provenance_json(grid.provenance)}};
   const bool has_space = grid.space != Space::unknown;
   if (has_space) json["space"] = space_word(grid.space);
   return {.kind = ColorGrid::kind, .required = {}, .details = details::dump(json), .minor_version = has_space ? 6 : 4};

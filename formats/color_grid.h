@@ -20,9 +20,9 @@ namespace rhoray::formats {
 struct ColorGridDescription {
   BrickLayout layout;  ///< not sparse; an axis may have a single texel
   Affine world_from_grid;
-  std::string length_unit;  ///< of world coordinates; empty: not given by the source
+  std::string length_unit;       ///< of world coordinates; empty: not given by the source
   Space space = Space::unknown;  ///< of world coordinates
-  int component_count = 3;  ///< 3: red, green, blue; 4: with alpha
+  int component_count = 3;       ///< 3: red, green, blue; 4: with alpha
   Provenance provenance;
 
   bool has_alpha() const { return component_count == 4; }

@@ -143,7 +143,8 @@ fs::path scratch_folder(const formats::Destination& output, const PackOptions& o
   return output.path.has_parent_path() ? output.path.parent_path() : fs::path(".");
 }
 
-ImportVolumeOptions import_options(const formats::Destination& output, const PackOptions& options, const Progress& progress) {
+ImportVolumeOptions import_options(const formats::Destination& output, const PackOptions& options,
+                                   const Progress& progress) {
   ImportVolumeOptions import;
   if (!options.raw.empty()) import.raw = parse_raw_volume(options.raw);
   import.colors = options.color;
@@ -291,7 +292,8 @@ void check_pack(const fs::path& input, const PackOptions& options) {
   check_numbers(options);
 }
 
-PackReport pack(const fs::path& input, const formats::Destination& output, const PackOptions& options, const Progress& progress) {
+PackReport pack(const fs::path& input, const formats::Destination& output, const PackOptions& options,
+                const Progress& progress) {
   check_pack(input, options);
   const ForeignKind kind = kind_of(input, options);
   const fs::path scratch = scratch_folder(output, options);

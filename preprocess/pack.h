@@ -64,7 +64,7 @@ void check_pack(const std::filesystem::path& input, const PackOptions& options);
 /// Reads a volume, colours, a mesh or a surface, and packs it. A mesh that has only cell fields
 /// gets these averaged to its points; one without a varying field gets fields of its positions. The
 /// file does not depend on the number of threads or on the cap. Refuses what check_pack refuses.
-PackReport pack(const std::filesystem::path& input, const formats::Destination& output,
-                const PackOptions& options = {}, const Progress& progress = {});
+PackReport pack(const std::filesystem::path& input, const formats::Destination& output, const PackOptions& options = {},
+                const Progress& progress = {});
 
 }  // namespace rhoray::preprocess

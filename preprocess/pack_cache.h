@@ -26,9 +26,9 @@ class PackCache {
   };
 
   struct Copy {
-    formats::PackedFile file;         ///< its name is that of the input
-    std::filesystem::path path{};     ///< of the packed copy; empty: in memory, or no longer there
-    std::vector<std::string> notes{}; /// of reading and of packing
+    formats::PackedFile file;          ///< its name is that of the input
+    std::filesystem::path path{};      ///< of the packed copy; empty: in memory, or no longer there
+    std::vector<std::string> notes{};  /// of reading and of packing
   };
 
   struct Entry {

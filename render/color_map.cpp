@@ -10,15 +10,16 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr NamedColorMap named_maps[] = {{"viridis", ColorMap::viridis}, {"viridis_r", {ColorMap::viridis, true}},
-                                        {"magma", ColorMap::magma}, {"magma_r", {ColorMap::magma, true}},
-                                        {"inferno", ColorMap::inferno}, {"inferno_r", {ColorMap::inferno, true}},
-                                        {"plasma", ColorMap::plasma}, {"plasma_r", {ColorMap::plasma, true}},
-                                        {"cividis", ColorMap::cividis}, {"cividis_r", {ColorMap::cividis, true}},
-                                        {"gray", ColorMap::gray}, {"gray_r", {ColorMap::gray, true}},
-                                        {"cubehelix", ColorMap::cubehelix}, {"cubehelix_r", {ColorMap::cubehelix, true}},
-                                        {"turbo", ColorMap::turbo}, {"turbo_r", {ColorMap::turbo, true}},
-                                        {"coolwarm", ColorMap::coolwarm}, {"coolwarm_r", {ColorMap::coolwarm, true}}};
+constexpr NamedColorMap named_maps[] = {
+    {"viridis", ColorMap::viridis},     {"viridis_r", {ColorMap::viridis, true}},
+    {"magma", ColorMap::magma},         {"magma_r", {ColorMap::magma, true}},
+    {"inferno", ColorMap::inferno},     {"inferno_r", {ColorMap::inferno, true}},
+    {"plasma", ColorMap::plasma},       {"plasma_r", {ColorMap::plasma, true}},
+    {"cividis", ColorMap::cividis},     {"cividis_r", {ColorMap::cividis, true}},
+    {"gray", ColorMap::gray},           {"gray_r", {ColorMap::gray, true}},
+    {"cubehelix", ColorMap::cubehelix}, {"cubehelix_r", {ColorMap::cubehelix, true}},
+    {"turbo", ColorMap::turbo},         {"turbo_r", {ColorMap::turbo, true}},
+    {"coolwarm", ColorMap::coolwarm},   {"coolwarm_r", {ColorMap::coolwarm, true}}};
 
 /// IEC 61966-2-1.
 double linear_from_srgb(double encoded) {

@@ -11,12 +11,12 @@ namespace rhoray::render {
 struct ColorMap {
   enum Base {
     // From dark to light; equal steps of the number look like equal steps of colour.
-    viridis,  ///< dark violet over green to yellow
-    magma,    ///< black over purple to a light yellow
-    inferno,  ///< black over red to a light yellow
-    plasma,   ///< blue over red to yellow
-    cividis,  ///< dark blue to yellow; looks nearly the same to readers who cannot tell red from green
-    gray,     ///< black to white in even steps of the sRGB code
+    viridis,    ///< dark violet over green to yellow
+    magma,      ///< black over purple to a light yellow
+    inferno,    ///< black over red to a light yellow
+    plasma,     ///< blue over red to yellow
+    cividis,    ///< dark blue to yellow; looks nearly the same to readers who cannot tell red from green
+    gray,       ///< black to white in even steps of the sRGB code
     cubehelix,  ///< black to white through all hues (D. A. Green, Bull. Astr. Soc. India 39, 2011)
     /// Dark blue over green to dark red, lightest in its middle. Shows more steps than the others, but
     /// not which of two colours stands for the larger number.

@@ -56,7 +56,7 @@ class Dataset {
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
   formats::Space space() const;  ///< of world coordinates
-  bool is_mesh() const;  ///< true for tetrahedra
+  bool is_mesh() const;          ///< true for tetrahedra
   /// True for triangles, which are shown as they are (Mode::triangles) and have no field.
   bool is_surface() const;
   bool is_level_set() const;  ///< true when the values are distances to the surface at value 0

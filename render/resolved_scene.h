@@ -26,8 +26,8 @@ struct ResolvedScene {
   std::vector<DataSpec> texture_data;  ///< of each texture
   Scene scene;
   formats::Space space = formats::Space::ras;  ///< of the world, for files that say which is theirs
-  std::string style;                 ///< whose defaults were taken
-  std::vector<LayerOrigin> origins;  ///< of each layer
+  std::string style;                           ///< whose defaults were taken
+  std::vector<LayerOrigin> origins;            ///< of each layer
   FrameOptions frame;
   std::optional<DebugChannel> page;  ///< drawn instead of colours
   AnnotationsSpec annotations;

@@ -42,9 +42,8 @@ OpenedData packed_into_memory(const fs::path& input, const PackOptions& pack, co
     ~Closing() { ::close(descriptor); }
   } const closing{memory};
   const PackReport report = preprocess::pack(input, formats::Destination(memory), pack, progress);
-  return {.file = formats::PackedFile::from_descriptor(memory, input.string()),
-          .was_packed = true,
-          .notes = report.notes};
+  return {
+      .file = formats::PackedFile::from_descriptor(memory, input.string()), .was_packed = true, .notes = report.notes};
 }
 
 /// The copy in the cache, or a new one.
@@ -77,9 +76,9 @@ OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOpti
 std::vector<std::string> fields_of(const formats::PackedFile& file) {
   const std::string& kind = file.description().kind;
   if (kind == formats::TriangleMesh::kind || kind == formats::ColorGrid::kind) return {};
-  return names_in(kind == "tets" ? formats::TetMesh(file).description().fields
-                                 : formats::BrickGrid(file).description().fields,
-                  &formats::FieldSummary::name);
+  return names_in(
+      kind == "tets" ? formats::TetMesh(file).description().fields : formats::BrickGrid(file).description().fields,
+      &formats::FieldSummary::name);
 }
 
 /// The wanted ones that are not there.

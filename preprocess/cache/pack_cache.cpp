@@ -54,8 +54,8 @@ std::string name_of(const PackCache::Key& key, const fs::path& input) {
 }
 
 Json json_of_source(const SourceFile& source) {
-  return {{"path", source.path.string()},  {"exists", source.exists}, {"device", source.device},
-          {"inode", source.inode},         {"bytes", source.bytes},   {"changed_ns", source.changed_ns}};
+  return {{"path", source.path.string()}, {"exists", source.exists}, {"device", source.device},
+          {"inode", source.inode},        {"bytes", source.bytes},   {"changed_ns", source.changed_ns}};
 }
 
 SourceFile source_of(const Json& json) {

@@ -181,8 +181,8 @@ void write_field(MeteredWriter& writer, std::size_t field, const Array<T>& value
 
 namespace {
 
-PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& destination, const PackMeshOptions& options,
-                          const Progress& progress) {
+PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& destination,
+                          const PackMeshOptions& options, const Progress& progress) {
   const std::string source_name = options.source_name.empty() ? "mesh" : options.source_name;
   check_cluster_size(options);
   ProgressMeter inspecting(progress, "inspecting the mesh", 2);
@@ -219,8 +219,8 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
 
 }  // namespace
 
-PackMeshReport pack_mesh(const NeutralMesh& mesh, const formats::Destination& destination, const PackMeshOptions& options,
-                         const Progress& progress) {
+PackMeshReport pack_mesh(const NeutralMesh& mesh, const formats::Destination& destination,
+                         const PackMeshOptions& options, const Progress& progress) {
   const DefaultFloatingPoint default_floating_point;
   return write_mesh(mesh, destination, options, progress);
 }

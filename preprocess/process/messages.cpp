@@ -70,8 +70,8 @@ class MessageWriter {
   void sources(const std::vector<SourceFile>& sources) {
     std::vector<std::string> texts;
     for (const SourceFile& s : sources)
-      texts.push_back(concat(s.device, ' ', s.inode, ' ', s.bytes, ' ', s.changed_ns, ' ', s.exists ? 1 : 0, ' ',
-                             s.path.string()));
+      texts.push_back(
+          concat(s.device, ' ', s.inode, ' ', s.bytes, ' ', s.changed_ns, ' ', s.exists ? 1 : 0, ' ', s.path.string()));
     counted_texts(texts);
   }
   void counted_texts(const std::vector<std::string>& texts) {

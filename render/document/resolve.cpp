@@ -200,8 +200,9 @@ void note_unknown_spaces(ResolvedScene& plan) {
   if (std::none_of(plan.datasets.begin(), plan.datasets.end(), is_known)) return;
   for (const Dataset& dataset : plan.datasets)
     if (!is_known(dataset))
-      plan.notes.push_back(concat(dataset.file().name(), " does not say in which space it lies (RAS or LPS); it may lie "
-                                                         "elsewhere than the other files"));
+      plan.notes.push_back(concat(dataset.file().name(),
+                                  " does not say in which space it lies (RAS or LPS); it may lie "
+                                  "elsewhere than the other files"));
 }
 
 /// Whether colours of the picture represent values: of a field, a projection or a heat map.

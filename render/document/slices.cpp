@@ -67,7 +67,8 @@ std::vector<Row<LayerSpec>> slice_rows() {
           "With \"normal\", instead of \"axis\": a point of the plane; default the middle of the data"),
       row("normal", &LayerSpec::normal, direction_value(), "Normal of the plane, of either sign and any length"),
       row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
-          "Colour map of the field; default \"viridis\", or \"coolwarm\" with 0 in its middle for floating-point fields "
+          "Colour map of the field; default \"viridis\", or \"coolwarm\" with 0 in its middle for floating-point "
+          "fields "
           "of both signs"),
       row("range", &LayerSpec::range, interval_value(),
           "Values of the first and last colour; default the field's range"),

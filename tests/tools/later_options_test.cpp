@@ -64,8 +64,8 @@ TEST_F(LaterOptions, choose_between_methods) {
 }
 
 TEST_F(LaterOptions, that_add_replace_nothing) {
-  const Asked found = asked({"--slice", "z=3", "--slice", "y=4", "--clip-plane", "0,0,9,0,0,1", "--clip-plane",
-                             "0,0,3,0,0,1"});
+  const Asked found =
+      asked({"--slice", "z=3", "--slice", "y=4", "--clip-plane", "0,0,9,0,0,1", "--clip-plane", "0,0,3,0,0,1"});
   EXPECT_EQ(found.scene["layers"].size(), 2U);
   EXPECT_EQ(found.scene["clip"]["planes"].size(), 2U);
   EXPECT_THAT(found.messages, Not(HasSubstr("replaces")));

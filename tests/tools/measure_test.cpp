@@ -102,9 +102,8 @@ TEST(Measure, takes_linear_fields_of_meshes_exactly) {
 
 TEST(Measure, counts_cells_without_data_as_outside) {
   const TemporaryFolder folder;
-  const auto file = packed_grid(folder, {4, 2, 2}, {}, [](const Vec3& p) {
-    return p.x < 0.5 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
-  });
+  const auto file = packed_grid(
+      folder, {4, 2, 2}, {}, [](const Vec3& p) { return p.x < 0.5 ? std::numeric_limits<double>::quiet_NaN() : 1.0; });
   const Enclosed found = measured(file, 0.5);
   EXPECT_EQ(found.cells_without_data, 1U);
   EXPECT_NEAR(found.volume, 2, 1e-13);

@@ -14,8 +14,8 @@ using testing::Not;
 /// ball.nrrd: ball.raw with a header.
 void make_ball_nrrd(const Workbench& bench) {
   bench.make_ball_raw();
-  write_file(bench / "ball.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nencoding: raw\n\n" +
-                                      read_file(bench / "ball.raw"));
+  write_file(bench / "ball.nrrd",
+             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nencoding: raw\n\n" + read_file(bench / "ball.raw"));
 }
 
 /// Each is drawn twice: from the file, and from what `pack` makes of it.

@@ -197,9 +197,9 @@ FormedData DataForms::resample(const DataForm& form, const FormOptions& options)
   const Stopwatch watch;
   std::filesystem::path path = grid;
   if (is_vdb) preprocess::export_vdb(grid, path.replace_extension(".vdb"), {.replace_existing = true});
-  FormedData made{
-      .dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {})) : render::Dataset::load(path, {}, dataset_.space()),
-      .file_bytes = std::filesystem::file_size(path)};
+  FormedData made{.dataset = is_vdb ? render::Dataset::load(preprocess::open_vdb(path, {}))
+                                    : render::Dataset::load(path, {}, dataset_.space()),
+                  .file_bytes = std::filesystem::file_size(path)};
   made.preprocess_s = sampling_s + watch.seconds();
   // An OpenVDB file contains the same samples as the grid.
   made.border = std::make_shared<const ResampledBorder>(dataset_, render::Dataset::load(grid));

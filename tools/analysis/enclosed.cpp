@@ -97,7 +97,8 @@ class CellMeasure {
   void visit(const Part& part, int halvings) {
     const Values8& c = part.corner;
     double lo = c[0], hi = c[0], largest = 0;
-    for (const double value : c) lo = std::min(lo, value), hi = std::max(hi, value), largest = std::max(largest, std::abs(value));
+    for (const double value : c)
+      lo = std::min(lo, value), hi = std::max(hi, value), largest = std::max(largest, std::abs(value));
     // of the halvings before, and of the sums below
     const double rounding = 16 * (halvings + 1) * epsilon * largest;
     if (lo - rounding >= isovalue_) {
@@ -201,10 +202,9 @@ Enclosed enclosed_in_grid(const formats::PackedFile& file, const EnclosedOptions
       const Vec3 widths = field.widths(at);
       Part part{.corner = cell.corner, .points = {}, .volume = scale * widths.x * widths.y * widths.z};
       for (std::size_t i = 0; i < 8; ++i)
-        part.points[i] = world_from_grid.point(
-            {field.position(0, at.x + static_cast<std::int64_t>(i & 1)),
-             field.position(1, at.y + static_cast<std::int64_t>(i >> 1 & 1)),
-             field.position(2, at.z + static_cast<std::int64_t>(i >> 2))});
+        part.points[i] = world_from_grid.point({field.position(0, at.x + static_cast<std::int64_t>(i & 1)),
+                                                field.position(1, at.y + static_cast<std::int64_t>(i >> 1 & 1)),
+                                                field.position(2, at.z + static_cast<std::int64_t>(i >> 2))});
       measure.add(part);
     }
   };
@@ -242,8 +242,9 @@ Enclosed enclosed_in_mesh(const formats::PackedFile& file, const EnclosedOptions
     // of the differences, the products and the share; a sliver's volume may be rounding alone
     double reach = 0;
     for (const Vec3& p : points) reach = std::max(reach, p.length());
-    sums.rounding += 16 * epsilon * (a.length() * b.length() * c.length() +
-                                     reach * (a.length() * b.length() + b.length() * c.length() + c.length() * a.length()));
+    sums.rounding += 16 * epsilon *
+                     (a.length() * b.length() * c.length() +
+                      reach * (a.length() * b.length() + b.length() * c.length() + c.length() * a.length()));
     std::sort(values.begin(), values.end());
     const double inside = 1 - share_below(values, options.isovalue);
     sums.inside += inside * volume;

@@ -168,7 +168,8 @@ void LayerStudy::weigh(Measured& row) {
   Setup drawn = setup(row.variant, {32, 24}, {});
   ::malloc_trim(0);
   const std::uint64_t before = anonymous_bytes();
-  const render::Dataset dataset = render::Dataset::load(drawn.data.dataset.file(), drawn.data.dataset.field().name, drawn.data.dataset.space());
+  const render::Dataset dataset =
+      render::Dataset::load(drawn.data.dataset.file(), drawn.data.dataset.field().name, drawn.data.dataset.space());
   render::RenderContext memory;
   render::Framebuffer picture;
   row.prepare_ms = 1e3 * render::render(dataset, drawn.scene, drawn.frame, picture, memory).preparation_s;

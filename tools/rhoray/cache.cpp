@@ -39,11 +39,11 @@ Json json_of(const preprocess::PackCache& cache, const std::vector<preprocess::P
             {"bytes", bytes_of(entries)},
             {"entries", Json::array()}};
   for (const auto& entry : entries)
-    json["entries"].push_back({{"input", entry.input.string()},
-                               {"options", entry.options},
-                               {"bytes", entry.bytes},
-                               {"used", std::chrono::duration_cast<std::chrono::seconds>(entry.used.time_since_epoch())
-                                            .count()}});
+    json["entries"].push_back(
+        {{"input", entry.input.string()},
+         {"options", entry.options},
+         {"bytes", entry.bytes},
+         {"used", std::chrono::duration_cast<std::chrono::seconds>(entry.used.time_since_epoch()).count()}});
   return json;
 }
 

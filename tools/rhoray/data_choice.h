@@ -31,8 +31,7 @@ DataAccess access_for(const CommonOptions& common, ProgressDisplay& display);
 /// @param others  fields that are needed besides
 /// @param world   as for render::Dataset::load
 render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access = {},
-                           const std::vector<std::string>& others = {},
-                           formats::Space world = formats::Space::unknown);
+                           const std::vector<std::string>& others = {}, formats::Space world = formats::Space::unknown);
 
 /// As above; refuses a surface, which has no fields (ErrorCode::unsupported).
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,

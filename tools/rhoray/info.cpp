@@ -153,9 +153,8 @@ std::string geometry_text(const Json& json) {
     for (const Json& axis : geometry["direction"]) axes += concat(axes.empty() ? "(" : "  (", numbers(axis), ")");
     text += row("direction", axes);
     if (json.contains("space") && !word(json["space"]).empty())
-      text += row("space", word(json["space"]) == "RAS"
-                               ? "RAS: x to the patient's right, y to the front, z to the head"
-                               : "LPS: x to the patient's left, y to the back, z to the head");
+      text += row("space", word(json["space"]) == "RAS" ? "RAS: x to the patient's right, y to the front, z to the head"
+                                                        : "LPS: x to the patient's left, y to the back, z to the head");
   }
   if (json.contains("box"))
     text += row("box", with_unit(concat("(", numbers(json["box"]["low"]), ") to (", numbers(json["box"]["high"]), ")"),

@@ -30,12 +30,11 @@ std::string unit_text(const std::string& length_unit, int power) {
 }
 
 std::string text_of(const Enclosed& enclosed, const std::string& unit) {
-  std::string text =
-      concat("  volume  ", rounded(enclosed.volume, 9), " ", unit_text(unit, 3), ", error at most ",
-             rounded(enclosed.volume_error, 2), " (proven), ",
-             rounded(100 * enclosed.volume / enclosed.whole_volume, 3), " % of the data\n", "  area    about ",
-             rounded(enclosed.area, 4), " ", unit_text(unit, 2), " (an estimate)\n", "  cells   ",
-             grouped(enclosed.crossed_cells), " crossed by the isosurface\n");
+  std::string text = concat("  volume  ", rounded(enclosed.volume, 9), " ", unit_text(unit, 3), ", error at most ",
+                            rounded(enclosed.volume_error, 2), " (proven), ",
+                            rounded(100 * enclosed.volume / enclosed.whole_volume, 3), " % of the data\n",
+                            "  area    about ", rounded(enclosed.area, 4), " ", unit_text(unit, 2), " (an estimate)\n",
+                            "  cells   ", grouped(enclosed.crossed_cells), " crossed by the isosurface\n");
   if (enclosed.cells_without_data != 0)
     text += concat("  note    ", counted(enclosed.cells_without_data, "cell", "cells"),
                    " without data, counted as outside\n");
@@ -84,29 +83,30 @@ int run(const MeasureCommand& command) {
 
 Subcommand measure_subcommand() {
   const auto command = std::make_shared<MeasureCommand>();
-  return {.name = "measure",
-          .summary = "Measure the volume that an isosurface encloses",
-          .group = "Measurements",
-          .examples = {"rhoray measure head.nrrd --iso 500", "rhoray measure heart.rho --field pressure --iso p90 --json"},
-          .options = all_options(
-              {{with_details(file_option("FILE", "Grid or mesh, packed or not", command->input),
-                             "Files that are not packed are packed first; see `rhoray cache --help`"),
-                value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
-                with_details(value_option("--iso", "V",
-                                          "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold); default "
-                                          "auto",
-                                          command->isovalue),
-                             "The volume is that of values of at least V. Cells without data count as outside"),
-                for_experts(with_details(
-                    value_option_if<double>(
-                        "--undecided", "S",
-                        "Divide each crossed cell of a grid until at most this share is undecided; default 0.001",
-                        "a number above 0", [](double share) { return share > 0; }, command->share),
-                    "A cell is halved at most 6 times. The proven error counts all that is undecided"))},
-               threads_option(command->common),
-               {cache_option(command->common)},
-               message_options(command->common, "Print the measures as JSON to stdout")}),
-          .run = [command] { return run(*command); }};
+  return {
+      .name = "measure",
+      .summary = "Measure the volume that an isosurface encloses",
+      .group = "Measurements",
+      .examples = {"rhoray measure head.nrrd --iso 500", "rhoray measure heart.rho --field pressure --iso p90 --json"},
+      .options = all_options(
+          {{with_details(file_option("FILE", "Grid or mesh, packed or not", command->input),
+                         "Files that are not packed are packed first; see `rhoray cache --help`"),
+            value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
+            with_details(value_option("--iso", "V",
+                                      "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold); default "
+                                      "auto",
+                                      command->isovalue),
+                         "The volume is that of values of at least V. Cells without data count as outside"),
+            for_experts(with_details(
+                value_option_if<double>(
+                    "--undecided", "S",
+                    "Divide each crossed cell of a grid until at most this share is undecided; default 0.001",
+                    "a number above 0", [](double share) { return share > 0; }, command->share),
+                "A cell is halved at most 6 times. The proven error counts all that is undecided"))},
+           threads_option(command->common),
+           {cache_option(command->common)},
+           message_options(command->common, "Print the measures as JSON to stdout")}),
+      .run = [command] { return run(*command); }};
 }
 
 }  // namespace rhoray::tools

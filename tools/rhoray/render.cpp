@@ -174,18 +174,21 @@ Subcommand render_subcommand() {
                     {value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
                      value_option("--sheet", "COLUMNS",
                                   "Draw all frames of a scene in one picture with this many columns", command->sheet),
-                     with_details(value_option("--pick", "X,Y", "Print what a pixel shows: position, cell, value and, if proven, the error", command->picks),
-                                  "Several pixels: X,Y:X,Y"),
+                     with_details(
+                         value_option("--pick", "X,Y",
+                                      "Print what a pixel shows: position, cell, value and, if proven, the error",
+                                      command->picks),
+                         "Several pixels: X,Y:X,Y"),
                      flag_option("--stats", "Print statistics of rays, cells and times to stdout", command->statistics),
                      flag_option("--explain", "Print what the scene needs, and why; render nothing", command->explain),
                      flag_option("--print-scene", "Print the complete scene document; render nothing",
                                  command->print_scene)}})),
            in_group("General",
-                    all_options(
-                        {threads_option(command->common),
-                         {memory_option(command->common,
-                                        "Refuse pictures that need more memory; default the machine's memory")},
-                         message_options(command->common, "Print choices, statistics and times as JSON to stdout")}))})),
+                    all_options({threads_option(command->common),
+                                 {memory_option(command->common,
+                                                "Refuse pictures that need more memory; default the machine's memory")},
+                                 message_options(command->common,
+                                                 "Print choices, statistics and times as JSON to stdout")}))})),
       .run = [command] { return run(*command); }};
 }
 

@@ -154,14 +154,10 @@ Json json_of(const formats::GridDescription& grid) {
 }
 
 Json json_of(const formats::ColorGridDescription& grid) {
-  return {{"texels", json_of(grid.layout.sample_count)},
-          {"components", grid.has_alpha() ? "RGBA" : "RGB"},
-          {"geometry", json_of(grid.world_from_grid)},
-          {"length_unit", grid.length_unit},
-          {"space", formats::space_word(grid.space)},
-          {"box", json_of(grid.bounds())},
-          {"layout", layout_json(grid.layout)},
-          {"provenance", json_of(grid.provenance)}};
+  return {{"texels", json_of(grid.layout.sample_count)}, {"components", grid.has_alpha() ? "RGBA" : "RGB"},
+          {"geometry", json_of(grid.world_from_grid)},   {"length_unit", grid.length_unit},
+          {"space", formats::space_word(grid.space)},    {"box", json_of(grid.bounds())},
+          {"layout", layout_json(grid.layout)},          {"provenance", json_of(grid.provenance)}};
 }
 
 Json json_of(const formats::TetMeshDescription& mesh) {

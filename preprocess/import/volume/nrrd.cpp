@@ -94,8 +94,7 @@ void require_regular_data_files(const std::filesystem::path& path) {
   const ForeignFile file(path);
   const std::string_view text = file.text().substr(0, longest_header);
   for (const std::string& name : named_files(text.substr(0, end_of_header(text))))
-    if (is_there(path.parent_path() / name))
-      require_regular_file(path.parent_path() / name);
+    if (is_there(path.parent_path() / name)) require_regular_file(path.parent_path() / name);
 }
 
 Loaded load_header(const std::filesystem::path& path) {

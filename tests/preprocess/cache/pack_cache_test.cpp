@@ -36,9 +36,10 @@ class PackCacheTest : public testing::Test {
   /// A MetaImage of 4 x 4 x 4 bytes, whose samples are in a file of their own.
   void write_volume(const std::string& name, char value) const {
     const std::string samples = fs::path(name).replace_extension(".raw");
-    write_file(data(name), "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n"
-                           "ElementDataFile = " +
-                               samples + "\n");
+    write_file(data(name),
+               "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n"
+               "ElementDataFile = " +
+                   samples + "\n");
     std::string bytes(64, value);
     bytes[0] = 0;
     write_file(data(samples), bytes);

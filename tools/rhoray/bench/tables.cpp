@@ -48,7 +48,8 @@ struct Shot {
 };
 
 render::ResolvedScene plan_of(const render::SceneSpec& scene_spec, const render::Dataset& dataset) {
-  render::ResolvedScene plan = resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
+  render::ResolvedScene plan =
+      resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
   aim_camera(scene_spec, plan);
   return plan;
 }

@@ -224,8 +224,8 @@ std::vector<Given> without_replaced(const Subcommand& subcommand, const std::vec
 /// prefix.
 void take_values(const Subcommand& subcommand, std::vector<Given> given) {
   for (const Option& row : subcommand.options) {
-    const bool is_given = std::any_of(given.begin(), given.end(),
-                                      [&](const Given& one) { return &subcommand.options[one.row] == &row; });
+    const bool is_given =
+        std::any_of(given.begin(), given.end(), [&](const Given& one) { return &subcommand.options[one.row] == &row; });
     if (is_positional(row) && !is_given)
       throw Error(ErrorCode::usage, concat("no ", row.names, " given"),
                   concat("`rhoray ", subcommand.name, " --help` starts with examples"));

@@ -188,8 +188,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                             scene.space),
                               "ras: x to the patient's right, y to the front, z to the head. lps: x to the left, y to "
                               "the back, z to the head"),
-                 layers(value_option("--landmark", "FILE[,FILE...]",
-                                     "Triangle meshes to show too, such as landmarks", options.landmarks))}),
+                 layers(value_option("--landmark", "FILE[,FILE...]", "Triangle meshes to show too, such as landmarks",
+                                     options.landmarks))}),
        in_group(
            "Surface",
            {with_details(
@@ -218,9 +218,11 @@ std::vector<Option> picture_options(PictureOptions& options) {
                          "Linear r, g and b lie between 0 and 1. By default, several surfaces have different colours"),
             layers(
                 value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
-            layers(choice_option("--colormap", render::colormap_words(),
-                                 "Colour map of --color-by, --slice and MIP (default gray); default viridis, or coolwarm with 0 in its "
-                                 "middle for floating-point fields of both signs", layer.colormap)),
+            layers(choice_option(
+                "--colormap", render::colormap_words(),
+                "Colour map of --color-by, --slice and MIP (default gray); default viridis, or coolwarm with 0 in its "
+                "middle for floating-point fields of both signs",
+                layer.colormap)),
             with_details(
                 layers(value_option("--range", "A,B",
                                     "Values of the first and the last colour; default the field's range", layer.range)),
@@ -340,8 +342,8 @@ namespace {
 
 /// Refuses options of surfaces if no surface is shown.
 void refuse_words_of_surfaces(const PictureOptions& options) {
-  constexpr std::array of_surfaces{"--iso",     "--normals",  "--color-by",  "--texture", "--surface-color",
-                                   "--ambient", "--specular", "--shininess"};
+  constexpr std::array of_surfaces{"--iso",           "--normals", "--color-by", "--texture",
+                                   "--surface-color", "--ambient", "--specular", "--shininess"};
   for (const std::string& name : options.of_the_layer)
     if (std::find(of_surfaces.begin(), of_surfaces.end(), name) != of_surfaces.end())
       throw Error(ErrorCode::usage, concat(name, ": needs an isosurface; a maximum intensity projection has none"),
