@@ -128,8 +128,8 @@ TEST(BenchEffects, refuses_what_it_cannot_measure) {
   for (const auto& [words, exit_code, fact] :
        {std::tuple{std::vector<std::string>{"bench", "effects", "s.json"}, 4, "shows no surface"},
         {{"bench", "effects", "i.json", "--iso", "3"}, 2, "--iso: not allowed with the scene i.json"},
-        {{"bench", "phases", "i.json"}, 7, "i.json: is not a packed file, which table 'phases' needs"},
-        {{"bench", "effects", "ball.raw"}, 7, "ball.raw: is not a packed file or a scene"}}) {
+        {{"bench", "phases", "i.json"}, 7, "i.json: is a scene; table 'phases' needs a file with data"},
+        {{"bench", "effects", "ball.raw"}, 7, "ball.raw: unsupported file type"}}) {
     const RunResult run = bench.rhoray(words);
     EXPECT_EQ(run.exit_code, exit_code) << fact;
     EXPECT_THAT(run.err, HasSubstr(fact));

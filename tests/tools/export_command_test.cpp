@@ -63,7 +63,7 @@ TEST(ExportCommand, refuses_what_a_format_cannot_hold_and_says_what_can) {
                       {{"ball.rho", "-o", "x.stl", "--iso", "300"}, 2, "outside the range"},
                       {{"ball.rho", "-o", "x.vtt"}, 2, "did you mean .vt"},
                       {{"ball.rho"}, 2, "-o: missing"},
-                      {{"ball.raw", "-o", "x.vti"}, 7, "not a packed file"},
+                      {{"ball.raw", "-o", "x.vti"}, 7, "unsupported file type"},
                       {{"none.rho", "-o", "x.vti"}, 3, "no such file"},
                       {{"box.rho", "-o", "x.stl", "--iso", "0.5", "--field", "hight"}, 2, "did you mean height"}};
   const auto before = bench.contents();

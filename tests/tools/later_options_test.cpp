@@ -59,7 +59,7 @@ TEST_F(LaterOptions, of_a_view_replace_a_place_and_the_other_way_round) {
 
 TEST_F(LaterOptions, choose_between_methods) {
   const Asked found = asked({"--accuracy", "certified", "--method", "paper"});
-  EXPECT_EQ(found.scene["layers"][0]["method"], "paper");
+  EXPECT_EQ(found.scene["layers"][0]["method"], "paper:double");
   EXPECT_THAT(found.messages, HasSubstr("--method paper replaces --accuracy certified"));
 }
 

@@ -49,12 +49,15 @@ TEST(OptionValues, reads_numbers_of_bytes) {
   expect_refused<ByteCount>({"", "0", "G", "2GB", "-1M", "1e30T"});
 }
 
-TEST(OptionValues, reads_colours_as_srgb_bytes_or_linear_numbers) {
+TEST(OptionValues, reads_colours_by_name_as_srgb_bytes_or_linear_numbers) {
   EXPECT_EQ(read<render::Color>("#ffffff").linear, Vec3(1, 1, 1));
   EXPECT_EQ(read<render::Color>("#000000").linear, Vec3(0, 0, 0));
   EXPECT_NEAR(read<render::Color>("#bc0000").linear.x, 0.5, 0.003);  // 188 is half the light
   EXPECT_EQ(read<render::Color>("0.25,0.5,1").linear, Vec3(0.25, 0.5, 1));
-  expect_refused<render::Color>({"", "red", "#fff", "#gggggg", "#12345", "0,0,1.1", "0,0,-0.1", "1,1"});
+  EXPECT_EQ(read<render::Color>("red").linear, Vec3(1, 0, 0));
+  EXPECT_EQ(read<render::Color>("aliceblue").linear, read<render::Color>("#f0f8ff").linear);
+  EXPECT_EQ(read<render::Color>("yellowgreen").linear, read<render::Color>("#9acd32").linear);
+  expect_refused<render::Color>({"", "redd", "Red", "#fff", "#gggggg", "#12345", "0,0,1.1", "0,0,-0.1", "1,1"});
 }
 
 TEST(OptionValues, reads_types_and_lists) {

@@ -222,9 +222,9 @@ TEST(SceneCommand, explains_each_layer_and_effect_without_drawing) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   for (const char* line :
        {"layer 0: isosurface 100 of 'ball' in ball.rho\n", "  method double (requested), one ray at a time\n",
-        "  diffuse: a surface is lit\n", "  no specular: specular is 0\n",
-        "layer 1: largest values from 0 to 237 of 'ball' in ball.rho\n", "  intensity: a projection shows values",
-        "isovalue 9000 is outside the range", "/layers/2: not traced: \"visible\" is false\n",
+        "  diffuse: a surface is lit\n", "  no specular: specular is 0\n", "layer 1: largest values from 0.0208",
+        "  intensity: a projection shows values", "isovalue 9000 is outside the range",
+        "/layers/2: not traced: \"visible\" is false\n",
         "data \"box\": ball.raw is not opened; no visible layer uses it\n"})
     EXPECT_THAT(result.out, HasSubstr(line));
   EXPECT_FALSE(std::filesystem::exists(bench / "e.png"));

@@ -194,8 +194,7 @@ TEST(TextureCommand, refuses_mistakes_by_their_options) {
       {{"ball.rho", "--texture", "foto.rho"}, 3, "foto.rho: no such file", "photo.rho"},
       {{"ball.rho", "--texture", "photo.nrrd"}, 4, "photo.nrrd: is not a packed file", "pack --color"},
       {{"ball.rho", "--texture", "ball.rho"}, 4, "holds a grid; expected a packed file of colours", "pack --color"},
-      {{"ball.rho", "--texture", "photo.rho", "--color-by", "ball"}, 2, "--texture: --color-by is also given", ""},
-      {{"ball.rho", "--texture", "photo.rho", "--mode", "mip"}, 2, "--texture: needs an isosurface", ""},
+      {{"ball.rho", "--mode", "mip", "--texture", "photo.rho"}, 2, "--texture: needs an isosurface", ""},
       {{"photo.rho"}, 4, "photo.rho: holds colours; expected a grid", "--texture FILE"},
   };
   for (const Case& one : cases) {

@@ -84,7 +84,7 @@ TEST(ValidateCommand, refuses_what_makes_no_sense) {
   refused("ball.rho --iso 100 --report no/such", 2, "there is no folder no");
   refused("ball.rho --iso 100 --report ball.raw", 2, "is not a folder");
   refused("gone.rho --iso 100", 3, "gone.rho");
-  refused("ball.raw --iso 100", 4, "ball.raw");
+  refused("ball.raw --iso 100", 7, "ball.raw");
   refused("ball.rho --iso 100 --memory 1M", 5, "");
 }
 

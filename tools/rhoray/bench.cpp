@@ -92,7 +92,8 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   const auto reads_a_copy = [](const TableRow& row) { return row.takes != Takes::unpacked; };
   if (!is_scene && std::any_of(chosen.begin(), chosen.end(), reads_a_copy)) {
     ProgressDisplay display(command.common);
-    command.bench.packed = packed_path(command.bench.input, command.bench.field, access_for(command.common, display));
+    command.bench.packed =
+        packed_data_path(command.bench.input, command.bench.field, access_for(command.common, display));
   }
   return chosen;
 }

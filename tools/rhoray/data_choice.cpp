@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
@@ -64,6 +65,11 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
   return opened;
 }
 
+[[noreturn]] void refuse_surface(const std::filesystem::path& path) {
+  throw Error(ErrorCode::unsupported, concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
+              concat("show it: rhoray render ", path.string()));
+}
+
 std::vector<std::string> names_of(const std::string& field, const std::vector<std::string>& others) {
   std::vector<std::string> names;
   if (!field.empty()) names.push_back(field);
@@ -110,11 +116,15 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
 
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field, const DataAccess& access) {
   const render::Dataset dataset = load_shown(path, field, access);
-  if (dataset.is_surface())
-    throw Error(ErrorCode::unsupported,
-                concat(path.string(), ": holds a surface; expected a grid or a mesh with fields"),
-                concat("show it: rhoray render ", path.string()));
+  if (dataset.is_surface()) refuse_surface(path);
   return dataset;
+}
+
+std::filesystem::path packed_data_path(const std::filesystem::path& path, const std::string& field,
+                                       const DataAccess& access) {
+  const std::filesystem::path packed = packed_path(path, field, access);
+  if (formats::PackedFile::open(packed).description().kind == formats::TriangleMesh::kind) refuse_surface(path);
+  return packed;
 }
 
 std::filesystem::path packed_path(const std::filesystem::path& path, const std::string& field,

@@ -42,6 +42,10 @@ render::Dataset load_dataset(const std::filesystem::path& path, const std::strin
 std::filesystem::path packed_path(const std::filesystem::path& path, const std::string& field,
                                   const DataAccess& access = {});
 
+/// As above; refuses a surface, which has no fields (ErrorCode::unsupported).
+std::filesystem::path packed_data_path(const std::filesystem::path& path, const std::string& field,
+                                       const DataAccess& access = {});
+
 /// Opens the data of a scene by load_shown (render/document.h).
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access = {});
 

@@ -148,16 +148,19 @@ Subcommand render_subcommand() {
            "rhoray render smoke.vdb --iso 0.5 -o smoke.png", "rhoray render torso.json --size 4k -o torso.png",
            "rhoray render sweep.json --frames 36 -o sweep_%04d.png"},
       .options = with_replacements(all_options(
-          {{with_details(files_option("FILE",
-                                      "Volume, mesh or surface, packed or not; a scene document (.json); or a picture "
-                                      "that `rhoray` made, which holds its scene",
-                                      command->inputs),
-                         "Files that are not packed are packed first; see `rhoray cache --help`. Further files are "
-                         "shown, too; options of the layer are those of the first file"),
-            cache_option(command->common)},
+          {{
+               with_details(
+                   files_option("FILE",
+                                "Volume, mesh or surface, packed or not; a scene document (.json); or a picture "
+                                "that `rhoray` made, which holds its scene",
+                                command->inputs),
+                   "Files that are not packed are packed first; see `rhoray cache --help`. Further files are "
+                   "shown, too; options of the layer are those of the first file"),
+           },
            picture_options(command->picture),
            in_group("Input",
-                    {answer_option("--scene-help", "Print the keys of scene documents", render::scene_reference),
+                    {cache_option(command->common),
+                     answer_option("--scene-help", "Print the keys of scene documents", render::scene_reference),
                      for_experts(answer_option("--scene-schema", "Print the JSON Schema of scene documents",
                                                render::scene_schema_text)),
                      for_experts(flag_option("--no-verify", "Do not check the file's checksums while rendering",
@@ -167,9 +170,10 @@ Subcommand render_subcommand() {
            in_group(
                "Output",
                all_options(
-                   {output_options(command->common,
-                                   "Picture: .png, .exr, .tif or .jpg; - is a PNG on standard output; default the "
-                                   "file's name with .png in the working folder"),
+                   {output_options(
+                        command->common,
+                        "Picture: .png, .exr, .tif or .jpg; - is a PNG on standard output; default the file's "
+                        "name with .png"),
                     image_options(command->picture),
                     {value_option("--frame", "K", "Draw only this frame of a scene, counted from 0", command->frame),
                      value_option("--sheet", "COLUMNS",

@@ -70,7 +70,7 @@ int run(ValidateCommand& command) {
   check(command);
   const std::filesystem::path packed = [&] {
     ProgressDisplay display(command.common);
-    return packed_path(command.input, command.field, access_for(command.common, display));
+    return packed_data_path(command.input, command.field, access_for(command.common, display));
   }();
   const render::Dataset dataset = load_dataset(packed, command.field);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());

@@ -31,7 +31,8 @@ void expect_code(const Vec3& color, double red, double green, double blue) {
 TEST(ColorMap, grows_lighter_from_end_to_end) {
   for (const ColorMap map : {ColorMap::viridis, ColorMap::cubehelix, ColorMap::gray})
     for (int i = 0; i < 1000; ++i)
-      EXPECT_LE(luminance(color_of(map, i / 1000.0)), luminance(color_of(map, (i + 1) / 1000.0)) + 1e-12);
+      EXPECT_LE(luminance(color_of(map, i / 1000.0)),
+                luminance(color_of(map, (i + 1) / 1000.0)) + 1e-3);  // tables hold 8 bits
 }
 
 TEST(ColorMap, coolwarm_is_lightest_in_its_middle_and_ends_in_the_papers_colours) {

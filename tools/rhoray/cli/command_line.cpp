@@ -238,7 +238,16 @@ void take_values(const Subcommand& subcommand, std::vector<Given> given) {
     }
 }
 
+/// Refuses a value behind an option that takes none: --quiet=3.
+void refuse_values_of_flags(const Subcommand& subcommand, std::span<const char* const> words) {
+  for (const std::string word : words)
+    for (const Option& row : subcommand.options)
+      if (takes_no_value(row) && word.starts_with(concat(long_name(row), "=")))
+        throw Error(ErrorCode::usage, concat(long_name(row), ": takes no value; found '", word, "'"));
+}
+
 int run_subcommand(const Subcommand& subcommand, int argc, const char* const* argv) {
+  refuse_values_of_flags(subcommand, {argv, static_cast<std::size_t>(argc)});
   CLI::App app(subcommand.summary, "rhoray " + subcommand.name);
   app.allow_extras();  // refused by us, with what was probably meant
   app.set_help_all_flag("--help-all");

@@ -218,11 +218,11 @@ std::vector<Option> picture_options(PictureOptions& options) {
                          "Linear r, g and b lie between 0 and 1. By default, several surfaces have different colours"),
             layers(
                 value_option("--color-by", "NAME", "Colour the surface by a field of the same file", layer.color_by)),
-            layers(choice_option(
-                "--colormap", render::colormap_words(),
-                "Colour map of --color-by, --slice and MIP (default gray); default viridis, or coolwarm with 0 in its "
-                "middle for floating-point fields of both signs",
-                layer.colormap)),
+            with_details(layers(choice_option("--colormap", render::colormap_words(),
+                                              "Colour map of --color-by, --slice and MIP; NAME_r is its reverse",
+                                              layer.colormap)),
+                         "Default gray for MIP; else viridis, or coolwarm with 0 in its middle for floating-point "
+                         "fields of both signs"),
             with_details(
                 layers(value_option("--range", "A,B",
                                     "Values of the first and the last colour; default the field's range", layer.range)),
