@@ -12,7 +12,6 @@ namespace rhoray::preprocess {
 
 struct OpenOptions {
   std::vector<std::string> fields{};  ///< that are needed; the first is shown
-  bool colors = false;                ///< as PackOptions::color
   bool use_cache = true;
   std::string program{};  ///< as PackCache::Key::program
   std::uint64_t cache_limit_bytes = PackCache::default_limit_bytes;
@@ -23,7 +22,7 @@ struct OpenedData {
   formats::PackedFile file;          ///< its name is the path as given
   std::filesystem::path path{};      ///< of a packed file with this content; empty: it is in memory
   bool was_packed = false;           ///< just now
-  std::string not_kept{};            ///< why a copy that was packed just now is not in the cache; empty: it is
+  std::string not_kept{};            ///< why the cache does not hold the copy; empty: it does, or was not asked
   std::vector<std::string> notes{};  ///< of packing
 };
 

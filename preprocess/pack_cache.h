@@ -18,7 +18,7 @@ namespace rhoray::preprocess {
 /// appear in one step, and a removed file stays readable for those that have opened it.
 class PackCache {
  public:
-  /// What decides the content of a packed copy, besides its sources.
+  /// The content of a packed copy follows from its key and its sources.
   struct Key {
     std::filesystem::path input;
     std::string options;  ///< all that differ from their defaults
@@ -27,8 +27,9 @@ class PackCache {
 
   struct Copy {
     formats::PackedFile file;          ///< its name is that of the input
-    std::filesystem::path path{};      ///< of the packed copy; empty: in memory, or no longer there
-    std::vector<std::string> notes{};  /// of reading and of packing
+    std::filesystem::path path{};      ///< of the packed copy; empty: it was not kept
+    std::string not_kept{};            ///< the reason
+    std::vector<std::string> notes{};  ///< of reading and of packing
   };
 
   struct Entry {
@@ -51,10 +52,11 @@ class PackCache {
   /// counts as none.
   std::optional<Copy> find(const Key& key) const;
 
-  /// Lets `write` write the packed copy, and keeps it. Then removes the entries that were not used
-  /// for the longest time until all fit the limit; the new copy can be used even if it is among
-  /// them. It is not kept if its sources changed while they were read, or less than 50 ms before:
-  /// with the coarse clocks of file systems a later change could have the same time.
+  /// Calls `write`, which writes the packed copy, and keeps the copy. Then removes the least recently
+  /// used entries until all fit the limit. The new copy can be used even if it is among them.
+  ///
+  /// A copy is not kept if one of its sources changed while packing, or less than 50 ms before. File
+  /// systems have coarse clocks, so a second change could get the same time as the first.
   Copy add(const Key& key, const std::function<PackReport(const formats::Destination&)>& write) const;
 
   std::vector<Entry> entries() const;  ///< last used first

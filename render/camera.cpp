@@ -32,7 +32,7 @@ Vec3 towards_eye(const View& view) {
       .normalized();
 }
 
-/// The axis of the world with this name, of length 1; 0 for other names.
+/// Returns the named axis of the world with length 1, or a zero vector for another name.
 /// @param name  x or +x, -x, ...
 Vec3 axis_named(std::string_view name) {
   const bool has_sign = name.starts_with('+') || name.starts_with('-');
@@ -48,19 +48,7 @@ Vec3 axis_named(std::string_view name) {
                                        "or -z"));
 }
 
-/// Towards the eye for a word, if right and left are those of the picture from the front.
-Vec3 direction_in(const ViewAxes& axes, std::string_view word) {
-  const std::pair<std::string_view, Vec3> sides[] = {{"front", -axes.ahead}, {"back", axes.ahead},
-                                                     {"left", -axes.right},  {"right", axes.right},
-                                                     {"top", axes.up},       {"bottom", -axes.up}};
-  for (const auto& [side, direction] : sides)
-    if (word == side) return direction;
-  const Vec3 axis = word.size() == 2 ? axis_named(word) : Vec3(0, 0, 0);
-  if (axis == Vec3(0, 0, 0)) refuse_view(word);
-  return axis;
-}
-
-/// The view along an axis of these axes.
+/// Returns the view for an eye on one of these axes.
 View view_towards(const Vec3& eye, const ViewAxes& axes) {
   const double right = eye.dot(axes.right), front = -eye.dot(axes.ahead), up = eye.dot(axes.up);
   if (up != 0) return {.azimuth_deg = 0, .elevation_deg = up > 0 ? 90.0 : -90.0, .axes = axes};
@@ -74,7 +62,8 @@ struct Seen {
   double nearness;  ///< towards the eye
 };
 
-/// What reaches farthest to either side of an axis of the picture, for rays at this angle.
+/// The points that reach farthest to either side along an axis of the picture, for rays at this
+/// angle.
 struct Farthest {
   const Seen* high;
   const Seen* low;
@@ -115,7 +104,7 @@ double middle_of(const std::vector<Seen>& points, int axis, double distance, dou
   return 0;
 }
 
-/// What an axis of the picture shows of the points without perspective.
+/// The extent of the points along an axis of the picture, without perspective.
 Interval<double> extent(const std::vector<Seen>& points, int axis) {
   Interval<double> range;
   for (const Seen& p : points) range.include(p.place[axis]);
@@ -176,7 +165,9 @@ ViewAxes axes_of(ViewFrame frame) {
     case ViewFrame::engineering_y_up:
       return {.right = {1, 0, 0}, .ahead = {0, 0, -1}, .up = {0, 1, 0}};
     case ViewFrame::anatomical_ras:
-      return {.right = {-1, 0, 0}, .ahead = {0, -1, 0}, .up = {0, 0, 1}};
+      return {.right = {-1, 0, 0}, .ahead = {0, -1, 0}, .names_sides_of_patient = true};
+    case ViewFrame::anatomical_lps:
+      return {.names_sides_of_patient = true};
   }
   return {};
 }
@@ -193,22 +184,20 @@ ViewAxes axes_with_up(std::string_view axis) {
   return axes;
 }
 
-Vec3 view_direction(std::string_view word, ViewFrame frame) {
-  const bool is_patient = frame == ViewFrame::anatomical_ras;
-  if (is_patient && word == "left")
-    word = "right";
-  else if (is_patient && word == "right")
-    word = "left";
-  return direction_in(axes_of(frame), word);
-}
-
-View named_view(std::string_view name, ViewFrame frame) {
-  const ViewAxes axes = axes_of(frame);
-  return name == "iso" ? View{.axes = axes} : view_towards(view_direction(name, frame), axes);
+Vec3 view_direction(std::string_view word, const ViewAxes& axes) {
+  const Vec3 right = axes.names_sides_of_patient ? -axes.right : axes.right;
+  const std::pair<std::string_view, Vec3> sides[] = {{"front", -axes.ahead}, {"back", axes.ahead},
+                                                     {"left", -right},       {"right", right},
+                                                     {"top", axes.up},       {"bottom", -axes.up}};
+  for (const auto& [side, direction] : sides)
+    if (word == side) return direction;
+  const Vec3 axis = word.size() == 2 ? axis_named(word) : Vec3(0, 0, 0);
+  if (axis == Vec3(0, 0, 0)) refuse_view(word);
+  return axis;
 }
 
 View named_view(std::string_view name, const ViewAxes& axes) {
-  return name == "iso" ? View{.axes = axes} : view_towards(direction_in(axes, name), axes);
+  return name == "iso" ? View{.axes = axes} : view_towards(view_direction(name, axes), axes);
 }
 
 Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, double aspect) {

@@ -18,13 +18,12 @@ struct Camera {
   double orthographic_height = 1;  ///< height of the picture in world units, when orthographic
 };
 
-/// What front, right and top mean in the axes of the world.
+/// Frames of the world in which data have a front, a right side and a top.
 enum class ViewFrame {
   engineering_z_up,  ///< seen from the front, x points to the right and z up
   engineering_y_up,  ///< seen from the front, x points to the right and y up
-  /// x points to the patient's right, y to the front and z to the head. Left and right are the
-  /// patient's.
-  anatomical_ras
+  anatomical_ras,    ///< x points to the patient's right, y to the front, z to the head
+  anatomical_lps     ///< x points to the patient's left, y to the back, z to the head
 };
 
 /// The axes from which the angles of a view count: orthogonal, of length 1, right x ahead = up.
@@ -32,6 +31,9 @@ struct ViewAxes {
   Vec3 right{1, 0, 0};  ///< in a picture from the front
   Vec3 ahead{0, 1, 0};  ///< direction of view of a picture from the front
   Vec3 up{0, 0, 1};
+  /// The words left and right mean the sides of a patient who is seen from the front, not of the
+  /// picture.
+  bool names_sides_of_patient = false;
 
   friend bool operator==(const ViewAxes&, const ViewAxes&) = default;
 };
@@ -46,7 +48,7 @@ ViewAxes axes_with_up(std::string_view axis);
 /// The direction towards the eye, of length 1, world axes, for the side from which a view with this
 /// word looks: front, back, left, right, top or bottom, or an axis of the world: +x, -x, +y, -y, +z
 /// or -z. Refuses other words with ErrorCode::usage.
-Vec3 view_direction(std::string_view word, ViewFrame frame);
+Vec3 view_direction(std::string_view word, const ViewAxes& axes);
 
 /// A view direction given by two angles, and how much of the picture the data fills.
 struct View {
@@ -63,9 +65,7 @@ struct View {
 
 /// Returns the view with this name: iso (three-quarter), or a word of view_direction. Refuses other
 /// names with ErrorCode::usage.
-View named_view(std::string_view name, ViewFrame frame = ViewFrame::engineering_z_up);
-/// The same for other axes; front, back and so on refer to these.
-View named_view(std::string_view name, const ViewAxes& axes);
+View named_view(std::string_view name, const ViewAxes& axes = {});
 
 /// Share of the picture's width or height that fitted points fill.
 inline constexpr double fitted_share = 0.9;

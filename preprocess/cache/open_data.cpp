@@ -1,7 +1,6 @@
 #include "preprocess/open_data.h"
 
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -9,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
-#include "formats/color_grid.h"
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/import_mesh.h"
@@ -27,23 +26,17 @@ namespace fs = std::filesystem;
 
 /// The options of packing, as PackCache::Key holds them.
 std::string text_of(const PackOptions& pack) {
-  std::string text;
-  if (!pack.fields.empty()) text += concat(" --field ", joined(pack.fields, ","));
-  if (pack.color) text += " --color";
-  return text.empty() ? text : text.substr(1);
+  return pack.fields.empty() ? std::string() : concat("--field ", joined(pack.fields, ","));
 }
 
 OpenedData packed_into_memory(const fs::path& input, const PackOptions& pack, const Progress& progress) {
-  const int memory = ::memfd_create("rhoray-packed", MFD_CLOEXEC);
-  if (memory < 0)
+  const Descriptor memory(::memfd_create("rhoray-packed", MFD_CLOEXEC));
+  if (memory.number() < 0)
     throw Error(ErrorCode::resource, concat(input.string(), ": memfd_create: ", std::system_category().message(errno)));
-  struct Closing {
-    int descriptor;
-    ~Closing() { ::close(descriptor); }
-  } const closing{memory};
-  const PackReport report = preprocess::pack(input, formats::Destination(memory), pack, progress);
-  return {
-      .file = formats::PackedFile::from_descriptor(memory, input.string()), .was_packed = true, .notes = report.notes};
+  const PackReport report = preprocess::pack(input, formats::Destination(memory.number()), pack, progress);
+  return {.file = formats::PackedFile::from_descriptor(memory.number(), input.string()),
+          .was_packed = true,
+          .notes = report.notes};
 }
 
 /// The copy in the cache, or a new one.
@@ -61,7 +54,7 @@ OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOpti
       return {.file = copy->file,
               .path = copy->path,
               .was_packed = is_new,
-              .not_kept = copy->path.empty() ? "its files were changing, or it is larger than the cache" : "",
+              .not_kept = copy->not_kept,
               .notes = copy->notes};
     } catch (const Error& error) {
       if (error.code() != ErrorCode::resource) throw;
@@ -75,7 +68,7 @@ OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOpti
 /// Names of the fields of a packed file.
 std::vector<std::string> fields_of(const formats::PackedFile& file) {
   const std::string& kind = file.description().kind;
-  if (kind == formats::TriangleMesh::kind || kind == formats::ColorGrid::kind) return {};
+  if (kind == formats::TriangleMesh::kind) return {};
   return names_in(
       kind == "tets" ? formats::TetMesh(file).description().fields : formats::BrickGrid(file).description().fields,
       &formats::FieldSummary::name);
@@ -92,7 +85,7 @@ std::vector<std::string> missing_in(const std::vector<std::string>& there, const
 /// Packs again where packing keeps less than is needed: of a volume it keeps the first field, of a
 /// mesh all that stand at points and not those of components.
 OpenedData packed_with_fields(const fs::path& input, const OpenOptions& options) {
-  PackOptions pack{.color = options.colors, .command = concat("rhoray pack ", input.string())};
+  PackOptions pack{.command = concat("rhoray pack ", input.string())};
   OpenedData opened = packed(input, pack, options);
   std::vector<std::string> there = fields_of(opened.file);
   const std::vector<std::string> missing = missing_in(there, options.fields);
@@ -112,7 +105,7 @@ OpenedData open_data(const fs::path& input, const OpenOptions& options) {
   if (is_vdb(input)) return {.file = open_vdb(input, options.fields.empty() ? std::string() : options.fields.front())};
   if (formats::PackedFile::looks_packed(input) || input.extension() == ".rho")
     return {.file = formats::PackedFile::open(input), .path = input};
-  check_pack(input, {.color = options.colors});
+  check_pack(input, {});
   return packed_with_fields(input, options);
 }
 

@@ -17,6 +17,7 @@
 #include <thread>
 #include <utility>
 
+#include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/json.h"
 #include "formats/base/pending_file.h"
@@ -32,9 +33,9 @@ using Clock = std::chrono::system_clock;
 constexpr const char* record_extension = ".json";
 constexpr const char* packed_extension = ".rho";
 constexpr std::size_t largest_record = std::size_t{64} << 20;
-/// A packed copy that no record names is being written, or its writer was killed.
+/// A packed copy without a record is being written, or its writer was killed.
 constexpr auto longest_writing = std::chrono::hours(24);
-/// File systems take the time of the kernel's coarse clock, which ticks every 1 to 10 ms.
+/// File systems use the kernel's coarse clock, which ticks every 1 to 10 ms.
 constexpr std::int64_t settling_ns = 50'000'000;
 
 std::int64_t ns_of(Clock::time_point time) {
@@ -45,7 +46,8 @@ std::int64_t ns_of(Clock::time_point time) {
   throw Error(ErrorCode::resource, concat(folder.string(), ": cannot be used as a cache: ", reason));
 }
 
-/// Sixteen hexadecimal digits. Two keys may share a name: a record says which key it is of.
+/// Makes a file name of sixteen hexadecimal digits. Two keys may share a name; the record tells them
+/// apart.
 std::string name_of(const PackCache::Key& key, const fs::path& input) {
   const std::size_t hash = std::hash<std::string>()(concat(input.string(), '\n', key.options, '\n', key.program));
   std::array<char, 17> digits{};
@@ -67,7 +69,7 @@ SourceFile source_of(const Json& json) {
           .changed_ns = json.at("changed_ns").get<std::int64_t>()};
 }
 
-/// What the cache knows of one packed copy.
+/// The facts of one packed copy, as its file in the cache holds them.
 struct Record {
   fs::path input;
   std::string options, program;
@@ -83,7 +85,7 @@ struct Record {
   }
 };
 
-/// Nothing for a file that is no record.
+/// Reads the facts of a packed copy; returns nothing for any other file.
 std::optional<Record> read_record(const fs::path& path) {
   try {
     const Json json = Json::parse(first_bytes(path, largest_record));
@@ -106,21 +108,18 @@ bool are_unchanged(const std::vector<SourceFile>& sources) {
                      [](const SourceFile& source) { return source_file(source.path) == source; });
 }
 
-/// An existing file, opened; the packed file then has the name of its input in messages.
+/// Opens a packed copy under the name of its input, for messages; returns nothing if it is missing or
+/// damaged.
 std::optional<formats::PackedFile> open_copy(const fs::path& path, const std::string& name) {
   try {
-    const int descriptor = open_regular_file(path);
-    struct Closing {
-      int descriptor;
-      ~Closing() { ::close(descriptor); }
-    } const closing{descriptor};
-    return formats::PackedFile::from_descriptor(descriptor, name);
+    const Descriptor file(open_regular_file(path));
+    return formats::PackedFile::from_descriptor(file.number(), name);
   } catch (const Error&) {
     return std::nullopt;
   }
 }
 
-/// The files in the folder with this extension; their names end so.
+/// Lists the files of the folder with this extension.
 std::vector<fs::path> files_with(const fs::path& folder, std::string_view extension) {
   std::vector<fs::path> files;
   std::error_code ignored;
@@ -136,14 +135,15 @@ Clock::time_point time_of(const fs::path& path) {
       std::chrono::seconds(facts.st_mtim.tv_sec) + std::chrono::nanoseconds(facts.st_mtim.tv_nsec)));
 }
 
-/// Until a change of this file would be seen in its time.
+/// Waits until a further change would give the file another time.
 void wait_until_settled(const SourceFile& source) {
   const std::int64_t age_ns = ns_of(Clock::now()) - source.changed_ns;
   if (source.exists && age_ns >= 0 && age_ns < settling_ns)
     std::this_thread::sleep_for(std::chrono::nanoseconds(settling_ns - age_ns));
 }
 
-/// The input and what packing read besides; nothing where one of them may be another than was read.
+/// Joins the input and the other files that packing read. Returns nothing if one of them may have
+/// changed while it was read.
 std::optional<std::vector<SourceFile>> settled(const SourceFile& input, std::vector<SourceFile> sources,
                                                std::int64_t start_ns) {
   sources.push_back(input);
@@ -157,10 +157,33 @@ std::optional<std::vector<SourceFile>> settled(const SourceFile& input, std::vec
   return sources;
 }
 
+/// An entry of the cache, and its two files.
+struct Held {
+  fs::path record, packed;
+  PackCache::Entry entry;
+};
+
+/// Lists the entries of the folder, last used first. Removes old records without a packed copy; a new
+/// one may belong to a process that is just replacing its copy.
+std::vector<Held> held_in(const fs::path& folder) {
+  std::vector<Held> all;
+  for (const fs::path& path : files_with(folder, record_extension)) {
+    const std::optional<Record> record = read_record(path);
+    std::error_code missing, ignored;
+    const std::uintmax_t bytes = record ? fs::file_size(folder / record->packed, missing) : 0;
+    if (record && !missing)
+      all.push_back({path, folder / record->packed, {record->input, record->options, bytes, time_of(path)}});
+    else if (time_of(path) < Clock::now() - longest_writing)
+      fs::remove(path, ignored);
+  }
+  std::sort(all.begin(), all.end(), [](const Held& a, const Held& b) { return a.entry.used > b.entry.used; });
+  return all;
+}
+
 }  // namespace
 
 fs::path PackCache::default_folder() {
-  // of a user, so not of interest to a program that runs with another user's rights
+  // A program that runs with the rights of another user ignores both variables.
   if (const char* xdg = ::secure_getenv("XDG_CACHE_HOME"); xdg != nullptr && fs::path(xdg).is_absolute())
     return fs::path(xdg) / "rhoray";
   if (const char* home = ::secure_getenv("HOME"); home != nullptr && fs::path(home).is_absolute())
@@ -175,12 +198,11 @@ PackCache::PackCache(fs::path folder, std::uint64_t limit_bytes)
   fs::create_directories(folder_.parent_path(), failed);
   if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
     refuse_folder(folder_, std::system_category().message(errno));
-  const int descriptor = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) refuse_folder(folder_, std::system_category().message(errno));
+  const Descriptor opened(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.number() < 0) refuse_folder(folder_, std::system_category().message(errno));
   struct stat facts {};
-  const bool is_own = ::fstat(descriptor, &facts) == 0 && facts.st_uid == ::geteuid();
-  const bool is_closed = is_own && ((facts.st_mode & 07777) == 0700 || ::fchmod(descriptor, 0700) == 0);
-  ::close(descriptor);
+  const bool is_own = ::fstat(opened.number(), &facts) == 0 && facts.st_uid == ::geteuid();
+  const bool is_closed = is_own && ((facts.st_mode & 07777) == 0700 || ::fchmod(opened.number(), 0700) == 0);
   if (!is_own) refuse_folder(folder_, "it belongs to another user");
   if (!is_closed) refuse_folder(folder_, "its mode cannot be set to 0700");
 }
@@ -213,12 +235,14 @@ PackCache::Copy PackCache::add(const Key& key,
   if (!file) throw Error(ErrorCode::resource, concat((folder_ / packed).string(), ": was removed at once"));
   Copy copy{.file = *std::move(file), .path = folder_ / packed, .notes = report.notes};
   std::error_code ignored;
-  const auto sources = settled(source, report.sources, ns_of(start));
-  if (!sources) {
+  const auto drop = [&](const std::string& reason) {
     fs::remove(copy.path, ignored);
     copy.path.clear();
+    copy.not_kept = reason;
     return copy;
-  }
+  };
+  const auto sources = settled(source, report.sources, ns_of(start));
+  if (!sources) return drop("its files were changing");
   const fs::path record_path = folder_ / (name + record_extension);
   const std::optional<Record> old = read_record(record_path);
   const Record record{.input = source.path,
@@ -227,22 +251,19 @@ PackCache::Copy PackCache::add(const Key& key,
                       .packed = packed,
                       .sources = *sources,
                       .notes = report.notes};
-  write_whole_file(record_path, record.text(), true);
+  try {
+    write_whole_file(record_path, record.text(), true);
+  } catch (const Error& error) {
+    return drop(error.what());
+  }
   if (old) fs::remove(folder_ / old->packed, ignored);
   shrink();
-  if (!fs::exists(copy.path, ignored)) copy.path.clear();
-  return copy;
+  return fs::exists(copy.path, ignored) ? copy : drop("it is larger than the cache");
 }
 
 std::vector<PackCache::Entry> PackCache::entries() const {
   std::vector<Entry> entries;
-  for (const fs::path& path : files_with(folder_, record_extension)) {
-    const std::optional<Record> record = read_record(path);
-    std::error_code missing;
-    const std::uintmax_t bytes = record ? fs::file_size(folder_ / record->packed, missing) : 0;
-    if (record && !missing) entries.push_back({record->input, record->options, bytes, time_of(path)});
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.used > b.used; });
+  for (const Held& held : held_in(folder_)) entries.push_back(held.entry);
   return entries;
 }
 
@@ -253,35 +274,19 @@ void PackCache::clear() const {
 }
 
 void PackCache::shrink() const {
-  struct Held {
-    fs::path record, packed;
-    std::uint64_t bytes = 0;
-    Clock::time_point used{};
-  };
   std::error_code ignored;
-  std::vector<Held> all;
   std::vector<fs::path> orphans = files_with(folder_, packed_extension);
   std::uint64_t sum = 0;
-  for (const fs::path& path : files_with(folder_, record_extension)) {
-    const std::optional<Record> record = read_record(path);
-    std::error_code missing;
-    const std::uintmax_t bytes = record ? fs::file_size(folder_ / record->packed, missing) : 0;
-    if (!record || missing) {
-      fs::remove(path, ignored);
-      continue;
-    }
-    all.push_back({path, folder_ / record->packed, bytes, time_of(path)});
-    std::erase(orphans, all.back().packed);
-    sum += bytes;
+  for (const Held& held : held_in(folder_)) {
+    std::erase(orphans, held.packed);
+    sum += held.entry.bytes;
+    if (sum <= limit_bytes_) continue;
+    fs::remove(held.record, ignored);
+    fs::remove(held.packed, ignored);
+    sum -= held.entry.bytes;
   }
   for (const fs::path& orphan : orphans)
     if (time_of(orphan) < Clock::now() - longest_writing) fs::remove(orphan, ignored);
-  std::sort(all.begin(), all.end(), [](const Held& a, const Held& b) { return a.used < b.used; });
-  for (auto held = all.begin(); held != all.end() && sum > limit_bytes_; ++held) {
-    fs::remove(held->record, ignored);
-    fs::remove(held->packed, ignored);
-    sum -= held->bytes;
-  }
 }
 
 }  // namespace rhoray::preprocess

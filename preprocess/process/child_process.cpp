@@ -26,6 +26,7 @@
 #include <thread>
 #include <utility>
 
+#include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "preprocess/process/limits.h"
@@ -57,27 +58,6 @@ constexpr char progress_mark = '\1';  // begins a line of progress
   throw Error(scarce ? ErrorCode::resource : ErrorCode::internal,
               concat(doing, ": ", call, ": ", std::strerror(reason)));
 }
-
-/// A descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  ~Descriptor() { close(); }
-
-  int number() const { return number_; }
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
-};
 
 /// A file passed between the two processes: in memory, or in the scratch folder.
 Descriptor anonymous_file(const WorkerRequest& request, const char* name) {

@@ -1,7 +1,6 @@
 #include "preprocess/process/foreign_file.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -10,6 +9,7 @@
 #include <map>
 #include <mutex>
 
+#include "formats/base/descriptor.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/regular_file.h"
 #include "formats/format_error.h"
@@ -47,16 +47,13 @@ std::vector<SourceFile> noted_sources() {
 
 ForeignFile::ForeignFile(const std::filesystem::path& path) : path_(path) {
   note_source(path);
-  struct Closing {
-    int descriptor;
-    ~Closing() { ::close(descriptor); }
-  } const file{open_regular_file(path)};
+  const Descriptor file(open_regular_file(path));
   struct stat facts {};
-  if (::fstat(file.descriptor, &facts) != 0)
+  if (::fstat(file.number(), &facts) != 0)
     throw Error(ErrorCode::unreadable, concat(path.string(), ": ", std::strerror(errno)));
   if (facts.st_size == 0) refuse_input(path, "byte 0", "an empty file", "a header");
   size_ = static_cast<std::size_t>(facts.st_size);
-  const auto mapped = std::make_shared<const MappedFile>(file.descriptor, size_, path.string());
+  const auto mapped = std::make_shared<const MappedFile>(file.number(), size_, path.string());
   start_ = std::shared_ptr<const void>(mapped, mapped->bytes().data());
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/regular_file.h"
@@ -29,23 +28,8 @@ namespace {
 /// shading still shows.
 constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
 
-Place root(const SceneSpec& scene_spec) {
-  return {scene_spec.document, {}};
-}
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
-}
-
-/// Adds the place in the document to errors. On the command line the messages name the options.
-template <class Act>
-auto at_place(const Place& place, const Act& act) {
-  try {
-    return act();
-  } catch (const Error& error) {
-    if (place.document.empty()) throw;
-    const ErrorCode error_code = error.code() == ErrorCode::usage ? ErrorCode::invalid : error.code();
-    throw Error(error_code, concat(place.text(), ": ", error.what()), error.hint());
-  }
 }
 
 /// The data that a layer names.
@@ -417,142 +401,6 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
                   concat(scene_spec.document.empty() ? "--colorbar: " : "", "nothing here is coloured by a field"));
     });
   return plan;
-}
-
-namespace {
-
-constexpr double zoom_with_box = 0.8;  // numbers stand around it
-
-/// Whether the world's axes point to the sides of a patient.
-bool shows_body(const SceneSpec& scene_spec, const ResolvedScene& plan) {
-  return !scene_spec.camera.up_axis &&
-         std::any_of(plan.datasets.begin(), plan.datasets.end(),
-                     [](const Dataset& dataset) { return dataset.space() != formats::Space::unknown; });
-}
-
-/// The view that a scene names. Left and right are those of a patient who is seen from the front.
-std::string view_word(const SceneSpec& scene_spec, const ResolvedScene& plan) {
-  const std::string word = scene_spec.camera.view.value_or("iso");
-  if (!shows_body(scene_spec, plan)) return word;
-  return word == "left" ? "right" : word == "right" ? "left" : word;
-}
-
-/// The axes from which angles of the camera and words of views count.
-ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
-  if (scene_spec.camera.up_axis) return axes_with_up(*scene_spec.camera.up_axis);
-  const bool is_y_up =
-      std::all_of(plan.datasets.begin(), plan.datasets.end(), [](const Dataset& dataset) { return dataset.is_y_up(); });
-  if (is_y_up) return axes_of(ViewFrame::engineering_y_up);
-  // In LPS a look from the front goes along +y, as in engineering.
-  const bool is_ras = shows_body(scene_spec, plan) && plan.space == formats::Space::ras;
-  return axes_of(is_ras ? ViewFrame::anatomical_ras : ViewFrame::engineering_z_up);
-}
-
-/// The boxes around parts of a layer, before clipping.
-std::vector<std::array<Vec3, 8>> boxes_of(const Layer& layer, const ResolvedScene& plan) {
-  if (layer.mode == Mode::isosurface || layer.mode == Mode::triangles)
-    return plan.datasets[layer.dataset].shown_boxes(layer.isovalue);
-  const Box3 bounds = bounds_of(layer, plan);
-  if (bounds.isEmpty()) return {};
-  return {corners_of(bounds)};
-}
-
-/// The corners of what is left of a box; none where nothing is.
-std::vector<Vec3> left_of(const std::optional<Clip>& clip, const std::array<Vec3, 8>& corners) {
-  Box3 box;
-  for (const Vec3& corner : corners) box.extendBy(corner);
-  if (!clip || leaves_whole(*clip, box)) return {corners.begin(), corners.end()};
-  const Box3 left = what_is_left(*clip, box);
-  if (left.isEmpty()) return {};
-  const std::array<Vec3, 8> of_left = corners_of(left);
-  return {of_left.begin(), of_left.end()};
-}
-
-}  // namespace
-
-Shown what_is_shown(const ResolvedScene& plan) {
-  Shown shown;
-  for (const Layer& layer : plan.scene.layers) {
-    const std::optional<Clip>& clip = plan.scene.clip;
-    for (const auto& box : boxes_of(layer, plan))
-      for (const Vec3& corner : left_of(layer.clipped ? clip : std::nullopt, box)) shown.corners.push_back(corner);
-  }
-  if (shown.corners.empty())
-    for (const Layer& layer : plan.scene.layers)
-      for (const Vec3& corner : corners_of(plan.datasets[layer.dataset].bounds())) shown.corners.push_back(corner);
-  for (const Vec3& corner : shown.corners) shown.box.extendBy(corner);
-  return shown;
-}
-
-void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, const std::optional<Vec3>& target,
-                  ResolvedScene& plan) {
-  const CameraSpec& spec = scene_spec.camera;
-  const bool is_document = !scene_spec.document.empty();
-  at_place(root(scene_spec).at("camera"), [&] {
-    View view = named_view(view_word(scene_spec, plan), view_axes(scene_spec, plan));
-    view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
-    view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
-    const bool has_box = scene_spec.annotations.box.value_or(false);
-    view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
-    view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
-    view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
-    view.target = target;
-
-    const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
-    const bool is_given = spec.position && spec.target && spec.up && (!view.orthographic || spec.orthographic_height);
-    Camera& camera = plan.scene.camera;
-    if (is_given)
-      camera = fit_camera(plan.datasets[0].bounds(), view, aspect);
-    else if (has_box)
-      camera = fit_camera(find_shown().box, view, aspect);
-    else
-      camera = fit_camera_to(find_shown().corners, view, aspect);
-    camera.position = spec.position.value_or(camera.position);
-    camera.target = spec.target.value_or(camera.target);
-    camera.up = spec.up.value_or(camera.up);
-    camera.orthographic_height = spec.orthographic_height.value_or(camera.orthographic_height);
-    const Vec3 forward = camera.target - camera.position;
-    if (!(forward.cross(camera.up).length() > 0))
-      throw Error(ErrorCode::usage, "the camera has no direction: position, target and up lie on one line",
-                  is_document ? "give another \"up\" or \"target\"" : "give another --camera-up or --camera-target");
-  });
-}
-
-namespace {
-
-void place_lights(const SceneSpec& scene_spec, const FindShown& find_shown, ResolvedScene& plan) {
-  const ShownBox shown = [&] { return find_shown().box; };
-  Scene& scene = plan.scene;
-  scene.lights = choose_lights(scene_spec, scene.camera, view_axes(scene_spec, plan));
-  scene.occlusion = choose_occlusion(scene_spec, shown);
-  scene.fog = choose_fog(scene_spec.effects.fog, scene.camera, scene.background, shown);
-  for (const std::string& note : light_notes(scene, plan.datasets)) plan.notes.push_back(note);
-}
-
-/// Rays of an eye inside data start on the side that the field has there.
-void note_camera_inside(ResolvedScene& plan) {
-  if (plan.scene.camera.orthographic) return;
-  for (std::size_t v = 0; v < plan.datasets.size(); ++v)
-    if (plan.datasets[v].bounds().intersects(plan.scene.camera.position))
-      plan.notes.push_back(concat("the camera is inside ", plan.data[v].file.string(), "; rays start inside the data"));
-}
-
-}  // namespace
-
-void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan) {
-  std::optional<Shown> shown;
-  const FindShown find_shown = [&]() -> const Shown& {
-    if (!shown) shown = what_is_shown(plan);
-    return *shown;
-  };
-  aim_camera(scene_spec, find_shown, plan);
-}
-
-void aim_camera(const SceneSpec& scene_spec, const FindShown& find_shown, ResolvedScene& plan) {
-  place_camera(scene_spec, find_shown, std::nullopt, plan);
-  place_lights(scene_spec, find_shown, plan);
-  if (scene_spec.camera.position) note_camera_inside(plan);
-  if (plan.annotations.box.value_or(false)) plan.annotated_box = find_shown().box;
 }
 
 }  // namespace rhoray::render

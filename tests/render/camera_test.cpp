@@ -152,19 +152,24 @@ TEST(ViewDirection, of_words_depends_on_the_frame) {
   using render::ViewFrame;
   struct Row {
     std::string_view word;
-    Vec3 z_up, y_up, patient;
+    Vec3 z_up, y_up, ras, lps;
   };
-  const Row rows[] = {{"front", {0, -1, 0}, {0, 0, 1}, {0, 1, 0}}, {"back", {0, 1, 0}, {0, 0, -1}, {0, -1, 0}},
-                      {"right", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},  {"left", {-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}},
-                      {"top", {0, 0, 1}, {0, 1, 0}, {0, 0, 1}},    {"bottom", {0, 0, -1}, {0, -1, 0}, {0, 0, -1}},
-                      {"+x", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},     {"-z", {0, 0, -1}, {0, 0, -1}, {0, 0, -1}}};
+  const Row rows[] = {{"front", {0, -1, 0}, {0, 0, 1}, {0, 1, 0}, {0, -1, 0}},
+                      {"back", {0, 1, 0}, {0, 0, -1}, {0, -1, 0}, {0, 1, 0}},
+                      {"right", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}},
+                      {"left", {-1, 0, 0}, {-1, 0, 0}, {-1, 0, 0}, {1, 0, 0}},
+                      {"top", {0, 0, 1}, {0, 1, 0}, {0, 0, 1}, {0, 0, 1}},
+                      {"bottom", {0, 0, -1}, {0, -1, 0}, {0, 0, -1}, {0, 0, -1}},
+                      {"+x", {1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},
+                      {"-z", {0, 0, -1}, {0, 0, -1}, {0, 0, -1}, {0, 0, -1}}};
   const Box3 box({-1, -1, -1}, {1, 1, 1});
   for (const Row& row : rows)
     for (const auto& [frame, expected] : {std::pair{ViewFrame::engineering_z_up, row.z_up},
                                           {ViewFrame::engineering_y_up, row.y_up},
-                                          {ViewFrame::anatomical_ras, row.patient}}) {
-      EXPECT_EQ(render::view_direction(row.word, frame), expected) << row.word;
-      const Camera camera = fit_camera(box, named_view(row.word, frame), 1);
+                                          {ViewFrame::anatomical_ras, row.ras},
+                                          {ViewFrame::anatomical_lps, row.lps}}) {
+      EXPECT_EQ(render::view_direction(row.word, render::axes_of(frame)), expected) << row.word;
+      const Camera camera = fit_camera(box, named_view(row.word, render::axes_of(frame)), 1);
       EXPECT_EQ(camera.position.normalized(), expected) << row.word;
       EXPECT_EQ(std::abs(camera.up.dot(expected)), 0) << row.word;
       const Vec3 up = render::axes_of(frame).up;

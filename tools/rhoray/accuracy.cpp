@@ -18,6 +18,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/picture_options.h"
+#include "tools/rhoray/render/reproduce.h"
 #include "tools/rhoray/subcommands.h"
 
 namespace rhoray::tools {

@@ -23,11 +23,30 @@ std::string damage_text(const formats::PackedFile& file, const formats::DamagedB
                 ")");
 }
 
+namespace {
+
+/// Whether the file is the packed copy of another file, under whose name it is open.
+bool is_copy(const formats::PackedFile& file) {
+  const std::filesystem::path name = file.name();
+  return !formats::PackedFile::looks_packed(name) && name.extension() != ".rho";
+}
+
+}  // namespace
+
+std::string packed_name(const formats::PackedFile& file) {
+  return is_copy(file) ? concat("the packed copy of ", file.name()) : file.name();
+}
+
+std::string damage_hint(const formats::PackedFile& file) {
+  return is_copy(file) ? "`rhoray cache --clear` removes it"
+                       : concat("`rhoray verify ", file.name(), "` lists all blocks");
+}
+
 void refuse_damage(const formats::PackedFile& file, unsigned threads) {
   const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
   if (!blocks.empty())
-    throw Error(ErrorCode::invalid, concat(file.name(), ": ", damage_text(file, blocks.front())),
-                concat("`rhoray verify ", file.name(), "` lists all blocks"));
+    throw Error(ErrorCode::invalid, concat(packed_name(file), ": ", damage_text(file, blocks.front())),
+                damage_hint(file));
 }
 
 }  // namespace rhoray::tools

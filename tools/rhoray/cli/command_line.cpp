@@ -8,10 +8,10 @@
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/mapped_file.h"
-#include "formats/base/nearest_name.h"
 #include "formats/base/word_list.h"
 #include "tools/rhoray/cli/help.h"
 #include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/synonyms.h"
 #include "tools/rhoray/cli/version.h"
 
 namespace rhoray::tools {
@@ -37,7 +37,7 @@ std::vector<CLI::Option*> add_options(CLI::App& app, const Subcommand& subcomman
   const CLI::callback_t taken_later = [](const CLI::results_t&) { return true; };
   for (const Option& row : subcommand.options) {
     if (takes_no_value(row)) {
-      added.push_back(app.add_flag(row.names, row.help));
+      added.push_back(app.add_flag(row.names, row.help)->disable_flag_override());
       continue;
     }
     CLI::Option* option = app.add_option(row.names, taken_later, row.help);
@@ -58,85 +58,11 @@ std::vector<std::string> long_names(const Subcommand& subcommand) {
   return names;
 }
 
-/// What other programs call an option or a subcommand of ours.
-struct Synonym {
-  std::string_view word;
-  const char* ours;
-};
-constexpr Synonym option_synonyms[] = {{"--isovalue", "--iso"},
-                                       {"--isovalues", "--iso"},
-                                       {"--isosurface", "--iso"},
-                                       {"--threshold", "--iso"},
-                                       {"--contour", "--iso"},
-                                       {"--width", "--size WIDTHxHEIGHT"},
-                                       {"--height", "--size WIDTHxHEIGHT"},
-                                       {"--resolution", "--size WIDTHxHEIGHT"},
-                                       {"--out", "-o"},
-                                       {"--overwrite", "--force"},
-                                       {"--array", "--field"},
-                                       {"--scalars", "--field"},
-                                       {"--variable", "--field"},
-                                       {"--cmap", "--colormap"},
-                                       {"--palette", "--colormap"},
-                                       {"--colour-map", "--colormap"},
-                                       {"--color-map", "--colormap"},
-                                       {"--bg", "--background"},
-                                       {"--bg-color", "--background"},
-                                       {"--background-color", "--background"},
-                                       {"--color", "--surface-color"},
-                                       {"--alpha", "--opacity"},
-                                       {"--scalar-bar", "--colorbar"},
-                                       {"--eye", "--camera-position"},
-                                       {"--samples", "--antialias"},
-                                       {"--jobs", "--threads"},
-                                       {"--clip", "--clip-plane or --clip-box"},
-                                       {"--crop", "--clip-box"}};
-constexpr Synonym subcommand_synonyms[] = {{"convert", "pack, export or import"},
-                                           {"show", "render"},
-                                           {"view", "render"},
-                                           {"draw", "render"},
-                                           {"plot", "render"},
-                                           {"picture", "render"},
-                                           {"isosurface", "render --iso"},
-                                           {"contour", "render --iso"},
-                                           {"mip", "render --mode mip"},
-                                           {"slice", "render --slice"},
-                                           {"inspect", "info"},
-                                           {"stat", "info"},
-                                           {"ls", "info"},
-                                           {"check", "verify"},
-                                           {"benchmark", "bench"},
-                                           {"diff", "compare"},
-                                           {"mesh", "tetrahedralize"},
-                                           {"tetgen", "tetrahedralize"},
-                                           {"voxelize", "resample"},
-                                           {"unpack", "export"}};
-
-/// "--isovalue is --iso here", if the subcommand has that option.
-std::string hint_by_synonym(std::span<const Synonym> synonyms, const std::string& word,
-                            const std::vector<std::string>& known) {
-  for (const Synonym& synonym : synonyms) {
-    if (synonym.word != word) continue;
-    const std::string ours = synonym.ours;
-    const std::string first = ours.substr(0, ours.find_first_of(" ,"));
-    if (first == "-o" || std::find(known.begin(), known.end(), first) != known.end())
-      return concat(word, " is ", ours, " here");
-  }
-  return {};
-}
-
-/// What was probably meant by an unknown word; empty where nothing is near.
-std::string hint_for(std::span<const Synonym> synonyms, const std::string& word,
-                     const std::vector<std::string>& known) {
-  const std::string hint = hint_by_synonym(synonyms, word, known);
-  return hint.empty() ? did_you_mean(word, known) : hint;
-}
-
 [[noreturn]] void refuse_extra(const Subcommand& subcommand, const std::vector<std::string>& extras) {
   for (const std::string& extra : extras)
     if (extra.starts_with("-")) {
       const std::string name = extra.substr(0, extra.find('='));
-      const std::string hint = hint_for(option_synonyms, name, long_names(subcommand));
+      const std::string hint = option_hint(name, long_names(subcommand));
       throw Error(ErrorCode::usage, concat("unknown option ", name),
                   hint.empty() ? concat("`rhoray ", subcommand.name, " --help` lists the options") : hint);
     }
@@ -200,7 +126,7 @@ bool replaces(const Subcommand& subcommand, const Given& later, const Given& ear
   });
 }
 
-/// Without those that a later one replaces. Says what was replaced.
+/// Leaves out the options that a later one replaces, and says which.
 std::vector<Given> without_replaced(const Subcommand& subcommand, const std::vector<Given>& given) {
   std::vector<Given> kept;
   std::vector<std::string> replaced;
@@ -216,7 +142,9 @@ std::vector<Given> without_replaced(const Subcommand& subcommand, const std::vec
     });
     kept.push_back(later);
   }
-  if (!replaced.empty()) std::fputs(concat("note: ", joined(replaced, "; "), "\n").c_str(), stderr);
+  const bool is_quiet = std::any_of(
+      kept.begin(), kept.end(), [&](const Given& one) { return long_name(subcommand.options[one.row]) == "--quiet"; });
+  if (!replaced.empty() && !is_quiet) std::fputs(concat("note: ", joined(replaced, "; "), "\n").c_str(), stderr);
   return kept;
 }
 
@@ -238,7 +166,7 @@ void take_values(const Subcommand& subcommand, std::vector<Given> given) {
     }
 }
 
-/// Refuses a value behind an option that takes none: --quiet=3.
+/// Refuses a value of an option that takes none: --quiet=3.
 void refuse_values_of_flags(const Subcommand& subcommand, std::span<const char* const> words) {
   for (const std::string word : words)
     for (const Option& row : subcommand.options)
@@ -247,7 +175,6 @@ void refuse_values_of_flags(const Subcommand& subcommand, std::span<const char* 
 }
 
 int run_subcommand(const Subcommand& subcommand, int argc, const char* const* argv) {
-  refuse_values_of_flags(subcommand, {argv, static_cast<std::size_t>(argc)});
   CLI::App app(subcommand.summary, "rhoray " + subcommand.name);
   app.allow_extras();  // refused by us, with what was probably meant
   app.set_help_all_flag("--help-all");
@@ -262,6 +189,9 @@ int run_subcommand(const Subcommand& subcommand, int argc, const char* const* ar
     return print_help(HelpLevel::common);
   } catch (const CLI::CallForAllHelp&) {
     return print_help(HelpLevel::all);
+  } catch (const CLI::ArgumentMismatch& error) {
+    refuse_values_of_flags(subcommand, {argv, static_cast<std::size_t>(argc)});
+    throw Error(ErrorCode::usage, first_line(error.what()));
   } catch (const CLI::ParseError& error) {
     throw Error(ErrorCode::usage, first_line(error.what()));
   }
@@ -277,7 +207,7 @@ const Subcommand& choose(std::span<const Subcommand> subcommands, const std::str
     if (each.name == word) return each;
     names.push_back(each.name);
   }
-  const std::string hint = hint_for(subcommand_synonyms, word, names);
+  const std::string hint = subcommand_hint(word, names);
   throw Error(ErrorCode::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
               hint.empty() ? "`rhoray --help` lists the subcommands" : hint);
 }

@@ -18,6 +18,7 @@
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
+#include "tools/rhoray/render/reproduce.h"
 
 namespace rhoray::tools {
 
@@ -53,12 +54,11 @@ void require_memory(const RenderCommand& command, const render::ResolvedScene& p
 void refuse_damage(const formats::PackedFile& file, const std::vector<formats::DamagedBlock>& blocks) {
   if (blocks.empty()) return;
   constexpr std::size_t shown_count = 4;
-  std::string fact = file.name() + ":";
+  std::string fact = packed_name(file) + ":";
   for (std::size_t i = 0; i < std::min(shown_count, blocks.size()); ++i)
     fact += concat(i == 0 ? " " : "; ", damage_text(file, blocks[i]));
   if (blocks.size() > shown_count) fact += concat("; and ", blocks.size() - shown_count, " more");
-  throw Error(ErrorCode::invalid, fact,
-              concat("no picture was written; `rhoray verify ", file.name(), "` lists all blocks"));
+  throw Error(ErrorCode::invalid, fact, concat("no picture was written; ", damage_hint(file)));
 }
 
 std::vector<Json> take_picks(const std::vector<PixelPlace>& pixels, const render::ResolvedScene& plan,

@@ -43,8 +43,4 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::
 /// (ErrorCode::usage).
 render::SceneSpec with_options(render::SceneSpec document, const PictureOptions& options);
 
-/// The command that makes this picture again, every choice spelled out: in options for a scene of
-/// one layer under the lights of a style, else in a document on the command line.
-std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output);
-
 }  // namespace rhoray::tools
