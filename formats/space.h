@@ -7,7 +7,7 @@
 
 namespace rhoray::formats {
 
-/// What the axes of world coordinates point to in a patient's body.
+/// A frame of world coordinates in a patient's body.
 enum class Space {
   unknown,
   ras,  ///< x to the patient's right, y to the front (anterior), z to the head (superior)

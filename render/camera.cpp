@@ -120,7 +120,7 @@ void check(const View& view, bool has_points) {
   if (!has_points) throw Error(ErrorCode::usage, "there is nothing to point the camera at: the box is empty");
 }
 
-/// Where the picture's middle is, relative to the base of what is seen, and how far the eye is.
+/// The middle of the picture, relative to the base of the points, and the distance of the eye.
 struct Fit {
   double middle[2] = {0, 0};
   double distance = 0;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string_view>
 
 namespace rhoray::render {
@@ -159,5 +161,8 @@ constexpr CssColor css_colors[] = {{"aliceblue", 0xf0f8ff},
                                    {"whitesmoke", 0xf5f5f5},
                                    {"yellow", 0xffff00},
                                    {"yellowgreen", 0x9acd32}};
+
+static_assert(std::is_sorted(std::begin(css_colors), std::end(css_colors),
+                             [](const CssColor& a, const CssColor& b) { return a.name < b.name; }));
 
 }  // namespace rhoray::render

@@ -34,10 +34,10 @@ struct Shown {
   std::vector<Vec3> corners;  ///< of boxes whose convex hull contains it
 };
 
-/// What is shown; the data where no surface passes through any cell.
+/// Finds what is shown. If no surface passes through any cell, returns the bounds of the data.
 Shown what_is_shown(const ResolvedScene& plan);
 
-/// What is shown; computed only if a choice depends on it.
+/// Returns what is shown. It is called only if a choice depends on it.
 using FindShown = std::function<const Shown&()>;
 
 /// aim_camera around what is known to be shown.

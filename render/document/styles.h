@@ -9,8 +9,7 @@
 
 namespace rhoray::render {
 
-/// What a scene has where it says nothing else: a named bundle of defaults. This table is the only
-/// place that holds them.
+/// A named set of defaults for a scene. Only this table holds them.
 struct Style {
   const char* name;
   const char* help;  ///< what it is for, and what it costs

@@ -47,7 +47,7 @@ std::string why_specular(const Scene&, const Layer& layer) {
 }
 std::string why_intensity(const Scene&, const Layer& layer) {
   return is_projection(layer)
-             ? concat("a projection shows values, ", layer.window.lo, " to ", layer.window.hi, " in colours")
+             ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi)
              : "used only by MIP";
 }
 std::string why_lights(const Scene& scene, const Layer&) {

@@ -5,7 +5,7 @@
 
 namespace rhoray::render {
 
-/// What is kept with one mesh or surface, computed at the first call. Any thread may call.
+/// A result that belongs to one mesh or surface. The first call computes it. Any thread may call.
 template <class Computed>
 class ComputedOnce {
  public:

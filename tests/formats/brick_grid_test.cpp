@@ -48,6 +48,7 @@ TEST(BrickGrid, description_comes_back_to_the_last_bit) {
   d.world_from_grid = {
       {0.1, 1.0 / 3, -0.0}, {-2e-300, 0.7, 1e-17}, {0, 5e-324, -1234567.89012345678}, {1e200, -0.1, 3}};
   d.length_unit = "\xc2\xb5m";
+  d.space = Space::lps;
   d.fields[0].name = "a \"quoted\" name\\";
   d.fields[0].unit = "HU";
   d.fields[0].range = {-0.1, 1.7976931348623157e308};
@@ -60,6 +61,7 @@ TEST(BrickGrid, description_comes_back_to_the_last_bit) {
   EXPECT_EQ(back.world_from_grid, d.world_from_grid);
   EXPECT_TRUE(std::signbit(back.world_from_grid.x_axis.z));
   EXPECT_EQ(back.length_unit, d.length_unit);
+  EXPECT_EQ(back.space, Space::lps);
   EXPECT_EQ(back.fields[0].name, d.fields[0].name);
   EXPECT_EQ(back.fields[0].unit, d.fields[0].unit);
   EXPECT_EQ(back.fields[0].type, ElementType::F32);

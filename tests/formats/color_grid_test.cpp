@@ -68,6 +68,14 @@ TEST(ColorGrid, is_read_as_it_was_written) {
   }
 }
 
+TEST(ColorGrid, keeps_its_space) {
+  ColorGridDescription d = described();
+  d.space = Space::ras;
+  const ColorGrid grid = opened(made(d));
+  EXPECT_EQ(grid.file().version(), "1.6");
+  EXPECT_EQ(grid.description().space, Space::ras);
+}
+
 TEST(ColorGrid, reaches_half_a_step_beyond_its_texels) {
   const ColorGridDescription d = described();
   EXPECT_EQ(d.box_grid(), Box3(Vec3(-0.5, -0.5, -0.5), Vec3(4.5, 2.5, 0.5)));

@@ -255,6 +255,8 @@ TEST(ResealedFile, details_of_a_grid_out_of_their_limits_are_refused_by_name) {
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[1e-320,0.0,0.0])", "expected axes that span a volume"},
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[1e999,0.0,0.0])", "details: found a number out of range"},
            {R"(x_axis\":[1.0,0.0,0.0])", R"(x_axis\":[\"1\",0.0,0.0])", "x_axis: found [\"1\",0.0,0.0]"},
+           {R"(brick_edge\":4)", R"(brick_edge\":4,\"space\":\"LAS\")", "space: found \"LAS\"; expected RAS or LPS"},
+           {R"(brick_edge\":4)", R"(brick_edge\":4,\"space\":7)", "space: found 7"},
            {R"(type\":\"U8\")", R"(type\":\"U7\")", "details.field.type: found \"U7\""},
            {R"(type\":\"U8\")", R"(type\":\"U16\")", "array 'samples': found U8"},
            {R"(name\":\"density\")", R"(name\":\"\")", "details.field.name: found \"\"; expected a name"},

@@ -43,7 +43,7 @@ TEST(Formats, lists_what_is_read_and_written) {
   for (const std::string& extension : read) EXPECT_THAT(text.out, HasSubstr(extension));
 }
 
-/// What is written for other programs and is a volume, mesh or surface can be read again.
+/// Every volume, mesh or surface that is written for other programs can be read again.
 TEST(Formats, that_are_exported_are_read_but_for_nanovdb) {
   for (const ExportFormat& format : export_formats) {
     const bool is_read =

@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// What `rhoray render ball.rho WORDS` would draw.
+/// The scene that `rhoray render ball.rho WORDS` resolves, and its messages.
 struct Asked {
   nlohmann::json scene;
   std::string messages;
@@ -35,6 +35,10 @@ TEST_F(LaterOptions, replace_the_same_option) {
   const Asked found = asked({"--iso", "3", "--size", "64x48", "--iso", "4"});
   EXPECT_EQ(found.scene["layers"][0]["isovalue"], 4);
   EXPECT_THAT(found.messages, HasSubstr("note: --iso 4 replaces --iso 3\n"));
+}
+
+TEST_F(LaterOptions, are_quiet_on_request) {
+  EXPECT_EQ(asked({"--iso", "3", "--iso", "4", "-q"}).messages, "");
 }
 
 TEST_F(LaterOptions, say_nothing_when_they_change_nothing) {

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/workbench.h"
@@ -67,6 +69,37 @@ TEST(OpenAnyFile, lists_packed_copies_and_removes_them) {
   EXPECT_THAT(bench.rhoray({"cache", "--clear"}).err, HasSubstr("removed 1 packed copy"));
   EXPECT_EQ(nlohmann::json::parse(bench.rhoray({"cache", "--json"}).out)["entries"].size(), 0U);
   EXPECT_EQ(bench.shell("RHORAY_CACHE_SIZE=lots rhoray cache").exit_code, 2);
+}
+
+TEST(OpenAnyFile, names_a_damaged_packed_copy_and_its_remedy) {
+  const Workbench bench;
+  make_ball_nrrd(bench);
+  ASSERT_EQ(bench.rhoray({"render", "ball.nrrd", "--size", "16x16", "-q"}).exit_code, 0);
+  const std::filesystem::path folder = std::filesystem::path(std::getenv("XDG_CACHE_HOME")) / "rhoray";
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".rho") {
+      std::string bytes = read_file(entry.path());
+      bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+      write_file(entry.path(), bytes);
+    }
+  const RunResult damaged = bench.rhoray({"render", "ball.nrrd", "--size", "16x16", "-o", "x.png"});
+  EXPECT_EQ(damaged.exit_code, 4);
+  EXPECT_THAT(damaged.err, HasSubstr("the packed copy of ball.nrrd: bytes "));
+  EXPECT_THAT(damaged.err, HasSubstr("`rhoray cache --clear` removes it"));
+  ASSERT_EQ(bench.rhoray({"cache", "--clear"}).exit_code, 0);
+  EXPECT_EQ(bench.rhoray({"render", "ball.nrrd", "--size", "16x16", "-o", "x.png"}).exit_code, 0);
+}
+
+TEST(OpenAnyFile, writes_into_the_working_folder) {
+  const Workbench bench;
+  std::filesystem::create_directory(bench / "data");
+  make_ball_nrrd(bench);
+  std::filesystem::rename(bench / "ball.nrrd", bench / "data/ball.nrrd");
+  for (const std::string subcommand : {"render", "pack"})
+    EXPECT_EQ(bench.rhoray({subcommand, "data/ball.nrrd", "-q"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(bench / "ball.png"));
+  EXPECT_TRUE(std::filesystem::exists(bench / "ball.rho"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(bench / "data"), {}), 1);
 }
 
 TEST(OpenAnyFile, packs_again_for_a_field_that_packing_leaves_out) {

@@ -340,7 +340,7 @@ Subcommand accuracy_subcommand() {
                                  "First results appear after a coarse pass and are then updated. After an interrupt "
                                  "the report is complete for what was measured."}}}},
       .options = all_options(
-          {in_group("Input", {file_option("FILE", "Packed file (.rho), OpenVDB file (.vdb) or scene document (.json)",
+          {in_group("Input", {file_option("FILE", "Volume, mesh or surface, packed or not, or scene document (.json)",
                                           command->input)}),
            of_all_methods(picture_options(command->picture)), goal_options(command->goal),
            in_group("Output", all_options({output_options(command->common, "Folder for the results; created if missing",

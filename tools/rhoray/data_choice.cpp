@@ -44,7 +44,7 @@ std::uint64_t cache_limit_bytes() {
   return limit.bytes;
 }
 
-/// What was packed, and where the copy is.
+/// Says that a file was packed, and where its packed copy is.
 std::string packing_text(const std::filesystem::path& path, const preprocess::OpenedData& opened, double seconds) {
   return concat("packed ", path.string(), " in ", rounded(seconds, 2), " s, ", bytes_text(opened.file.file_bytes()),
                 opened.path.empty() ? ", in memory" : ", kept in the cache",

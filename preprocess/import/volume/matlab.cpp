@@ -120,7 +120,7 @@ class ElementReader {
   ByteStream stream_;
 };
 
-/// Reads what stands before the numbers of an array. False for objects and functions, which have no
+/// Reads the header of an array. False for objects and functions, which have no
 /// sizes.
 bool read_head(ElementReader& reader, Variable& variable, const fs::path& path) {
   const auto flags = reader.numbers<std::uint32_t>("array flags", 2);

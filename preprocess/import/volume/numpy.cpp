@@ -20,7 +20,7 @@ namespace {
 using formats::ElementType;
 namespace fs = std::filesystem;
 
-/// What stands before the numbers of an array.
+/// The header of a NumPy array.
 struct Header {
   std::string descr;  ///< "<f4"; empty for a structured type
   bool fortran_order = false;

@@ -95,6 +95,7 @@ TEST_F(Dicom, sorts_a_series_by_place_and_scales_it_to_hounsfield_units) {
   expect_map(volume.world_from_grid, axis_parallel_map({0.25, 0.5, 2}, {10, 20, 22}));
   EXPECT_TRUE(volume.axes[2].empty());
   EXPECT_EQ(volume.length_unit, "mm");
+  EXPECT_EQ(volume.space, formats::Space::lps);
   EXPECT_EQ(volume.field_unit, "HU");
   EXPECT_EQ(volume.field_name, "head");
 }

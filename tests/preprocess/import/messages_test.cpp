@@ -30,6 +30,8 @@ TEST(Handover, carries_a_volume_unchanged) {
   volume.samples = std::as_bytes(std::span(values));
   volume.world_from_grid = {{0, 2, 0}, {-1, 0, 0}, {0, 0.1, 3}, {1e9, -7, 1.0 / 3}};
   volume.length_unit = "mm";
+  volume.space = formats::Space::lps;
+  volume.sources = {{"/a b/c.raw", true, 1, 2, 3, -4}, {"/gone", false, 0, 0, 0, 0}};
   volume.field_name = "density";
   volume.field_unit = "";
   volume.other_fields = {"mass", ""};
@@ -39,6 +41,8 @@ TEST(Handover, carries_a_volume_unchanged) {
   tests::expect_known_values(taken, formats::ElementType::I16);
   EXPECT_EQ(taken.world_from_grid, volume.world_from_grid);
   EXPECT_EQ(taken.length_unit, "mm");
+  EXPECT_EQ(taken.space, formats::Space::lps);
+  EXPECT_EQ(taken.sources, volume.sources);
   EXPECT_EQ(taken.field_name, "density");
   EXPECT_EQ(taken.field_unit, "");
   EXPECT_EQ(taken.other_fields, volume.other_fields);

@@ -32,6 +32,17 @@ TEST(MetaImage, keeps_direction_spacing_and_origin) {
   expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {10, 20, -30}});  // rows are axes of the grid
 }
 
+TEST(MetaImage, lies_in_lps_where_it_names_its_axes) {
+  TemporaryFolder folder;
+  for (const auto& [line, space] : {std::pair{"AnatomicalOrientation = RAI\n", formats::Space::lps},
+                                    {"AnatomicalOrientation = ???\n", formats::Space::unknown},
+                                    {"", formats::Space::unknown}}) {
+    write_file(folder / "a.mha", header(std::string(line) + "ElementType = MET_USHORT\nElementDataFile = LOCAL\n") +
+                                     bytes_of_values(known_values<std::uint16_t>()));
+    EXPECT_EQ(read(folder / "a.mha").space, space) << line;
+  }
+}
+
 TEST(MetaImage, reads_what_vtk_writes_plain_and_compressed) {
   TemporaryFolder folder;
   for (const bool compressed : {false, true}) {

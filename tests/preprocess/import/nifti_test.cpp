@@ -59,6 +59,7 @@ TEST(Nifti, reads_both_byte_orders_packed_or_not) {
     expect_known_values(plain, ElementType::I16);
     expect_map(plain.world_from_grid, axis_parallel_map({2, 3, 4}, {0, 0, 0}));
     EXPECT_EQ(plain.field_name, "a");
+    EXPECT_EQ(plain.space, formats::Space::unknown);  // neither sform nor qform
     const gzFile packed = ::gzopen((folder / "a.nii.gz").c_str(), "wb");
     ::gzwrite(packed, content.data(), static_cast<unsigned>(content.size()));
     ::gzclose(packed);
@@ -74,6 +75,7 @@ TEST(Nifti, takes_the_sform_first_then_the_qform) {
   file.set_all<float>(76, {-1, 2, 3, 4}).set_all<float>(256, {0, 0, 1, 7, 8, 9});
   write_file(folder / "a.nii", file.content());
   expect_map(read(folder / "a.nii").world_from_grid, {{-2, 0, 0}, {0, -3, 0}, {0, 0, -4}, {7, 8, 9}}, 1e-6);
+  EXPECT_EQ(read(folder / "a.nii").space, formats::Space::ras);
   const float half = std::sqrt(0.5F);  // a quarter turn about x: y goes to z, z to -y
   file.set_all<float>(76, {1, 2, 3, 4}).set_all<float>(256, {half, 0, 0, 7, 8, 9});
   write_file(folder / "a.nii", file.content());

@@ -34,6 +34,29 @@ TEST(Nrrd, keeps_rotated_and_mirrored_axes_origin_and_units) {
   EXPECT_EQ(volume.field_name, "a");
 }
 
+TEST(Nrrd, keeps_spaces_of_bodies) {
+  TemporaryFolder folder;
+  const auto placed = [&](const std::string& space) {
+    write_file(folder / "a.nrrd",
+               header(concat(space, "space directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (4,5,6)\n", little)) +
+                   "\n" + bytes_of_values(known_values<std::int16_t>()));
+    return read(folder / "a.nrrd");
+  };
+  const Affine map{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {4, 5, 6}};
+  using formats::Space;
+  for (const auto& [words, space] : {std::pair{"space: left-posterior-superior\n", Space::lps},
+                                     {"space: LPS\n", Space::lps},
+                                     {"space: right-anterior-superior\n", Space::ras},
+                                     {"space: scanner-xyz\n", Space::unknown},
+                                     {"space dimension: 3\n", Space::unknown}}) {
+    EXPECT_EQ(placed(words).space, space) << words;
+    expect_map(placed(words).world_from_grid, map);
+  }
+  const NeutralVolume turned = placed("space: left-anterior-superior\n");
+  EXPECT_EQ(turned.space, Space::ras);
+  expect_map(turned.world_from_grid, {{-1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {-4, 5, 6}});
+}
+
 TEST(Nrrd, takes_spacings_and_the_edges_of_cells) {
   TemporaryFolder folder;
   const std::string data = concat("\n", bytes_of_values(known_values<std::int16_t>()));

@@ -183,6 +183,28 @@ TEST(Render, fills_the_channels_that_are_asked_for_and_no_others) {
 }
 
 // A perspective and an orthographic camera both show a plane of known size where geometry predicts.
+TEST(Render, shows_projections_in_the_colours_of_a_map) {
+  TracedDataset grid(sampled_volume<float>({25, 22, 27}, {}, blob()));
+  Scene scene = scene_of(grid.dataset(), Mode::mip);
+  scene.background = {0, 0, 0};
+  for (const auto& [name, map] : render::color_maps()) {
+    scene.layers[0].map = map;
+    Framebuffer picture;
+    render::render(grid.dataset(), scene, {.width = 31, .height = 23, .channels = {.cell = true, .value = true}},
+                   picture);
+    std::size_t shown = 0;
+    for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel) {
+      if (picture.cell[pixel] == Framebuffer::no_cell) continue;
+      const Vec3 expected = color_of(map, (picture.value[pixel] + 10) / 20);
+      // ColorTable is within half a step of 8-bit sRGB, which is at most 0.005 of linear light.
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_NEAR(picture.color[4 * pixel + c], expected[static_cast<int>(c)], 0.005) << name;
+      ++shown;
+    }
+    EXPECT_GT(shown, 200U) << name;
+  }
+}
+
 TEST(Render, shows_things_at_their_size_in_both_projections) {
   Affine map;
   map.origin = {-10, -10, -10};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 
 namespace rhoray::tests {
 namespace {
@@ -29,10 +30,33 @@ void expect_code(const Vec3& color, double red, double green, double blue) {
 }
 
 TEST(ColorMap, grows_lighter_from_end_to_end) {
-  for (const ColorMap map : {ColorMap::viridis, ColorMap::cubehelix, ColorMap::gray})
+  for (const ColorMap map : {ColorMap::viridis, ColorMap::magma, ColorMap::inferno, ColorMap::plasma, ColorMap::cividis,
+                             ColorMap::cubehelix, ColorMap::gray})
     for (int i = 0; i < 1000; ++i)
       EXPECT_LE(luminance(color_of(map, i / 1000.0)),
                 luminance(color_of(map, (i + 1) / 1000.0)) + 1e-3);  // tables hold 8 bits
+}
+
+TEST(ColorMap, has_the_colours_of_the_published_tables) {
+  // Matplotlib 3.6: first, middle (index 128) and last of 256.
+  const double middle = 128.0 / 255;
+  expect_code(color_of(ColorMap::viridis, 0), 68, 1, 84);
+  expect_code(color_of(ColorMap::viridis, middle), 33, 145, 140);
+  expect_code(color_of(ColorMap::viridis, 1), 253, 231, 37);
+  expect_code(color_of(ColorMap::magma, 1), 252, 253, 191);
+  expect_code(color_of(ColorMap::inferno, 1), 252, 255, 164);
+  expect_code(color_of(ColorMap::plasma, 0), 13, 8, 135);
+  expect_code(color_of(ColorMap::cividis, 0), 0, 34, 78);
+  expect_code(color_of(ColorMap::turbo, 0), 48, 18, 59);
+}
+
+TEST(ColorMap, has_a_reverse) {
+  for (std::size_t i = 0; i < render::color_maps().size(); i += 2) {
+    const auto& [name, map] = render::color_maps()[i];
+    const auto& [reverse_name, reverse] = render::color_maps()[i + 1];
+    EXPECT_EQ(reverse_name, std::string(name) + "_r");
+    for (const double share : {0.0, 0.3, 1.0}) EXPECT_EQ(color_of(reverse, share), color_of(map, 1 - share)) << name;
+  }
 }
 
 TEST(ColorMap, coolwarm_is_lightest_in_its_middle_and_ends_in_the_papers_colours) {

@@ -126,7 +126,7 @@ bool replaces(const Subcommand& subcommand, const Given& later, const Given& ear
   });
 }
 
-/// Leaves out the options that a later one replaces, and says which.
+/// Removes the options that a later one replaces, and prints which.
 std::vector<Given> without_replaced(const Subcommand& subcommand, const std::vector<Given>& given) {
   std::vector<Given> kept;
   std::vector<std::string> replaced;

@@ -129,8 +129,7 @@ void tell(const CommonOptions& common, const std::string& line);
 void require_writable(const CommonOptions& common, const std::filesystem::path& output,
                       const std::filesystem::path& input);
 
-/// What an output is called that the user did not name: the input's name with this extension, in
-/// the working folder.
+/// The default path of an output: the input's name with this extension, in the working folder.
 std::filesystem::path default_output(const std::filesystem::path& input, const std::string& extension);
 
 /// The words of a command line as a shell would read them.

@@ -21,7 +21,7 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out);
 /// the error.
 render::ChannelSet channels_of_picks(const render::Scene& scene);
 
-/// What a pixel shows, as kept by these channels, and its position in the world. Refuses a pixel
+/// Reads the hit of a pixel from these channels, and adds its position in the world. Refuses a pixel
 /// outside the picture.
 Json picked(const render::ResolvedScene& plan, const render::Framebuffer& framebuffer, const PixelPlace& pixel);
 std::string picked_text(const Json& pick);
