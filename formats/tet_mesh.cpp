@@ -45,16 +45,16 @@ LeafLattice read_lattice(const details::Reader& reader) {
   return lattice;
 }
 
-std::vector<FieldSummary> read_fields(const details::Reader& reader) {
+std::vector<FieldSummary> read_fields(const details::Reader& reader, const std::string& key) {
   std::vector<FieldSummary> fields;
   std::set<std::string> names;
-  for (const details::Reader& one : reader.objects("fields")) {
+  for (const details::Reader& one : reader.objects(key)) {
     fields.push_back(details::read_field(one));
     if (!names.insert(fields.back().name).second) one.refuse_value("name", "a name that no other field has");
     if (fields.back().type != ElementType::F32 && fields.back().type != ElementType::F64)
       one.refuse_value("type", "F32 or F64");
   }
-  if (fields.empty()) reader.refuse_value("fields", "at least one field");
+  if (fields.empty()) reader.refuse_value(key, "at least one field");
   return fields;
 }
 
@@ -84,12 +84,15 @@ TetMeshDescription read_description(const PackedFile& file) {
   description.length_unit = reader.text("length_unit");
   description.point_count = reader.count("point_count", 1, largest_count);
   description.cell_count = reader.count("cell_count", 1, largest_count);
-  description.fields = read_fields(reader);
+  description.fields = read_fields(reader, "fields");
+  if (reader.has("cell_fields")) description.cell_fields = read_fields(reader, "cell_fields");
   description.lattice = read_lattice(reader.object("lattice"));
   if (requires_clusters(file))
     description.clusters = read_clusters(reader.object("clusters"));
   else
     description.leaf_item_count = reader.count("leaf_item_count");
+  if (reader.has("boundary_face_count"))
+    description.boundary_face_count = reader.count("boundary_face_count", 1, 4 * description.cell_count);
   description.in_source_order = !reader.has("order");
   if (!description.in_source_order && reader.text("order") != curve_order) reader.refuse_value("order", "\"curve\"");
   description.flipped_cell_count = reader.count("flipped_cell_count");
@@ -153,6 +156,12 @@ void check_corners(const PackedFile& file, const CellClustersView& clusters) {
            concat("positions in its table of ", clusters.table(*bad).size(), " vertices"));
 }
 
+std::optional<std::size_t> place_of(std::string_view name, const std::vector<FieldSummary>& fields) {
+  for (std::size_t field = 0; field < fields.size(); ++field)
+    if (fields[field].name == name) return field;
+  return std::nullopt;
+}
+
 std::uint64_t leaf_count_of(const TetMeshDescription& description) {
   return static_cast<std::uint64_t>(volume(description.lattice.macro.leaf_count));
 }
@@ -175,10 +184,19 @@ TetMesh::TetMesh(PackedFile file) : file_(std::move(file)), description_(read_de
       values<T>(field);
       if (!has_clusters()) macro_levels<T>(field);
     });
+  for (std::size_t field = 0; field < d.cell_fields.size(); ++field)
+    with_element_type(d.cell_fields[field].type, [&](auto zero) { cell_values<decltype(zero)>(field); });
+
+  if (d.boundary_face_count != 0) view_boundary();
 
   check_finite<double>(file_, "points", coordinates);
   check_below(file_, "point_ranks", point_ranks_, d.point_count);
   points_ = grouped<3>(coordinates);
+}
+
+void TetMesh::view_boundary() {
+  boundary_ = file_.array<std::uint64_t>("boundary", {description_.boundary_face_count});
+  details::check_rising(file_, "boundary", boundary_, 4 * description_.cell_count);
 }
 
 void TetMesh::view_leaf_lists() {
@@ -215,9 +233,11 @@ void TetMesh::view_clusters() {
 }
 
 std::optional<std::size_t> TetMesh::find_field(std::string_view name) const {
-  for (std::size_t field = 0; field < description_.fields.size(); ++field)
-    if (description_.fields[field].name == name) return field;
-  return std::nullopt;
+  return place_of(name, description_.fields);
+}
+
+std::optional<std::size_t> TetMesh::find_cell_field(std::string_view name) const {
+  return place_of(name, description_.cell_fields);
 }
 
 ClusterShape cluster_shape(const TetMeshDescription& description) {
@@ -239,6 +259,8 @@ std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description) {
   }
   arrays.push_back({.name = "points", .type = F64, .shape = {description.point_count, 3}});
   if (!description.clusters) arrays.push_back({.name = "cells", .type = U32, .shape = {description.cell_count, 4}});
+  if (description.boundary_face_count != 0)
+    arrays.push_back({.name = "boundary", .type = U64, .shape = {description.boundary_face_count}});
   if (description.dropped_cell_count != 0 || !description.in_source_order)
     arrays.push_back({.name = "cell_ids", .type = U32, .shape = {description.cell_count}});
   if (!description.in_source_order)
@@ -251,8 +273,22 @@ std::vector<ArraySpec> tet_mesh_arrays(const TetMeshDescription& description) {
       arrays.push_back(std::move(level));
     arrays.push_back({.name = concat("field.", field), .type = type, .shape = {description.point_count}});
   }
+  for (std::size_t field = 0; field < description.cell_fields.size(); ++field)
+    arrays.push_back({.name = concat("cell_field.", field),
+                      .type = description.cell_fields[field].type,
+                      .shape = {description.cell_count}});
   return arrays;
 }
+
+namespace {
+
+/// The first version that has all that the file uses.
+int first_minor_version(const TetMeshDescription& description) {
+  if (description.boundary_face_count != 0 || !description.cell_fields.empty()) return 7;
+  return description.clusters || !description.in_source_order ? 2 : 0;
+}
+
+}  // namespace
 
 FileDescription describe(const TetMeshDescription& description) {
   const LeafLattice& lattice = description.lattice;
@@ -280,10 +316,12 @@ FileDescription describe(const TetMeshDescription& description) {
                {"unused_point_count", description.unused_point_count},
                {"provenance", details::provenance_json(description.provenance)}});
   if (!description.in_source_order) json["order"] = curve_order;
+  for (const FieldSummary& field : description.cell_fields) json["cell_fields"].push_back(details::field_json(field));
+  if (description.boundary_face_count != 0) json["boundary_face_count"] = description.boundary_face_count;
   return {.kind = std::string(mesh_kind),
           .required = description.clusters ? std::vector{std::string(clusters_feature)} : std::vector<std::string>{},
           .details = details::dump(json),
-          .minor_version = description.clusters || !description.in_source_order ? 2 : 0};
+          .minor_version = first_minor_version(description)};
 }
 
 }  // namespace rhoray::formats

@@ -24,7 +24,8 @@ struct ClusterDescription {
   double box_unit = 1;              ///< a power of two
 };
 
-/// A tetrahedral mesh with fields at its points, linear inside each cell.
+/// A tetrahedral mesh with fields at its points, linear inside each cell, and fields with one value
+/// in each cell.
 ///
 ///        3          vertex order of every packed cell: (p1-p0) x (p2-p0) . (p3-p0) >= 0,
 ///       /|\         seen from vertex 3 the face 0, 1, 2 runs counter-clockwise (as in VTK);
@@ -39,11 +40,13 @@ struct TetMeshDescription {
   std::string length_unit;
   std::uint64_t point_count = 0;
   std::uint64_t cell_count = 0;
-  std::vector<FieldSummary> fields;  ///< at least one, with distinct names
+  std::vector<FieldSummary> fields;       ///< at least one, with distinct names
+  std::vector<FieldSummary> cell_fields;  ///< one value per cell; with distinct names
   /// Lattice around the mesh. Without leaf lists it is still the unit for steps along a ray (leaf
   /// cells).
   LeafLattice lattice;
   std::uint64_t leaf_item_count = 0;           ///< only with leaf lists
+  std::uint64_t boundary_face_count = 0;       ///< 0: the boundary is not stored
   std::optional<ClusterDescription> clusters;  ///< null: leaf lists
 
   /// True: cells and points keep the source's order. False: neighbouring cells are stored close
@@ -68,14 +71,16 @@ struct TetMeshDescription {
 ///     "leaf.items" U32 [items]
 ///   - with clusters "cluster.corners" U8 [cells, 4], "cluster.offsets" U64 [clusters + 1],
 ///     "cluster.vertices" U32 [vertices], "cluster.boxes.0", ... (clusters, entries above)
+///   - optional "boundary" U64 [faces]: the faces of one cell only (mesh_boundary.h)
 ///   - for each field f (by index) "field.<f>" F32 or F64 [points] and "range.<f>.0",
 ///     "range.<f>.1", ... (leaf cells, macrocells; or clusters, entries above)
+///   - for each cell field f "cell_field.<f>" F32 or F64 [cells]
 class TetMesh {
  public:
   /// Refuses a file of another kind, shapes that differ from the description, and points that are
   /// not finite. Refuses vertex indices not below point_count, items not below cell_count, and
-  /// decreasing offsets. Refuses a corner beyond its cluster's table, and entries of the cluster
-  /// tree beyond its last one. Reads all indices and points once.
+  /// decreasing offsets. Refuses a face of a cell beyond the last one. Refuses a corner beyond its cluster's table, and
+  /// entries of the cluster tree beyond its last one. Reads all indices and points once.
   explicit TetMesh(PackedFile file);
 
   const TetMeshDescription& description() const { return description_; }
@@ -98,6 +103,9 @@ class TetMesh {
   /// if no two points share a rank, which opening does not check.
   std::uint64_t point_rank(std::uint64_t point) const { return point_ranks_.empty() ? point : point_ranks_[point]; }
 
+  /// Numbers of the faces that belong to one cell only, ascending; empty where they are not stored.
+  std::span<const std::uint64_t> boundary() const { return boundary_; }
+
   /// Index of the field with this name, or nothing.
   std::optional<std::size_t> find_field(std::string_view name) const;
 
@@ -105,6 +113,12 @@ class TetMesh {
   template <class T>
   std::span<const T> values(std::size_t field) const {
     return file_.array<T>(concat("field.", field), {description_.point_count});
+  }
+  std::optional<std::size_t> find_cell_field(std::string_view name) const;
+  /// As `values`, of a cell field.
+  template <class T>
+  std::span<const T> cell_values(std::size_t field) const {
+    return file_.array<T>(concat("cell_field.", field), {description_.cell_count});
   }
   /// Only with leaf lists.
   template <class T>
@@ -120,6 +134,7 @@ class TetMesh {
  private:
   void view_leaf_lists();
   void view_clusters();
+  void view_boundary();
 
   PackedFile file_;
   TetMeshDescription description_;
@@ -127,6 +142,7 @@ class TetMesh {
   std::span<const std::array<std::uint32_t, 4>> cells_;
   std::span<const std::uint32_t> cell_ids_;
   std::span<const std::uint32_t> point_ranks_;
+  std::span<const std::uint64_t> boundary_;
   LeafListsView leaf_lists_;
   CellClustersView clusters_;
 };

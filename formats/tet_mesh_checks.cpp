@@ -12,6 +12,7 @@
 #include "formats/details/deep_checks.h"
 #include "formats/details/range_checks.h"
 #include "formats/details/scan.h"
+#include "formats/mesh_boundary.h"
 #include "formats/tet_mesh.h"
 
 namespace rhoray::formats {
@@ -31,12 +32,14 @@ class MeshCheck {
     check_cells();
     check_ranks();
     if (!mesh_.has_clusters()) check_lists();
-    for (std::size_t field = 0; field < mesh_.description().fields.size(); ++field) {
-      if (mesh_.description().fields[field].type == ElementType::F32)
-        check_field<float>(field);
-      else
-        check_field<double>(field);
-    }
+    check_boundary();
+    const TetMeshDescription& d = mesh_.description();
+    for (std::size_t field = 0; field < d.fields.size(); ++field)
+      with_element_type(d.fields[field].type,
+                        [&]<class T>(T) { check_field(d.fields[field], mesh_.values<T>(field)); });
+    for (std::size_t field = 0; field < d.cell_fields.size(); ++field)
+      with_element_type(d.cell_fields[field].type,
+                        [&]<class T>(T) { check_field(d.cell_fields[field], mesh_.cell_values<T>(field)); });
   }
 
  private:
@@ -95,10 +98,18 @@ class MeshCheck {
     });
   }
 
+  void check_boundary() {
+    if (mesh_.boundary().empty()) return;
+    const FaceNumbers computed = computed_boundary_faces(mesh_);
+    const auto [stored, expected] =
+        std::mismatch(mesh_.boundary().begin(), mesh_.boundary().end(), computed.begin(), computed.end());
+    if (stored != mesh_.boundary().end() || expected != computed.end())
+      findings_.add("a wrong face of the boundary", stored - mesh_.boundary().begin(),
+                    [&] { return concat("element ", stored - mesh_.boundary().begin()); });
+  }
+
   template <class T>
-  void check_field(std::size_t field) {
-    const FieldSummary& summary = mesh_.description().fields[field];
-    const std::span<const T> values = mesh_.values<T>(field);
+  void check_field(const FieldSummary& summary, std::span<const T> values) {
     details::FieldTally tally(summary);
     for (const T value : values) tally.take(value);
     tally.compare(findings_);

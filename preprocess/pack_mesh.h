@@ -18,11 +18,10 @@ enum class MeshStructure {
 
 struct PackMeshOptions {
   /// Fields to keep: NAME of a scalar; NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag of a vector. The
-  /// first is the one shown by default. Empty: every scalar point field and the magnitude of every
-  /// vector, in the file's order.
+  /// first is the one shown by default. Empty: every scalar field and the magnitude of every vector,
+  /// of points and of cells, in the file's order.
   std::vector<std::string> fields{};
-  /// also take cell fields, averaged to points by the volumes of their cells
-  bool cells_to_points = false;
+  bool cells_to_points = false;  ///< keep cell fields averaged to the points, too
   MeshStructure structure = MeshStructure::clusters;
   std::uint64_t cluster_size = 64;  ///< cells: a power of two, at most 64
   /// resolution of the leaf lattice; with clusters only a measure of length

@@ -1,6 +1,7 @@
-#include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include "formats/triangle_mesh.h"
 #include "formats/vdb_grid.h"
@@ -13,33 +14,42 @@ namespace rhoray::render {
 
 namespace {
 
-/// A kind of data that can be rendered.
-struct Kind {
-  std::string_view name;  ///< in the packed file
-  std::shared_ptr<const LoadedDataset> (*load)(const formats::PackedFile& file, const std::string& field,
-                                               formats::Space world);
-  Intersectors (*intersectors)(const LoadedDataset& dataset, const RayQuery& query, Machine machine);
-};
-constexpr std::array kinds{Kind{"grid", load_grid, grid::intersectors}, Kind{"tets", load_tets, tets::intersectors},
-                           Kind{formats::VdbGrid::kind, load_vdb, grid::intersectors},
-                           Kind{formats::TriangleMesh::kind, load_surface, triangles::intersectors}};
+using Load = std::shared_ptr<const LoadedDataset> (*)(const formats::PackedFile& file, const std::string& field,
+                                                      formats::Space world);
 
-const Kind* kind_of(const formats::PackedFile& file) {
-  const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const Kind& kind) { return kind.name == file.description().kind; });
-  return found == kinds.end() ? nullptr : &*found;
+/// The loaders, by the kinds of packed files.
+constexpr std::array<std::pair<std::string_view, Load>, 4> loaders{{{"grid", load_grid},
+                                                                    {"tets", load_tets},
+                                                                    {formats::VdbGrid::kind, load_vdb},
+                                                                    {formats::TriangleMesh::kind, load_surface}}};
+
+using Choose = Intersectors (*)(const LoadedDataset& dataset, const RayQuery& query, Machine machine);
+
+Choose chooser_of(const UniformGrid&) {
+  return grid::intersectors;
+}
+Choose chooser_of(const RectilinearGrid&) {
+  return grid::intersectors;
+}
+Choose chooser_of(const TetData&) {
+  return tets::intersectors;
+}
+Choose chooser_of(const TriangleData&) {
+  return triangles::intersectors;
 }
 
 }  // namespace
 
 std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field,
                                                formats::Space world) {
-  const Kind* kind = kind_of(file);
-  return kind == nullptr ? nullptr : kind->load(file, field, world);
+  for (const auto& [kind, load] : loaders)
+    if (kind == file.description().kind) return load(file, field, world);
+  return nullptr;
 }
 
 Intersectors choose_intersectors(const LoadedDataset& dataset, const RayQuery& query, Machine machine) {
-  return kind_of(dataset.file)->intersectors(dataset, query, machine);
+  const Choose choose = std::visit([](const auto& view) { return chooser_of(view); }, dataset.view);
+  return choose(dataset, query, machine);
 }
 
 bool answers_wide(const LoadedDataset& dataset, const Method& method, Kernel Intersectors::*kernel, Machine machine) {

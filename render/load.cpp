@@ -49,6 +49,13 @@ void check_field_name(const formats::PackedFile& file, const std::string& field,
   throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; it has ", known));
 }
 
+std::vector<std::string> color_names(const LoadedDataset& dataset) {
+  std::vector<std::string> names = dataset.field_names;
+  for (const formats::FieldSummary& field : dataset.cell_fields)
+    if (std::find(names.begin(), names.end(), field.name) == names.end()) names.push_back(field.name);
+  return names;
+}
+
 struct Dataset::ProofState {
   std::mutex guard;
   bool is_done = false;
@@ -81,7 +88,12 @@ const formats::FieldSummary& Dataset::field() const {
 std::vector<std::string> Dataset::field_names() const {
   return implementation_->field_names;
 }
+std::vector<std::string> Dataset::color_names() const {
+  return render::color_names(*implementation_);
+}
 std::optional<formats::FieldSummary> Dataset::field(const std::string& name) const {
+  for (const formats::FieldSummary& summary : implementation_->cell_fields)
+    if (summary.name == name) return summary;
   if (name == field().name) return field();
   for (const formats::FieldSummary& summary : implementation_->fields)
     if (summary.name == name) return summary;
@@ -94,10 +106,13 @@ const std::string& Dataset::length_unit() const {
   return implementation_->length_unit;
 }
 bool Dataset::is_mesh() const {
-  return implementation_->file.description().kind == "tets";
+  return std::holds_alternative<TetData>(implementation_->view);
 }
 bool Dataset::is_surface() const {
   return std::holds_alternative<TriangleData>(implementation_->view);
+}
+bool Dataset::has_fields() const {
+  return !implementation_->field_names.empty();
 }
 bool Dataset::is_level_set() const {
   return implementation_->is_level_set;
@@ -107,6 +122,11 @@ bool Dataset::is_y_up() const {
 }
 const std::vector<std::string>& Dataset::notes() const {
   return implementation_->notes;
+}
+
+Dataset Dataset::boundary() const {
+  const DefaultFloatingPoint default_floating_point;
+  return Dataset(load_boundary(*implementation_));
 }
 
 RangeProof Dataset::prove_ranges(unsigned threads) const {

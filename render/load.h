@@ -30,8 +30,9 @@ struct RangeProof {
   }
 };
 
-/// A dataset that rays are traced through: a packed grid, a packed mesh with one chosen field, a
-/// packed surface (which has no field), or a grid of an OpenVDB file. Copies share everything.
+/// A dataset that rays are traced through: a packed grid, a packed mesh with one chosen field, its
+/// boundary, a packed surface (which has no field), or a grid of an OpenVDB file. Copies share
+/// everything.
 class Dataset {
  public:
   /// Opens a packed file and checks what rendering relies on. Block checksums are left to the
@@ -48,17 +49,27 @@ class Dataset {
   static Dataset load(const formats::PackedFile& file, const std::string& field = {},
                       formats::Space world = formats::Space::unknown);
 
+  /// The boundary of a mesh: a surface of triangles, the faces that belong to one cell only. It has
+  /// the mesh's fields, which are those of the triangle's cell. Where the file does not store it, it
+  /// is computed. A dataset of another kind is refused (ErrorCode::usage).
+  Dataset boundary() const;
+
   const formats::PackedFile& file() const;
-  const formats::FieldSummary& field() const;  ///< of a surface: without a name and values
-  std::vector<std::string> field_names() const;
-  /// Returns the summary of a field of the file by name. Returns nothing when there is no such
-  /// field, or when it is another grid of an OpenVDB file.
+  const formats::FieldSummary& field() const;    ///< of a surface: without a name and values
+  std::vector<std::string> field_names() const;  ///< that a dataset can be loaded for
+  /// Names of the fields that can colour hits: these, and fields of a mesh's cells.
+  std::vector<std::string> color_names() const;
+  /// Returns the summary of a field by which hits are coloured. A field of cells has priority over a
+  /// field of points of the same name, which was averaged from it. Returns nothing when there is no
+  /// such field, or when it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
   formats::Space space() const;  ///< of world coordinates
   bool is_mesh() const;          ///< true for tetrahedra
-  /// True for triangles, which are shown as they are (Mode::triangles) and have no field.
+  /// True for triangles, which are shown as they are (Mode::triangles): a packed surface, or the
+  /// boundary of a mesh.
   bool is_surface() const;
+  bool has_fields() const;    ///< false for a packed surface
   bool is_level_set() const;  ///< true when the values are distances to the surface at value 0
   /// True for a surface packed from a format in which +y is up by convention: .obj or .ply.
   bool is_y_up() const;

@@ -15,7 +15,8 @@ namespace rhoray::render {
 /// Where a layer of the planned scene comes from.
 struct LayerOrigin {
   std::size_t spec = 0;       ///< index into SceneSpec::layers
-  std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for MIP
+  std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for others
+  bool is_context = false;    ///< the boundary around an isosurface (LayerSpec::context)
 };
 
 /// Everything that was chosen.
@@ -31,8 +32,9 @@ struct ResolvedScene {
   FrameOptions frame;
   std::optional<DebugChannel> page;  ///< drawn instead of colours
   AnnotationsSpec annotations;
-  Box3 annotated_box;              ///< around what is shown, where annotations ask for it
-  std::vector<std::string> notes;  ///< what was left out or chosen otherwise than asked, one line each
+  bool has_default_annotations = false;  ///< some were chosen, because a boundary is coloured
+  Box3 annotated_box;                    ///< around what is shown, where annotations ask for it
+  std::vector<std::string> notes;        ///< what was left out or chosen otherwise than asked, one line each
 };
 
 }  // namespace rhoray::render

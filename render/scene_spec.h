@@ -34,9 +34,18 @@ struct DataSpec {
   std::string name{};  ///< by which layers ask for it
   std::filesystem::path file{};
   std::string field{};  ///< empty = the first that is not the same everywhere
+  /// Of a segmentation: the data are the indicator of this label, 1 at its samples and 0 at others.
+  std::optional<int> label{};
 };
 
-enum class LayerType { isosurface, mip, triangles, slice };
+enum class LayerType {
+  isosurface,
+  mip,
+  triangles,
+  slice,
+  boundary,  ///< of a mesh
+  automatic  ///< by the kind of data: a mesh's boundary if nothing asks for an isosurface, else that
+};
 
 struct LayerSpec {
   LayerType type = LayerType::isosurface;
@@ -45,7 +54,7 @@ struct LayerSpec {
   std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
   std::string normals{};   ///< a word; empty = flat in meshes, else the style's
-  std::string color_by{};  ///< a field of the data; empty = color
+  std::string color_by{};  ///< a field of the data; empty = color. Boundaries: see boundary_colors
   std::string colormap{};  ///< a word; empty = viridis
   std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
@@ -58,6 +67,9 @@ struct LayerSpec {
   std::optional<Vec3> point{}, normal{};
   std::optional<Interval<double>> threshold{};
   std::optional<bool> lit{};
+  /// Of isosurfaces of a mesh: opacity of its boundary, which is shown around them. Without a value
+  /// it is shown around automatic ones only.
+  std::optional<double> context{};
 };
 
 /// The camera, or the isovalue of a scene's only isosurface, at a time.

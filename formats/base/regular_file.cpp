@@ -89,10 +89,12 @@ std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
   } catch (const Error&) {
     return {};
   }
-  std::string bytes(count, '\0');
+  constexpr std::size_t first_read = 4096;  // grows: a file may be much shorter than what is asked for
+  std::string bytes;
   std::size_t filled = 0;
   while (filled < count) {
-    const ssize_t got = ::read(descriptor, bytes.data() + filled, count - filled);
+    if (filled == bytes.size()) bytes.resize(std::min(count, std::max(first_read, 2 * filled)));
+    const ssize_t got = ::read(descriptor, bytes.data() + filled, bytes.size() - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) filled = 0;
     if (got <= 0) break;

@@ -55,6 +55,20 @@ inline void check_below(const PackedFile& file, std::string_view array, std::spa
            concat("an index below ", limit));
 }
 
+/// Checks that numbers rise and stay below a limit.
+inline void check_rising(const PackedFile& file, std::string_view array, std::span<const std::uint64_t> numbers,
+                         std::uint64_t limit) {
+  const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
+    std::uint64_t bad = 0;
+    for (std::uint64_t i = first; i < last; ++i)
+      bad += numbers[i] >= limit || (i > 0 && numbers[i] <= numbers[i - 1]) ? 1 : 0;
+    return bad != 0;
+  };
+  if (const auto bad = first_bad(numbers.size(), is_bad))
+    refuse(file.name(), concat("array '", array, "', element ", *bad), concat(numbers[*bad]),
+           concat("a number below ", limit, *bad > 0 ? concat(", above ", numbers[*bad - 1]) : ""));
+}
+
 template <class T>
 void check_finite(const PackedFile& file, std::string_view array, std::span<const T> numbers) {
   const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {

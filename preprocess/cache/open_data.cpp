@@ -69,9 +69,11 @@ OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOpti
 std::vector<std::string> fields_of(const formats::PackedFile& file) {
   const std::string& kind = file.description().kind;
   if (kind == formats::TriangleMesh::kind) return {};
-  return names_in(
-      kind == "tets" ? formats::TetMesh(file).description().fields : formats::BrickGrid(file).description().fields,
-      &formats::FieldSummary::name);
+  if (kind != "tets") return names_in(formats::BrickGrid(file).description().fields, &formats::FieldSummary::name);
+  const formats::TetMesh mesh(file);
+  std::vector<std::string> names = names_in(mesh.description().fields, &formats::FieldSummary::name);
+  for (const formats::FieldSummary& field : mesh.description().cell_fields) names.push_back(field.name);
+  return names;
 }
 
 /// The wanted ones that are not there.

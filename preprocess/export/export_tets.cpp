@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/pending_file.h"
+#include "formats/mesh_boundary.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/export/stl_file.h"
 #include "preprocess/import_mesh.h"
@@ -94,32 +94,10 @@ void write_isosurface(StlFile& file, const TetMesh& mesh, std::size_t field, dou
   });
 }
 
-/// Writes the faces that belong to one cell only.
-void write_own_surface(StlFile& file, const TetMesh& mesh) {
-  // Seen from outside, the corners of each face run counter-clockwise (vertex order in
-  // formats/tet_mesh.h).
-  constexpr std::size_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  struct Face {
-    std::array<std::uint32_t, 3> sorted;
-    std::array<std::uint32_t, 3> corners;
-  };
-  Array<Face> all;
-  all.reserve(4 * mesh.description().cell_count);
-  for (std::uint64_t c = 0; c < mesh.description().cell_count; ++c)
-    for (const auto& face : faces) {
-      const auto cell = mesh.cell(c);
-      const std::array corners{cell[face[0]], cell[face[1]], cell[face[2]]};
-      std::array sorted = corners;
-      std::sort(sorted.begin(), sorted.end());
-      all.push_back({sorted, corners});
-    }
-  std::sort(all.begin(), all.end(),
-            [](const Face& a, const Face& b) { return std::tie(a.sorted, a.corners) < std::tie(b.sorted, b.corners); });
-  for (std::size_t first = 0, last; first < all.size(); first = last) {
-    last = first + 1;
-    while (last < all.size() && all[last].sorted == all[first].sorted) ++last;
-    if (last != first + 1) continue;
-    const auto& [a, b, c] = all[first].corners;
+void write_boundary(StlFile& file, const TetMesh& mesh) {
+  for (const std::uint64_t number : formats::boundary_faces(mesh)) {
+    const auto [cell, opposite] = formats::face_of_number(number);
+    const auto [a, b, c] = formats::face_points(mesh.cell(cell), opposite);
     file.add(world_point(mesh, a), world_point(mesh, b), world_point(mesh, c));
   }
 }
@@ -150,7 +128,7 @@ ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<
   if (isovalue)
     write_isosurface(file, mesh, field, *isovalue);
   else
-    write_own_surface(file, mesh);
+    write_boundary(file, mesh);
   ExportReport report;
   report.triangle_count = file.finish();
   pending.publish();

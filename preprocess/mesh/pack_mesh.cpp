@@ -13,6 +13,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/mesh_boundary.h"
 #include "preprocess/mesh/build_clusters.h"
 #include "preprocess/mesh/inspect/choose_fields.h"
 #include "preprocess/mesh/inspect/clean_mesh.h"
@@ -54,7 +55,7 @@ void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& 
                          field.no_data_count == 1 ? " point" : " points", "; adjacent cells are not drawn"));
 }
 
-formats::FieldSummary summary_of(const PointField& field) {
+formats::FieldSummary summary_of(const ScalarField& field) {
   return std::visit(
       [&]<class T>(const Array<T>& values) { return summarize(std::span<const T>(values), field.name, field.unit); },
       field.values);
@@ -69,14 +70,15 @@ void check_cluster_size(const PackMeshOptions& options) {
 }
 
 /// Fills everything but the counts of the structure.
-formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanMesh& clean,
-                                           const std::vector<PointField>& fields, const PackMeshOptions& options) {
+formats::TetMeshDescription description_of(const NeutralMesh& mesh, const CleanMesh& clean, const ChosenFields& fields,
+                                           const PackMeshOptions& options) {
   formats::TetMeshDescription packed;
   packed.origin = clean.origin;
   packed.length_unit = mesh.length_unit;
   packed.point_count = clean.points.size();
   packed.cell_count = clean.cells.size();
-  for (const PointField& field : fields) packed.fields.push_back(summary_of(field));
+  for (const ScalarField& field : fields.of_points) packed.fields.push_back(summary_of(field));
+  for (const ScalarField& field : fields.of_cells) packed.cell_fields.push_back(summary_of(field));
   packed.lattice = choose_lattice(clean.box, {.leaf_cell_count = wanted_leaf_cells(options, clean.cells.size()),
                                               .macro_factor = options.macro_factor,
                                               .macro_level_count = options.macro_level_count});
@@ -191,7 +193,7 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
   inspecting.add(1);
   PackMeshReport report;
   report.notes = clean.notes;
-  const std::vector<PointField> fields =
+  const ChosenFields fields =
       choose_fields(mesh, clean, options.fields, options.cells_to_points, source_name, report.notes);
   const Array<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
   formats::TetMeshDescription& packed = report.description;
@@ -200,6 +202,8 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
   inspecting.add(1);
 
   const Structure structure = build_structure(clean, options, progress, packed);
+  const formats::FaceNumbers boundary = formats::boundary_faces(clean.cells, clean.points.size());
+  packed.boundary_face_count = boundary.size();
   const std::vector<formats::ArraySpec> arrays = formats::tet_mesh_arrays(packed);
   formats::PackedFileWriter file(destination, formats::describe(packed), arrays,
                                  {.replace_existing = options.replace_existing});
@@ -207,10 +211,15 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
   writer.write<std::array<double, 3>>("points", clean.points);
   writer.write<std::uint32_t>("cell_ids", ids);
   writer.write<std::uint32_t>("point_ranks", point_ranks);
+  writer.write<std::uint64_t>("boundary", boundary);
   write_structure(writer, structure, clean);
-  for (std::size_t f = 0; f < fields.size(); ++f)
+  for (std::size_t f = 0; f < fields.of_points.size(); ++f)
     std::visit([&](const auto& values) { write_field(writer, f, values, clean, structure, packed.lattice.macro); },
-               fields[f].values);
+               fields.of_points[f].values);
+  for (std::size_t f = 0; f < fields.of_cells.size(); ++f)
+    std::visit(
+        [&]<class T>(const Array<T>& values) { writer.write(concat("cell_field.", f), std::span<const T>(values)); },
+        fields.of_cells[f].values);
   ProgressMeter sealing(progress, "sealing", 1);
   report.file_bytes = file.commit();
   sealing.add(1);

@@ -38,8 +38,19 @@ template <class T>
 Array<double> taken_from(std::span<const T> values, const Array<std::uint32_t>& order) {
   Array<double> taken(order.size());
   std::transform(order.begin(), order.end(), taken.begin(),
-                 [&](std::uint32_t p) { return static_cast<double>(values[p]); });
+                 [&](std::uint32_t place) { return static_cast<double>(values[place]); });
   return taken;
+}
+
+/// @param take  the values, of the type of its argument
+template <class Take>
+NeutralField unpacked(const formats::FieldSummary& summary, const Take& take) {
+  const bool is_single = summary.type == formats::ElementType::F32;
+  return {.name = summary.name,
+          .unit = summary.unit,
+          .component_count = 1,
+          .was_single_precision = is_single,
+          .values = is_single ? take(float()) : take(double())};
 }
 
 }  // namespace
@@ -63,16 +74,12 @@ NeutralMesh unpack_mesh(const TetMesh& packed) {
     mesh.cells.push_back({packed.point_rank(cell[0]), packed.point_rank(cell[1]), packed.point_rank(cell[2]),
                           packed.point_rank(cell[3])});
   }
-  for (std::size_t f = 0; f < description.fields.size(); ++f) {
-    const formats::FieldSummary& summary = description.fields[f];
-    const bool is_single = summary.type == formats::ElementType::F32;
-    mesh.point_fields.push_back({.name = summary.name,
-                                 .unit = summary.unit,
-                                 .component_count = 1,
-                                 .was_single_precision = is_single,
-                                 .values = is_single ? taken_from(packed.values<float>(f), points)
-                                                     : taken_from(packed.values<double>(f), points)});
-  }
+  for (std::size_t f = 0; f < description.fields.size(); ++f)
+    mesh.point_fields.push_back(
+        unpacked(description.fields[f], [&]<class T>(T) { return taken_from(packed.values<T>(f), points); }));
+  for (std::size_t f = 0; f < description.cell_fields.size(); ++f)
+    mesh.cell_fields.push_back(
+        unpacked(description.cell_fields[f], [&]<class T>(T) { return taken_from(packed.cell_values<T>(f), cells); }));
   return mesh;
 }
 

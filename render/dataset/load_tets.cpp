@@ -1,5 +1,8 @@
+#include "formats/base/error.h"
+#include "formats/base/text.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
+#include "render/triangles/corner_normals.h"
 #include "render/triangles/facets.h"
 #include "render/triangles/point_gradients.h"
 
@@ -21,6 +24,7 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
       LoadedDataset{.file = file,
                     .field = summary,
                     .fields = description.fields,
+                    .cell_fields = description.cell_fields,
                     .field_names = names,
                     .length_unit = description.length_unit,
                     .world_from_data = Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, description.origin},
@@ -28,6 +32,23 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
                     .view = TetData(mesh, chosen),
                     .facets = std::make_shared<FacetsCache>(),
                     .point_gradients = std::make_shared<PointGradientsCache>()});
+}
+
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh) {
+  const auto* view = std::get_if<TetData>(&mesh.view);
+  if (view == nullptr) throw Error(ErrorCode::usage, concat(mesh.file.name(), ": is not a mesh and has no boundary"));
+  return std::make_shared<LoadedDataset>(
+      LoadedDataset{.file = mesh.file,
+                    .field = mesh.field,
+                    .fields = mesh.fields,
+                    .cell_fields = mesh.cell_fields,
+                    .field_names = mesh.field_names,
+                    .length_unit = mesh.length_unit,
+                    .world_from_data = mesh.world_from_data,
+                    .bounds_data = mesh.bounds_data,
+                    .view = TriangleData(std::make_shared<const MeshBoundary>(*view)),
+                    .facets = std::make_shared<FacetsCache>(),
+                    .corner_normals = std::make_shared<CornerNormalsCache>()});
 }
 
 }  // namespace rhoray::render

@@ -20,10 +20,16 @@ std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, c
 std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
                                                   formats::Space world);
 
+/// The boundary of a mesh (Dataset::boundary).
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh);
+
 /// By the loader of the file's kind; null where the kind cannot be rendered.
 /// @param world  as for Dataset::load; only grids know their space
 std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field,
                                                formats::Space world);
+
+/// Names of the fields that can colour hits (Dataset::color_names).
+std::vector<std::string> color_names(const LoadedDataset& dataset);
 
 /// Refuses a name that is neither empty nor among `names`, and lists these.
 void check_field_name(const formats::PackedFile& file, const std::string& field, const std::vector<std::string>& names);

@@ -24,8 +24,9 @@ using DataView = std::variant<UniformGrid, RectilinearGrid, TetData, TriangleDat
 /// One loaded dataset: what every kind has in common, and the view that kernels read.
 struct LoadedDataset {
   formats::PackedFile file;
-  formats::FieldSummary field;                  ///< for a surface: no field, without a name
-  std::vector<formats::FieldSummary> fields{};  ///< all whose summary the file holds
+  formats::FieldSummary field;                       ///< for a surface: no field, without a name
+  std::vector<formats::FieldSummary> fields{};       ///< all whose summary the file holds
+  std::vector<formats::FieldSummary> cell_fields{};  ///< of a mesh or its boundary: one value per cell
   std::vector<std::string> field_names;
   std::string length_unit;
   formats::Space space = formats::Space::unknown;  ///< of world coordinates

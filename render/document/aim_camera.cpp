@@ -12,7 +12,7 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr double zoom_with_box = 0.8;  // numbers stand around it
+constexpr double zoom_with_box = 0.85;  // numbers stand around it
 
 /// The axes from which angles of the camera and words of views count.
 ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
@@ -68,7 +68,7 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
     View view = named_view(spec.view.value_or("iso"), view_axes(scene_spec, plan));
     view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
     view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
-    const bool has_box = scene_spec.annotations.box.value_or(false);
+    const bool has_box = plan.annotations.box.value_or(false);
     view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
     view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
     view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
@@ -80,7 +80,7 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
     if (is_given)
       camera = fit_camera(plan.datasets[0].bounds(), view, aspect);
     else if (has_box)
-      camera = fit_camera(find_shown().box, view, aspect);
+      camera = fit_camera_to(corners_of(find_shown().box), view, aspect);
     else
       camera = fit_camera_to(find_shown().corners, view, aspect);
     camera.position = spec.position.value_or(camera.position);

@@ -20,6 +20,8 @@ std::string unit_text(const Dataset& dataset) {
 /// isosurface 500 HU of 'density' in head.rho; triangles of heart.rho
 std::string shown_text(const Layer& layer, const ResolvedScene& plan) {
   const Dataset& dataset = plan.datasets[layer.dataset];
+  if (layer.mode == Mode::triangles && dataset.has_fields())
+    return concat("boundary of ", plan.data[layer.dataset].file.string());
   if (layer.mode == Mode::triangles) return concat("triangles of ", plan.data[layer.dataset].file.string());
   const std::string of =
       concat(unit_text(dataset), " of '", dataset.field().name, "' in ", plan.data[layer.dataset].file.string());

@@ -5,6 +5,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/word_list.h"
+#include "formats/shape_field.h"
 #include "render/color_map.h"
 #include "render/scene_words.h"
 
@@ -38,7 +39,7 @@ Normals choose_normals(const LayerSpec& spec, const Style& style, const Dataset&
 
 /// The field that colours the surface; refuses one that it cannot be coloured by.
 formats::FieldSummary color_field(const LayerSpec& spec, const Dataset& dataset, const Place& layer) {
-  const std::vector<std::string> names = dataset.field_names();
+  const std::vector<std::string> names = dataset.color_names();
   const auto refuse = [&](const std::string& fact, const std::string& hint, ErrorCode error_code) {
     return refusal(layer, "color_by", "--color-by", fact, hint, error_code);
   };
@@ -90,6 +91,13 @@ Material choose_material(const LayerSpec& spec, const Style& style, const Datase
   if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", needs);
   if (spec.range) throw refusal(layer, "range", "--range", "on a surface, " + needs);
   return surface;
+}
+
+Material choose_boundary_material(LayerSpec spec, const Style& style, const Dataset& boundary, const Place& layer) {
+  const formats::FieldSummary field = boundary.field(boundary.field().name).value_or(boundary.field());
+  const bool shows_field = field.range.lo < field.range.hi && field.name != formats::boundary_distance;
+  if (spec.color_by.empty() && !spec.color && spec.texture.empty() && shows_field) spec.color_by = field.name;
+  return choose_material(spec, style, boundary, layer);
 }
 
 }  // namespace rhoray::render

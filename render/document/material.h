@@ -22,4 +22,9 @@ FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& fie
 /// @param layer  its place in its document; of a command line without a document
 Material choose_material(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer);
 
+/// The same for the boundary of a mesh. Without a colour, a texture or a field of its own it is
+/// coloured by the dataset's field, if that varies. A field that packing made from the mesh's shape
+/// colours nothing.
+Material choose_boundary_material(LayerSpec spec, const Style& style, const Dataset& boundary, const Place& layer);
+
 }  // namespace rhoray::render

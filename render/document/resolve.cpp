@@ -28,6 +28,9 @@ namespace {
 /// shading still shows.
 constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
 
+/// Of the boundary around isosurfaces: a neutral grey.
+constexpr Vec3 context_color{0.5, 0.5, 0.5};
+
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
 }
@@ -64,7 +67,7 @@ std::size_t dataset_of(const SceneSpec& scene_spec, const DataSpec& data, const 
   plan.datasets.push_back(at_place(place, [&] { return open(data, plan.space); }));
   const Dataset& dataset = plan.datasets.back();
   plan.data.push_back(data);
-  plan.data.back().field = dataset.field().name;
+  if (!data.label) plan.data.back().field = dataset.field().name;
   for (const std::string& note : dataset.notes()) plan.notes.push_back(note);
   if (!dataset.is_surface() && data.field.empty() && dataset.field().name != dataset.field_names().front())
     plan.notes.push_back(
@@ -135,7 +138,18 @@ bool is_level_of_triangles(const std::string& accuracy) {
 /// triangles is ignored for them.
 std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
   if (!layer.accuracy.empty()) return layer.accuracy;
-  return layer.type != LayerType::triangles || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
+  const bool is_of_triangles = layer.type == LayerType::triangles || layer.type == LayerType::boundary;
+  return !is_of_triangles || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
+}
+
+/// What a layer shows whose type is chosen by the kind of data. Triangles are not traced by the
+/// methods of isosurfaces.
+LayerType type_of(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
+  if (layer.type != LayerType::automatic) return layer.type;
+  const std::string accuracy = accuracy_of(scene_spec, layer);
+  const bool asks_for_isosurface = layer.isovalues != LayerSpec{}.isovalues || !layer.method.empty() || layer.context ||
+                                   (!accuracy.empty() && !is_level_of_triangles(accuracy));
+  return dataset.is_mesh() && !asks_for_isosurface ? LayerType::boundary : LayerType::isosurface;
 }
 
 Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, const Dataset& dataset) {
@@ -152,12 +166,20 @@ Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, 
   return accuracy.empty() ? default_method(dataset, mode) : method_of(accuracy_named(accuracy));
 }
 
+/// Refuses levels that do not exist for triangles.
+void require_level_of_triangles(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
+  const std::string accuracy = accuracy_of(scene_spec, layer);
+  if (!accuracy.empty() && !is_level_of_triangles(accuracy))
+    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
+                                         dataset.has_fields() ? "the boundary of " : "", dataset.file().name(),
+                                         dataset.has_fields() ? "" : ", which holds triangles"));
+}
+
 /// Refuses keys about fields if the layer's data are triangles.
 void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
-  const LayerSpec defaults;
-  const std::string accuracy = accuracy_of(scene_spec, layer);
-  for (const auto& [given, option] : {std::pair{layer.isovalues != defaults.isovalues, "--iso"},
+  for (const auto& [given, option] : {std::pair{layer.isovalues != LayerSpec{}.isovalues, "--iso"},
                                       {layer.type == LayerType::mip, "--mode"},
+                                      {layer.type == LayerType::boundary, "--mode"},
                                       {layer.type == LayerType::slice, "--slice"},
                                       {!layer.color_by.empty(), "--color-by"},
                                       {!layer.colormap.empty(), "--colormap"},
@@ -166,9 +188,18 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
     if (given)
       throw Error(ErrorCode::usage,
                   concat(option, ": needs a field, and ", dataset.file().name(), " holds only triangles"));
-  if (!accuracy.empty() && !is_level_of_triangles(accuracy))
-    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
-                                         dataset.file().name(), ", which holds triangles"));
+  require_level_of_triangles(scene_spec, layer, dataset);
+}
+
+/// Refuses keys about isosurfaces if the layer is a boundary.
+void refuse_words_of_isosurfaces(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& boundary) {
+  for (const auto& [given, option] : {std::pair{layer.isovalues != LayerSpec{}.isovalues, "--iso"},
+                                      {!layer.method.empty(), "--method"},
+                                      {layer.context.has_value(), "--context"}})
+    if (given)
+      throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a boundary has none"),
+                  "leave it out, or use --mode iso");
+  require_level_of_triangles(scene_spec, layer, boundary);
 }
 
 /// From the 1st to the 99.9th percentile: the few values beyond, such as those of metal in a CT, would
@@ -211,6 +242,7 @@ class LayerPlanner {
     color_several_surfaces();
     note_textures_elsewhere(plan_);
     note_unknown_spaces(plan_);
+    plan_.has_default_annotations = annotates_;
     return std::move(plan_);
   }
 
@@ -225,26 +257,23 @@ class LayerPlanner {
     layer.dataset = dataset_of(scene_spec_, data_of(scene_spec_, index), open_, plan_);
     layer.clipped = spec.clip.value_or(true);
     const Dataset& dataset = plan_.datasets[layer.dataset];
+    require_context(index, dataset);
     if (dataset.is_surface()) return add_triangles(index, layer);
-    if (spec.type == LayerType::triangles) refuse_fields(index, dataset);
-    if (spec.type == LayerType::slice) {
+    const LayerType type = type_of(scene_spec_, spec, dataset);
+    if (type == LayerType::triangles) refuse_fields(index, dataset);
+    if (type == LayerType::boundary) return add_boundary(index, layer);
+    if (type == LayerType::slice) {
       choose_slice(spec, dataset, layer_place(scene_spec_, index), layer);
       return put(index, layer, {});
     }
-    layer.mode = spec.type == LayerType::mip ? Mode::mip : Mode::isosurface;
+    layer.mode = type == LayerType::mip ? Mode::mip : Mode::isosurface;
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
-    switch (spec.type) {
-      case LayerType::isosurface:
-        layer.material =
-            choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
-        layer.material.texture = texture_of(scene_spec_, index, plan_);
-        return add_isosurfaces(index, layer);
-      case LayerType::mip:
-        return add_projection(index, layer);
-      case LayerType::triangles:
-      case LayerType::slice:
-        break;
-    }
+    if (type == LayerType::mip) return add_projection(index, layer);
+    layer.material = choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
+    layer.material.texture = texture_of(scene_spec_, index, plan_);
+    const std::size_t mesh = layer.dataset;
+    add_isosurfaces(index, layer);
+    add_context(index, mesh);
   }
 
   /// Refuses data that should be triangles and are not.
@@ -266,6 +295,66 @@ class LayerPlanner {
     layer.material = choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
     layer.material.texture = texture_of(scene_spec_, index, plan_);
     put(index, layer, {});
+  }
+
+  /// The index of the boundary of a mesh, made when it is first asked for. It stands behind the mesh
+  /// and has the same data.
+  std::size_t boundary_of(std::size_t mesh) {
+    for (std::size_t i = mesh + 1; i < plan_.datasets.size(); ++i)
+      if (plan_.datasets[i].is_surface() && plan_.data[i].name == plan_.data[mesh].name) return i;
+    plan_.datasets.push_back(plan_.datasets[mesh].boundary());
+    plan_.data.push_back(DataSpec(plan_.data[mesh]));
+    return plan_.datasets.size() - 1;
+  }
+
+  /// Refuses a grid that should be a mesh.
+  [[noreturn]] void refuse_grid(std::size_t index, const Dataset& grid) const {
+    const std::string fact = concat(grid.file().name(), " is a grid, which has no boundary; expected a mesh");
+    if (scene_spec_.document.empty()) throw Error(ErrorCode::usage, concat("--mode boundary: ", fact));
+    throw Error(ErrorCode::invalid, concat(layer_place(scene_spec_, index).at("data").text(), ": ", fact));
+  }
+
+  void add_boundary(std::size_t index, Layer layer) {
+    const LayerSpec& spec = scene_spec_.layers[index];
+    const Place place = layer_place(scene_spec_, index);
+    if (!plan_.datasets[layer.dataset].is_mesh()) refuse_grid(index, plan_.datasets[layer.dataset]);
+    layer.dataset = boundary_of(layer.dataset);
+    const Dataset& dataset = plan_.datasets[layer.dataset];
+    at_place(place, [&] { refuse_words_of_isosurfaces(scene_spec_, spec, dataset); });
+    layer.mode = Mode::triangles;
+    layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
+    layer.material = choose_boundary_material(spec, style_named(scene_spec_.style), dataset, place);
+    layer.material.texture = texture_of(scene_spec_, index, plan_);
+    put(index, layer, {});
+    if (spec.type == LayerType::automatic && layer.material.color_by) annotates_ = true;
+  }
+
+  /// Refuses a context of data that have no boundary.
+  void require_context(std::size_t index, const Dataset& dataset) const {
+    if (!scene_spec_.layers[index].context || dataset.is_mesh()) return;
+    throw Error(ErrorCode::usage, concat("--context: needs a mesh, and ", dataset.file().name(), " is a ",
+                                         dataset.is_surface() ? "surface" : "grid"));
+  }
+
+  /// The boundary of a mesh around its isosurfaces, where it is asked for or the type was chosen.
+  void add_context(std::size_t index, std::size_t mesh) {
+    constexpr double default_opacity = 0.12;
+    const LayerSpec& spec = scene_spec_.layers[index];
+    const bool is_default = spec.type == LayerType::automatic && plan_.datasets[mesh].is_mesh();
+    const double opacity = spec.context.value_or(is_default ? default_opacity : 0);
+    const bool has_isosurface = !plan_.origins.empty() && plan_.origins.back().spec == index;
+    if (!(opacity > 0) || !has_isosurface) return;
+    Layer layer{.dataset = boundary_of(mesh), .mode = Mode::triangles};
+    layer.clipped = spec.clip.value_or(true);
+    const Dataset& dataset = plan_.datasets[layer.dataset];
+    layer.method = default_method(dataset, layer.mode);
+    LayerSpec plain;
+    plain.color = Color{context_color};
+    plain.opacity = opacity;
+    plain.specular = 0;
+    layer.material = choose_material(plain, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
+    put(index, layer, {});
+    plan_.origins.back().is_context = true;
   }
 
   void add_isosurfaces(std::size_t index, const Layer& layer) {
@@ -341,7 +430,9 @@ class LayerPlanner {
   void color_several_surfaces() {
     std::vector<std::size_t> surfaces;
     for (std::size_t i = 0; i < plan_.scene.layers.size(); ++i)
-      if (plan_.scene.layers[i].mode != Mode::mip && plan_.scene.layers[i].mode != Mode::slice) surfaces.push_back(i);
+      if (plan_.scene.layers[i].mode != Mode::mip && plan_.scene.layers[i].mode != Mode::slice &&
+          !plan_.origins[i].is_context)
+        surfaces.push_back(i);
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (scene_spec_.layers[plan_.origins[surfaces[i]].spec].color) continue;
@@ -355,6 +446,7 @@ class LayerPlanner {
   const OpenData& open_;
   ResolvedScene plan_;
   std::vector<Outside> outside_;
+  bool annotates_ = false;  ///< colours were chosen, and need a legend
 };
 
 /// Size, channels and background.
@@ -395,6 +487,11 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
   plan.scene.clip = choose_clip(scene_spec.clip, clip);
   for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
   plan.annotations = scene_spec.annotations;
+  plan.has_default_annotations &= !plan.page;
+  if (plan.has_default_annotations) {
+    if (!plan.annotations.color_bar) plan.annotations.color_bar = ColorBarSpec{};
+    if (!plan.annotations.box) plan.annotations.box = true;
+  }
   if (plan.annotations.color_bar && !shows_values(plan))
     at_place(root(scene_spec).at("annotations").at("colorbar"), [&] {
       throw Error(ErrorCode::usage,

@@ -1,6 +1,7 @@
 #include "render/document/tables.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
@@ -63,6 +64,18 @@ Rows rows_of_triangles() {
           row("normals", &LayerSpec::normals, word_value({"flat", "smooth"}),
               "Surface normals: \"smooth\", the default, is linear between averages at the corners, up to edges of 30 "
               "degrees; \"flat\" is the normal of each triangle")};
+}
+
+Rows rows_of_boundaries() {
+  return rows_of_triangles() +
+         Rows{row("color_by", &LayerSpec::color_by, text_value(),
+                  "Field of the same file that colours the boundary; default the data's field, unless \"color\" is "
+                  "given"),
+              row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
+                  "Colour map of the field; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
+                  "floating-point fields of both signs"),
+              row("range", &LayerSpec::range, interval_value(),
+                  "Values with the first and last colour; default the field's range")};
 }
 
 Rows rows_of_lit_surfaces() {
@@ -229,6 +242,9 @@ std::span<const LayerKind> layer_kinds() {
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
       {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
+      {LayerType::boundary, "boundary",
+       "Boundary of a mesh: the faces that belong to one cell only. Its fields are exact",
+       rows_of_every_layer() + rows_of_boundaries() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
        rows_of_data() + slice_rows()}};
   return kinds;
@@ -269,7 +285,11 @@ const std::vector<Row<DataSpec>>& data_rows() {
   static const std::vector<Row<DataSpec>> rows{
       required(row("file", &DataSpec::file, file_value(),
                    "Packed file or OpenVDB file; a relative name starts at the document's folder")),
-      row("field", &DataSpec::field, text_value(), "Field to show; default the first that is not constant")};
+      row("field", &DataSpec::field, text_value(), "Field to show; default the first that is not constant"),
+      row("label", &DataSpec::label,
+          whole_number_within({std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}),
+          "A label of a segmentation: the data are 1 at its samples and 0 at others, and its surface is the isosurface "
+          "at 0.5")};
   return rows;
 }
 

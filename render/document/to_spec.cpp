@@ -1,5 +1,6 @@
-#include "render/document.h"
+#include <algorithm>
 
+#include "render/document.h"
 #include "render/document/clip.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
@@ -26,16 +27,28 @@ std::optional<std::string> style_of_lights(const ResolvedScene& plan) {
   return std::nullopt;
 }
 
+/// The data of a command line have no name.
+std::string name_of(const DataSpec& data) {
+  return data.name.empty() ? "data" : data.name;
+}
+
+/// Whether a dataset is the boundary of a mesh that stands before it.
+bool is_boundary_of_other(const ResolvedScene& plan, std::size_t dataset) {
+  return std::any_of(plan.data.begin(), plan.data.begin() + static_cast<std::ptrdiff_t>(dataset),
+                     [&](const DataSpec& other) { return other.name == plan.data[dataset].name; });
+}
+
 }  // namespace
 
 SceneSpec to_spec(const ResolvedScene& plan) {
   const Camera& camera = plan.scene.camera;
-  SceneSpec scene_spec{.data = plan.data};
-  for (std::size_t i = 0; i < scene_spec.data.size(); ++i)
-    if (scene_spec.data[i].name.empty()) scene_spec.data[i].name = "data";  // of a command line
+  SceneSpec scene_spec;
+  for (std::size_t i = 0; i < plan.data.size(); ++i)
+    if (!is_boundary_of_other(plan, i)) scene_spec.data.push_back(plan.data[i]);
+  for (DataSpec& data : scene_spec.data) data.name = name_of(data);
   scene_spec.data.insert(scene_spec.data.end(), plan.texture_data.begin(), plan.texture_data.end());
   for (const Layer& layer : plan.scene.layers) {
-    LayerSpec spec{.data = scene_spec.data[layer.dataset].name};
+    LayerSpec spec{.data = name_of(plan.data[layer.dataset])};
     if (layer.mode != Mode::slice) {
       const MethodOption method = option_of(layer.method, layer.mode, plan.datasets[layer.dataset].is_mesh());
       (method.option == "--accuracy" ? spec.accuracy : spec.method) = method.word;
@@ -50,7 +63,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       if (layer.mode == Mode::isosurface)
         spec.isovalues = {concat(layer.isovalue)};
       else
-        spec.type = LayerType::triangles;
+        spec.type = plan.datasets[layer.dataset].has_fields() ? LayerType::boundary : LayerType::triangles;
       spec.color = Color{layer.material.color};
       spec.normals = word_of(layer.material.normals, has_flat_normals(plan.datasets[layer.dataset]));
       if (const auto& colors = layer.material.color_by) {

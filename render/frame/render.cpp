@@ -52,7 +52,7 @@ void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
                                      : concat(dataset.file().name(), ": holds no triangles"));
   if (layer.mode == Mode::triangles && layer.method.algorithm != Method::Algorithm::direct)
     throw Error(ErrorCode::usage, concat(dataset.file().name(), ": triangles are traced only at float and double"));
-  if (layer.mode == Mode::triangles && layer.material.color_by)
+  if (layer.mode == Mode::triangles && layer.material.color_by && !dataset.has_fields())
     throw Error(ErrorCode::usage, concat(dataset.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -43,15 +44,28 @@ RHORAY_INLINE void find_places(const RayBatch& rays, const HitBatch& hits, std::
 
 // Meshes.
 
+/// One value in each cell of a mesh.
+struct CellValues {
+  std::span<const float> floats{};  ///< one of these two is empty
+  std::span<const double> doubles{};
+
+  RHORAY_INLINE double operator[](std::uint32_t cell) const {
+    return doubles.empty() ? static_cast<double>(floats[cell]) : doubles[cell];
+  }
+};
+
 /// Data looked up in a mesh besides its own field.
 struct MeshLookup {
   const TetData* view;
   std::shared_ptr<const PointGradients> gradients{};  ///< null: not needed
-  std::optional<TetData> field{};
+  std::optional<TetData> field{};                     ///< at most one of these two
+  std::optional<CellValues> cell_field{};
+  std::span<const std::uint32_t> cells{};  ///< of the boundary's triangles; empty: hits name cells
 };
 
 /// The cells of a group's hits: their points and weights.
 struct HitCells {
+  std::uint32_t cell[group_size];
   std::uint32_t point[4][group_size];
   Numbers weight[4];
 };
@@ -106,14 +120,18 @@ RHORAY_INLINE void move_to_value(const double* value, const Numbers* field, Numb
 }
 
 /// Misses get an arbitrary cell, and so do hits that are not shown and are left from other data.
-RHORAY_INLINE void find_cells(const TetData& view, const RayBatch& rays, const HitBatch& hits, std::size_t first,
+RHORAY_INLINE void find_cells(const MeshLookup& lookup, const RayBatch& rays, const HitBatch& hits, std::size_t first,
                               HitCells& cells) {
   Numbers place[3], away[4][3], field[4];
   find_places(rays, hits, first, place);
-  const std::uint64_t cell_count = view.description().cell_count;
+  const TetData& view = *lookup.view;
+  const bool is_boundary = !lookup.cells.empty();
+  const std::uint64_t count = is_boundary ? lookup.cells.size() : view.description().cell_count;
   for (std::size_t i = 0; i < group_size; ++i) {
-    const std::uint32_t tet = hits.tet[first + i];
-    const auto vertices = view.vertices(hits.t[first + i] < infinity && tet < cell_count ? tet : 0);
+    const std::uint32_t own = hits.tet[first + i];
+    const std::uint32_t tet = hits.t[first + i] < infinity && own < count ? own : 0;
+    cells.cell[i] = is_boundary ? lookup.cells[tet] : tet;
+    const auto vertices = view.vertices(cells.cell[i]);
     const auto points = view.points_at(vertices);
     for (std::size_t k = 0; k < 4; ++k) {
       cells.point[k][i] = vertices[k];
@@ -122,7 +140,7 @@ RHORAY_INLINE void find_cells(const TetData& view, const RayBatch& rays, const H
     }
   }
   weigh_by_volumes(away, cells.weight);
-  move_to_value(hits.value.data() + first, field, cells.weight);
+  if (!is_boundary) move_to_value(hits.value.data() + first, field, cells.weight);
 }
 
 /// Weighted means of at(point) over the points of cells.
@@ -155,11 +173,13 @@ RHORAY_INLINE void replace_gradients(const HitCells& cells, std::span<const std:
 RHORAY_INLINE void look_up_in_mesh(const MeshLookup& lookup, const RayBatch& rays, HitBatch& hits, std::size_t first,
                                    double* values) {
   HitCells cells;
-  find_cells(*lookup.view, rays, hits, first, cells);
+  find_cells(lookup, rays, hits, first, cells);
   if (lookup.gradients) replace_gradients(cells, lookup.gradients->of_points(), hits, first);
   if (lookup.field)
     interpolate(
         cells, [&](std::uint32_t point) { return lookup.field->value_at(point); }, values);
+  if (lookup.cell_field)
+    for (std::size_t i = 0; i < group_size; ++i) values[i] = (*lookup.cell_field)[cells.cell[i]];
 }
 
 // Surfaces.
@@ -252,11 +272,24 @@ LookUp in_grid(Grid grid, Machine machine) {
   };
 }
 
+/// Adds a field to what is looked up. One of cells has priority over one of points of the same name
+/// (Dataset::field).
+void add_field(const std::string& name, MeshLookup& lookup) {
+  const formats::TetMesh& mesh = lookup.view->mesh();
+  const std::optional<std::size_t> of_cells = mesh.find_cell_field(name);
+  if (!of_cells)
+    lookup.field.emplace(mesh, *mesh.find_field(name));
+  else if (mesh.description().cell_fields[*of_cells].type == formats::ElementType::F32)
+    lookup.cell_field = CellValues{.floats = mesh.cell_values<float>(*of_cells)};
+  else
+    lookup.cell_field = CellValues{.doubles = mesh.cell_values<double>(*of_cells)};
+}
+
 LookUp look_up_for(const TetData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
                    Machine machine) {
   MeshLookup lookup{.view = &view};
   if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads);
-  if (attributes.field) lookup.field.emplace(view.mesh(), *view.mesh().find_field(*attributes.field));
+  if (attributes.field) add_field(*attributes.field, lookup);
   return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh>(machine)](
              const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
     look_up(lookup, rays, hits, first, values);
@@ -289,13 +322,33 @@ LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& datase
   };
 }
 
+/// Looks up a field of the cells whose faces are the triangles. It is the hit's value, too: a
+/// triangle has no other.
+LookUp field_on_boundary(const MeshBoundary& boundary, const std::string& field, Machine machine) {
+  MeshLookup lookup{.view = &boundary.mesh, .cells = boundary.cells};
+  add_field(field, lookup);
+  return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh>(machine)](
+             const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
+    look_up(lookup, rays, hits, first, values);
+    for (std::size_t i = 0; i < group_size; ++i)
+      if (hits.t[first + i] < infinity) hits.value[first + i] = values[i];
+  };
+}
+
 LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned threads, Machine) {
-  if (attributes.field) throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no fields"));
-  return [&view, normals = dataset.corner_normals->of(view, threads)](const RayBatch& rays, HitBatch& hits,
-                                                                      std::size_t first, double*) {
+                   unsigned threads, Machine machine) {
+  LookUp of_field;
+  if (attributes.field) {
+    if (view.boundary() == nullptr)
+      throw Error(ErrorCode::usage, concat(dataset.file.name(), ": a surface has no fields"));
+    of_field = field_on_boundary(*view.boundary(), *attributes.field, machine);
+  }
+  if (!attributes.smooth_gradients) return of_field;
+  return [&view, normals = dataset.corner_normals->of(view, threads), of_field = std::move(of_field)](
+             const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
+    if (of_field) of_field(rays, hits, first, values);
   };
 }
 
@@ -303,7 +356,7 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
 
 HitLookup::HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads, Machine machine) {
   RHORAY_CHECK(!attributes.none());
-  if (attributes.field) check_field_name(dataset.file, *attributes.field, dataset.field_names);
+  if (attributes.field) check_field_name(dataset.file, *attributes.field, color_names(dataset));
   look_up_ = std::visit([&](const auto& view) { return look_up_for(view, dataset, attributes, threads, machine); },
                         dataset.view);
 }

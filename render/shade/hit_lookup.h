@@ -16,7 +16,7 @@ struct HitAttributes {
   /// In meshes: linear in the hit cell between gradients at its points; in surfaces: between
   /// normals; in grids: trilinear between central differences (grid/smooth_gradient.h).
   bool smooth_gradients = false;
-  std::optional<std::string> field;  ///< a field of the same file, including the dataset's own
+  std::optional<std::string> field;  ///< a field of the same file (Dataset::field), or its own
 
   bool none() const { return !smooth_gradients && !field; }
 };
@@ -28,7 +28,9 @@ struct HitAttributes {
 /// gradient to where the dataset's own field has the hit's value. Where rounding or a cell without
 /// volume leaves the position undefined, they belong to some position in the cell where the field
 /// has that value. So the own field's value at a hit equals the hit's, up to rounding. Every other
-/// value lies between those of the cell's points. In a grid, fields are trilinear at the hit, which
+/// value lies between those of the cell's points; a field of cells has the hit cell's value. On the
+/// boundary of a mesh the weights belong to the position itself, in the triangle's cell, and the
+/// value becomes the hit's value, too. In a grid, fields are trilinear at the hit, which
 /// is moved into its cell where rounding has put it outside.
 class HitLookup {
  public:

@@ -21,7 +21,7 @@ struct Corner {
 /// The corners at every point, by triangle.
 class CornersOfPoints {
  public:
-  explicit CornersOfPoints(const TriangleData& view) : first_(view.mesh().description().point_count + 1) {
+  explicit CornersOfPoints(const TriangleData& view) : first_(view.point_count() + 1) {
     for (std::uint32_t t = 0; t < view.triangle_count(); ++t)
       for (const std::uint32_t point : view.vertices(t)) ++first_[point + 1];
     for (std::size_t p = 1; p < first_.size(); ++p) first_[p] += first_[p - 1];
@@ -148,7 +148,7 @@ class Fans {
 // they are computed again. So the result is the same for any number of threads.
 CornerNormals::CornerNormals(const TriangleData& view, unsigned threads) {
   constexpr std::uint64_t fewest_points = 1 << 12;
-  const std::uint64_t point_count = view.mesh().description().point_count;
+  const std::uint64_t point_count = view.point_count();
   const CornersOfPoints corners(view);
   std::vector<std::uint32_t> first_other(point_count + 1);
   for_each_range(point_count, fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {

@@ -27,11 +27,13 @@ std::string grid_bytes() {
   return memory.content();
 }
 
-std::string mesh_bytes(bool has_clusters = false) {
+std::string mesh_bytes(bool has_clusters = false, const std::vector<std::uint64_t>& boundary = {}) {
   const MemoryFile memory;
   auto mesh = tests::sample_tets(
       1, {{"f", [](const Vec3& p) { return p.x; }}, {"g", [](const Vec3& p) { return p.y; }}}, {2, 2, 1});
   if (has_clusters) mesh = clustered(mesh, 4);
+  mesh.boundary = boundary;
+  mesh.description.boundary_face_count = boundary.size();
   PackedFileWriter writer(memory.descriptor(), describe(mesh.description), tet_mesh_arrays(mesh.description));
   mesh.write_into(writer).commit();
   return memory.content();
@@ -360,6 +362,24 @@ TEST(ResealedFile, details_of_clusters_are_asked_for_and_held_to_their_limits) {
   const std::string lists = mesh_bytes();
   expect_error(ErrorCode::invalid, "clusters: found nothing",
                [&] { open_mesh(with_header_change(lists, R"(requires":"")", R"(requires":"cell-clusters")")); });
+}
+
+TEST(ResealedFile, a_boundary_names_faces_of_cells_once) {
+  const std::string file = mesh_bytes(false, {0, 5, 23});
+  EXPECT_NO_THROW(open_mesh(file));
+  for (const Attack& attack : std::vector<Attack>{
+           {R"(boundary_face_count\":3)", R"(boundary_face_count\":0)", "boundary_face_count: found 0"},
+           {R"(boundary_face_count\":3)", R"(boundary_face_count\":25)", "boundary_face_count: found 25"},
+           {R"(boundary_face_count\":3)", R"(boundary_face_count\":4)", "array 'boundary'"}})
+    expect_error(attack.error_code, attack.words, [&] { open_mesh(with_header_change(file, attack.from, attack.to)); });
+  expect_error(ErrorCode::invalid, "array 'boundary', element 2: found 24; expected a number below 24, above 5", [&] {
+    open_mesh(mesh_bytes(false, {0, 5, 24}));
+  });
+  expect_error(ErrorCode::invalid, "array 'boundary', element 1: found 5; expected a number below 24, above 5", [&] {
+    open_mesh(mesh_bytes(true, {5, 5, 7}));
+  });
+  expect_error(ErrorCode::invalid, "array 'boundary', element 0",
+               [&] { open_mesh(mesh_bytes(true, {std::numeric_limits<std::uint64_t>::max()})); });
 }
 
 }  // namespace

@@ -49,5 +49,15 @@ TEST(RegularFile, gives_its_first_bytes_and_none_where_there_are_none) {
   EXPECT_EQ(first_bytes(folder.path(), 3), "");
 }
 
+TEST(RegularFile, takes_memory_for_what_is_there_and_not_for_what_is_asked) {
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder / "a", "content");
+  EXPECT_LT(first_bytes(folder / "a", std::size_t{64} << 20).capacity(), std::size_t{1} << 16);
+  const std::string long_text(100'000, 'x');
+  tests::write_file(folder / "long", long_text);
+  EXPECT_EQ(first_bytes(folder / "long", std::size_t{64} << 20), long_text);
+  EXPECT_EQ(first_bytes(folder / "long", 99'999), long_text.substr(1));
+}
+
 }  // namespace
 }  // namespace rhoray

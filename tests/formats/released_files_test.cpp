@@ -117,6 +117,20 @@ TEST(ReleasedFiles, clusters_of_version_1_2_are_read) {
   EXPECT_LE(mesh.cluster_ranges<float>(0)[0][0].hi[2], -48.0F);
 }
 
+TEST(ReleasedFiles, boundary_and_fields_of_cells_of_version_1_7_are_read) {
+  const TetMesh mesh(released("1.7-tets.rho"));
+  expect_sound(mesh, "1.7");
+  EXPECT_EQ(mesh.boundary().size(), 6U);
+  EXPECT_EQ(mesh.find_cell_field("region"), 0U);
+  EXPECT_EQ(mesh.find_cell_field("stress"), 1U);
+  EXPECT_EQ(mesh.find_cell_field("potential"), std::nullopt);
+  EXPECT_EQ(mesh.description().cell_fields[1].type, ElementType::F64);
+  for (std::uint64_t c = 0; c < 2; ++c) {
+    EXPECT_EQ(mesh.cell_values<float>(0)[c], mesh.cell_id(c) == 0 ? 7 : 9);
+    EXPECT_EQ(mesh.cell_values<double>(1)[c], mesh.cell_id(c) == 0 ? 0.1 : -2.5);
+  }
+}
+
 TEST(ReleasedFiles, surface_of_version_1_3_is_read) {
   const TriangleMesh surface(released("1.3-surface.rho"));
   expect_sound(surface, "1.3");

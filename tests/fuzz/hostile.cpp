@@ -84,6 +84,7 @@ class Pictures {
     clear(surface, field);
     colored(surface, field);
     attempt([&] { (void)dataset_.isosurface_bounds(surface.isovalue); });
+    if (dataset_.is_mesh()) attempt([&] { Pictures(dataset_.boundary(), memory_).draw(); });
   }
 
  private:
@@ -165,6 +166,10 @@ class Pictures {
     layer.material.opacity = 0.4;
     layer.material.normals = render::Normals::smooth;
     frame(layer, 8);
+    if (!dataset_.has_fields()) return;
+    layer.material.color_by =
+        render::FieldColors{.field = dataset_.field_names().back(), .range = window_of(dataset_.field())};
+    frame(layer, 8, {}, {.value = true});
   }
 
   const render::Dataset& dataset_;

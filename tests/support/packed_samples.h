@@ -148,6 +148,7 @@ struct TetSample {
   std::vector<std::uint32_t> cells;
   std::vector<std::uint32_t> cell_ids;     ///< written if not empty
   std::vector<std::uint32_t> point_ranks;  ///< written if not empty
+  std::vector<std::uint64_t> boundary;     ///< written if not empty
   std::vector<std::uint64_t> offsets;
   std::vector<std::uint32_t> items;
   std::vector<std::vector<float>> values;  ///< per field, at points
@@ -168,6 +169,7 @@ struct TetSample {
       writer.write_all("leaf.items", std::span<const std::uint32_t>(items));
       writer.write_all("cells", std::span<const std::uint32_t>(cells));
     }
+    if (!boundary.empty()) writer.write_all("boundary", std::span<const std::uint64_t>(boundary));
     if (!cell_ids.empty()) writer.write_all("cell_ids", std::span<const std::uint32_t>(cell_ids));
     if (!point_ranks.empty()) writer.write_all("point_ranks", std::span<const std::uint32_t>(point_ranks));
     for (std::size_t f = 0; f < values.size(); ++f) {

@@ -215,25 +215,27 @@ TEST(Annotations, never_put_text_over_text_or_over_a_bar) {
     }
 }
 
-TEST(BoxAnnotation, is_hidden_behind_what_is_nearer) {
+TEST(BoxAnnotation, is_hidden_behind_what_is_nearer_and_left_out_before_it) {
   const Box3 box{{-1, -1, -1}, {1, 1, 1}};
   const render::Camera camera = render::fit_camera(box, {.azimuth_deg = 30, .elevation_deg = 20, .zoom = 0.75}, 1);
   const Projection projection(camera, 400, 400);
-  // The corner nearest to the eye, and the farthest one.
-  const Seen near = projection.of({1, -1, 0.5}), far = projection.of({-1, 1, 0.5});
+  // The edges nearest to the eye, at the side, and farthest away.
+  const Seen near = projection.of({1, -1, 0.5}), side = projection.of({-1, -1, 0.5}), far = projection.of({-1, 1, 0.5});
   const double between = (near.distance + far.distance) / 2;
-  render::Framebuffer picture = blank(400, 400), hidden = blank(400, 400);
+  render::Framebuffer picture = blank(400, 400), hidden = blank(400, 400), without_surfaces = blank(400, 400);
   for (float& depth : hidden.depth) depth = static_cast<float>(between);
   const Annotations annotations{.camera = camera, .box = box};
   annotate(annotations, blocks, picture);
   annotate(annotations, blocks, hidden);
+  annotate({.camera = camera, .box = box, .hides_box = false}, blocks, without_surfaces);
   const auto darkness = [](const render::Framebuffer& of, const Spot& at) {
     return 1 - color_at(of, static_cast<int>(at.x), static_cast<int>(at.y)).x;
   };
-  EXPECT_GT(darkness(picture, near.at), 0.3);
+  EXPECT_EQ(darkness(picture, near.at), 0);
+  EXPECT_GT(darkness(picture, side.at), 0.3);
   EXPECT_GT(darkness(picture, far.at), 0.3);
-  EXPECT_GT(darkness(hidden, near.at), 0.3);
   EXPECT_EQ(darkness(hidden, far.at), 0);
+  for (const Seen& each : {near, side, far}) EXPECT_GT(darkness(without_surfaces, each.at), 0.3);
 }
 
 TEST(Text, has_the_letters_of_many_languages) {

@@ -60,6 +60,28 @@ std::string wrong_text(const ResultRow& row) {
                 ppm(errors.false_hits));
 }
 
+/// The method that a picture has by default.
+const ResultRow* default_row(const Rows& rows) {
+  const ResultRow* row = named(rows, group_levels, "float");
+  return row != nullptr ? row : named(rows, group_levels, "double");
+}
+
+/// Says why the paper's method misses pixels, where it does.
+void say_paper(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
+  const ResultRow* paper = named(rows, group_published, "paper");
+  if (paper == nullptr || !paper->measured->errors || layer.is_projection()) return;
+  const render::ErrorCounts& errors = *paper->measured->errors;
+  if (errors.missed + errors.false_hits == 0) return;
+  out.push_back(concat(
+      "The paper's method (`paper`): ", wrong_text(*paper), ". ",
+      layer.dataset().is_mesh()
+          ? "It tests each tetrahedron alone: rounding can put a ray that passes a shared face, edge or point outside "
+            "all tetrahedra there, and the ray goes through the surface."
+          : "It expands the cubic of a cell around the eye: the farther away the eye is, the more digits its "
+            "coefficients lose, until roots appear or vanish. A cubic whose first coefficient is nearly 0 loses "
+            "more."));
+}
+
 /// Says which method is sufficient for which error.
 void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   const bool is_projection = layer.is_projection();
@@ -82,8 +104,7 @@ void say_fastest(const LayerStudy& layer, const Rows& rows, std::vector<std::str
 
 void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
   const ResultRow *proven = named(rows, group_levels, "certified"), *exact = named(rows, group_levels, "exact");
-  const ResultRow* quick = named(rows, group_levels, "float");
-  if (quick == nullptr) quick = named(rows, group_levels, "double");
+  const ResultRow* quick = default_row(rows);
   if (proven == nullptr || quick == nullptr) return;
   std::string sentence =
       concat("A proof of every hit and miss (`certified`) takes ", times_text(proven->cpu_ms / quick->cpu_ms),
@@ -98,8 +119,7 @@ void say_proof(const LayerStudy& layer, const Rows& rows, std::vector<std::strin
 }
 
 void say_sampled(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
-  const ResultRow* own = named(rows, group_levels, "float");
-  if (own == nullptr) own = named(rows, group_levels, "double");
+  const ResultRow* own = default_row(rows);
   for (const char* group : {group_linear, group_samples}) {
     const ResultRow* half = named(rows, group, "sampled:0.5+linear");
     if (half == nullptr || own == nullptr) continue;
@@ -173,12 +193,30 @@ void say_normals(const Rows& rows, std::vector<std::string>& out) {
 
 }  // namespace
 
+std::string verdict_of(const LayerStudy& layer) {
+  if (layer.result() == nullptr) return {};
+  const Rows rows = rows_of(*layer.result());
+  const ResultRow* row = default_row(rows);
+  if (row == nullptr || !row->measured->errors) return {};
+  const render::ErrorCounts& errors = *row->measured->errors;
+  std::string text = concat("The default, `", row->measured->method, "`: ", wrong_text(*row));
+  if (const auto& off = errors.value_error) {
+    const std::string& unit = layer.dataset().field().unit;
+    const std::string within = concat(short_number(off->p99, 2), unit.empty() ? "" : " ", unit);
+    text += layer.is_projection() ? concat("; 99 % of the values are within ", within, " of the largest on their ray")
+                                  : concat("; in 99 % of the pixels '", layer.dataset().field().name, "' is within ",
+                                           within, " of the isovalue where the surface is drawn");
+  }
+  return text + ".";
+}
+
 std::vector<std::string> conclusions_of(const LayerStudy& layer) {
   std::vector<std::string> out;
   if (layer.result() == nullptr) return out;
   const Rows rows = rows_of(*layer.result());
   say_fastest(layer, rows, out);
   say_proof(layer, rows, out);
+  say_paper(layer, rows, out);
   say_sampled(layer, rows, out);
   say_order(rows, out);
   say_copies(layer, rows, out);

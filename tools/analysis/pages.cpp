@@ -270,6 +270,7 @@ void ResultsFolder::add_layer(const LayerStudy& layer, const std::string& prefix
   section["pixels"] = result.truth.pixel_count();
   section["hits"] = result.truth.hit_count();
   section["is_projection"] = layer.is_projection();
+  section["verdict"] = verdict_of(layer);
   section["conclusions"] = conclusions_of(layer);
   section["plots"] = plots(layer, prefix, context);
   section["groups"] = groups_of(layer);
@@ -280,6 +281,8 @@ void ResultsFolder::add_layer(const LayerStudy& layer, const std::string& prefix
   if (pass == nullptr || of_pass != pass) shown = galleries(layer, prefix);
   of_pass = pass;
   section["galleries"] = shown;
+  // The picture stands at the top of the section.
+  section["reference"] = shown.empty() ? Json() : shown[0].at("figures")[0].at("pictures")[0];
 }
 
 void ResultsFolder::write(const std::vector<const LayerStudy*>& layers, StudyContext& context) {

@@ -45,6 +45,10 @@ Table table_of(const std::vector<const LayerStudy*>& layers, const StudyContext&
 /// Conclusions for scientists, one sentence each.
 std::vector<std::string> conclusions_of(const LayerStudy& layer);
 
+/// One sentence on the default method: wrong pixels, and errors in the field's unit. Empty where it
+/// was not measured.
+std::string verdict_of(const LayerStudy& layer);
+
 inline constexpr const char* results_schema = "rhoray-accuracy 1";
 Json results_json(const std::vector<const LayerStudy*>& layers, const StudyContext& context);
 

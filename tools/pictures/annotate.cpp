@@ -261,9 +261,10 @@ class Annotator {
            (projection_.of(corner(edge.from)).distance > 0 && projection_.of(corner(edge.to)).distance > 0);
   }
 
+  /// Beside surfaces without the edges towards the eye, which would run across what is shown.
   void draw_box_edges() {
     for (const Edge& edge : edges()) {
-      if (!is_before_the_eye(edge)) continue;
+      if (!is_before_the_eye(edge) || (wished_.hides_box && seen_sides(edge) == 2)) continue;
       const Seen from = projection_.of(corner(edge.from)), to = projection_.of(corner(edge.to));
       canvas_.line(from.at, to.at, thin(), ink_,
                    [&](int x, int y, double share_along) { return is_before_surfaces(x, y, from, to, share_along); });
@@ -283,17 +284,16 @@ class Annotator {
            static_cast<double>(picture_.depth[pixel]) * (1 + slack);
   }
 
-  /// True if exactly one of the two sides that meet in an edge is visible.
-  bool is_outline(const Edge& edge) const {
-    bool is_seen[2];
+  /// How many of the two sides that meet in an edge are visible.
+  int seen_sides(const Edge& edge) const {
     int count = 0;
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == edge.axis) continue;
       Vec3 normal(0, 0, 0);
       normal[axis] = (edge.from >> axis & 1) != 0 ? 1 : -1;
-      is_seen[count++] = projection_.sees_side(corner(edge.from), normal);
+      count += projection_.sees_side(corner(edge.from), normal) ? 1 : 0;
     }
-    return is_seen[0] != is_seen[1];
+    return count;
   }
 
   /// Draws ticks along one edge of the box's outline for each axis: the lowest edge, or the
@@ -304,7 +304,7 @@ class Annotator {
       double best_place = 0;
       const bool lies = !stands(axis);
       for (const Edge& edge : edges()) {
-        if (edge.axis != axis || !is_before_the_eye(edge) || !is_outline(edge)) continue;
+        if (edge.axis != axis || !is_before_the_eye(edge) || seen_sides(edge) != 1) continue;
         const Spot a = projection_.of(corner(edge.from)).at, b = projection_.of(corner(edge.to)).at;
         const double place = lies ? a.y + b.y : -(a.x + b.x);
         if (!best || place > best_place) best = edge, best_place = place;

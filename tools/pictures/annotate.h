@@ -32,7 +32,8 @@ struct Annotations {
   /// Arrows in a corner along the world's axes, as the camera sees them.
   bool axes = false;
   Side axes_side = Side::left;  ///< left or right lower corner
-  /// Drawn edges, hidden behind nearer surfaces, with ticks and numbers along three of them.
+  /// Drawn edges with ticks and numbers along three of them. Beside surfaces, edges are hidden by
+  /// what is nearer, and edges between two sides that face the eye are left out.
   std::optional<Box3> box{};
   std::string length_unit{};     ///< of the numbers along the box
   bool hides_box = true;         ///< the picture has depths, and surfaces hide the box's edges

@@ -56,7 +56,9 @@ render::SceneSpec spec_of(const AccuracyCommand& command) {
     for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
     scene_spec = with_options(document.scene_spec, command.picture);
   } else {
-    scene_spec = spec_of(command.picture, {command.input});
+    PictureOptions picture = command.picture;
+    if (picture.mode.empty()) picture.mode = "iso";  // a boundary has only one method
+    scene_spec = spec_of(picture, {command.input});
   }
   if (!scene_spec.image.size) scene_spec.image.size = default_size;
   scene_spec.image.channels.reset();

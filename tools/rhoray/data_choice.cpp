@@ -7,6 +7,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/base/word_list.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "tools/analysis/measure.h"
@@ -53,6 +54,9 @@ std::string packing_text(const std::filesystem::path& path, const preprocess::Op
 
 preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
                             const DataAccess& access) {
+  const std::pair key(path, fields);
+  if (access.opened)
+    if (const auto known = access.opened->find(key); known != access.opened->end()) return known->second;
   const Stopwatch watch;
   const preprocess::OpenedData opened = preprocess::open_data(path, {.fields = std::move(fields),
                                                                      .use_cache = access.use_cache,
@@ -62,6 +66,7 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
   if (opened.was_packed && access.say) access.say(packing_text(path, opened, watch.seconds()));
   if (access.tell)
     for (const std::string& note : opened.notes) access.tell(concat("note: ", note));
+  if (access.opened) access.opened->emplace(key, opened);
   return opened;
 }
 
@@ -97,7 +102,8 @@ DataAccess access_for(const CommonOptions& common, ProgressDisplay& display) {
                 display.clear();
                 say(common, line);
               },
-          .tell = [&common](const std::string& line) { tell(common, line); }};
+          .tell = [&common](const std::string& line) { tell(common, line); },
+          .opened = std::make_shared<DataAccess::Opened>()};
 }
 
 render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access,
@@ -140,8 +146,42 @@ std::filesystem::path packed_path(const std::filesystem::path& path, const std::
               concat("pack it first: ", shell_line({"rhoray", "pack", path.string()})));
 }
 
+std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const DataAccess& access) {
+  const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+  if (file.description().kind != "grid") return std::nullopt;
+  const std::string name =
+      data.field.empty() ? load_field_that_varies(file, formats::Space::unknown).field().name : data.field;
+  formats::BrickGrid grid(file);
+  const std::optional<std::size_t> field = grid.find_field(name);
+  if (!field) return std::nullopt;  // refused where the data are loaded
+  std::optional<std::vector<preprocess::Label>> labels = preprocess::find_labels(grid, *field);
+  if (!labels) return std::nullopt;
+  return Segmentation{std::move(grid), *field, std::move(*labels)};
+}
+
+namespace {
+
+render::Dataset load_label(const render::DataSpec& data, formats::Space world, const DataAccess& access) {
+  const std::optional<Segmentation> segmentation = segmentation_in(data, access);
+  std::vector<std::string> known;
+  if (segmentation)
+    for (const preprocess::Label& label : segmentation->labels) {
+      known.push_back(concat(label.value));
+      if (label.value == *data.label)
+        return render::Dataset::load(preprocess::pack_indicator(segmentation->grid, segmentation->field, label), {},
+                                     world);
+    }
+  throw Error(ErrorCode::invalid,
+              concat(data.file.string(), ": ",
+                     segmentation ? concat("holds the labels ", joined(known)) : "is not a segmentation",
+                     "; expected label ", *data.label));
+}
+
+}  // namespace
+
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access) {
   return render::resolve_layers(scene_spec, [&](const render::DataSpec& data, formats::Space world) {
+    if (data.label) return load_label(data, world, access);
     std::vector<std::string> others;
     for (const render::LayerSpec& layer : scene_spec.layers)
       if (layer.data == data.name) others.push_back(layer.color_by);

@@ -2,8 +2,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "preprocess/labels.h"
 #include "preprocess/open_data.h"
 #include "render/document.h"
 #include "render/load.h"
@@ -21,6 +27,9 @@ struct DataAccess {
   preprocess::Progress progress{};
   std::function<void(const std::string&)> say{};   ///< one line about packing
   std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
+  /// Files that were opened, by their names and the fields that were asked for; null: none are kept.
+  using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, preprocess::OpenedData>;
+  std::shared_ptr<Opened> opened{};
 };
 /// @param display  must outlive the result
 DataAccess access_for(const CommonOptions& common, ProgressDisplay& display);
@@ -46,7 +55,17 @@ std::filesystem::path packed_path(const std::filesystem::path& path, const std::
 std::filesystem::path packed_data_path(const std::filesystem::path& path, const std::string& field,
                                        const DataAccess& access = {});
 
-/// Opens the data of a scene by load_shown (render/document.h).
+/// A field of labels.
+struct Segmentation {
+  formats::BrickGrid grid;
+  std::size_t field;
+  std::vector<preprocess::Label> labels;
+};
+/// The labels of data (preprocess/labels.h); nothing where they hold none.
+std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const DataAccess& access);
+
+/// Opens the data of a scene by load_shown (render/document.h), and labels as their
+/// indicators.
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access = {});
 
 /// The cache of packed copies: in the folder of the user, with the limit that RHORAY_CACHE_SIZE

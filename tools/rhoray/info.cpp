@@ -28,11 +28,12 @@ struct InfoOptions {
   bool findings = false;
 };
 
-/// Bytes of a packed mesh without points, field values and envelope.
+/// Bytes of a packed mesh without points, field values, boundary and envelope.
 std::uint64_t structure_bytes(const formats::PackedFile& file) {
   std::uint64_t bytes = 0;
   for (const formats::ArrayEntry& entry : file.arrays())
-    if (entry.name != "points" && !entry.name.starts_with("field.") && !entry.name.starts_with('_'))
+    if (entry.name != "points" && entry.name != "boundary" && !entry.name.starts_with("field.") &&
+        !entry.name.starts_with("cell_field.") && !entry.name.starts_with('_'))
       bytes += entry.byte_count;
   return bytes;
 }
@@ -107,14 +108,15 @@ std::string certificate_text(const Json& certificate, const Json& unit) {
   return text;
 }
 
-std::string field_text(const Json& field) {
+/// @param label  "field", or "cells" for one value per cell
+std::string field_text(const Json& field, const std::string& label) {
   std::string title = concat("'", word(field["name"]), "'  ", word(field["type"]));
   if (field.contains("components") && field["components"] != 1) title += concat(" x ", field["components"].get<int>());
-  if (field["range"].is_null()) return row("field", title + "  no finite value");
+  if (field["range"].is_null()) return row(label, title + "  no finite value");
   title += "  " + with_unit(numbers(field["range"], " to "), field["unit"]);
   if (const auto count = field["no_data_count"].get<std::uint64_t>(); count != 0)
     title += concat(", ", counted(count, "value without data", "values without data"));
-  std::string text = row("field", title);
+  std::string text = row(label, title);
   formats::FieldSummary summary;
   summary.histogram = field["histogram"].get<std::vector<std::uint64_t>>();
   text += row("", "|" + histogram_bars(summary) + "|");
@@ -191,7 +193,7 @@ std::string layout_text(const Json& json) {
                                  json["macro_levels"]["factor"].get<std::int64_t>()));
   if (json.contains("structure_bytes")) {
     const double per_cell = json["structure_bytes"].get<double>() / json["cells"].get<double>();
-    text += row("structure", concat(rounded(per_cell, 3), " bytes per cell, without points and fields"));
+    text += row("structure", concat(rounded(per_cell, 3), " bytes per cell, without points, fields and boundary"));
   }
   if (json.contains("memory"))
     for (const auto& [name, bytes] : json["memory"].items())
@@ -278,7 +280,9 @@ std::string info_text(const Json& json, bool verbose) {
   if (json.contains("grids"))
     for (const Json& grid : json["grids"]) text += row("grid", grid_text(grid));
   if (json.contains("fields"))
-    for (const Json& field : json["fields"]) text += field_text(field);
+    for (const Json& field : json["fields"]) text += field_text(field, "field");
+  if (json.contains("cell_fields"))
+    for (const Json& field : json["cell_fields"]) text += field_text(field, "cells");
   if (json.contains("other_fields") && !json["other_fields"].empty())
     text += row("also", joined(json["other_fields"].get<std::vector<std::string>>(), ", ", "'"));
   if (json.contains("vectors"))

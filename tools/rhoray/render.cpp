@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/render/frames.h"
+#include "tools/rhoray/render/label_layers.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
 #include "tools/rhoray/render/replacements.h"
@@ -36,11 +38,23 @@ std::optional<render::SceneDocument> document_in(const std::filesystem::path& in
   return render::read_scene(*text, input.string(), input.parent_path());
 }
 
+/// Whether an option is about the accuracy of hits, which boundaries do not have.
+bool needs_isosurface(const RenderCommand& command) {
+  const render::PictureSpec& image = command.picture.scene_spec.image;
+  const std::vector<std::string> channels = image.channels.value_or(std::vector<std::string>{});
+  return command.goal.is_given() || command.self_check.pixels > 0 || image.show.value_or("color") != "color" ||
+         std::find(channels.begin(), channels.end(), "error") != channels.end();
+}
+
 /// The requested scene: a document with the options on top, or files and options alone.
 render::SceneSpec spec_of(const RenderCommand& command) {
   const std::filesystem::path& input = command.inputs.front();
   const std::optional<render::SceneDocument> document = document_in(input);
-  if (!document) return spec_of(command.picture, command.inputs);
+  if (!document) {
+    PictureOptions picture = command.picture;
+    if (picture.mode.empty() && needs_isosurface(command)) picture.mode = "iso";
+    return spec_of(picture, command.inputs);
+  }
   if (command.inputs.size() > 1)
     throw Error(ErrorCode::usage, concat(command.inputs[1].string(), ": not allowed with the scene ", input.string(),
                                          ", which names its files"));
@@ -81,24 +95,27 @@ void check(RenderCommand& command, const render::SceneSpec& scene_spec) {
 }
 
 int run(RenderCommand& command) {
-  const render::SceneSpec scene_spec = spec_of(command);
-  check(command, scene_spec);
-  if (scene_spec.camera.keyframes || scene_spec.image.frames || command.frame || command.sheet) {
-    run_frames(command, scene_spec);
+  const render::SceneSpec asked = spec_of(command);
+  check(command, asked);
+  if (asked.camera.keyframes || asked.image.frames || command.frame || command.sheet) {
+    run_frames(command, asked);
     return 0;
   }
   ProgressDisplay display(command.common);
   Drawn drawn;
   const bool draws = !command.explain && !command.print_scene;
   if (draws) {
-    drawn.output = output_of(command, scene_spec);
+    drawn.output = output_of(command, asked);
     drawn.to_stdout = goes_to_stdout(command);
     require_picture_format(drawn.to_stdout ? "picture.png" : drawn.output,
-                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+                           render::channel_set(asked.image.channels.value_or(std::vector<std::string>{})));
   }
-  display.show(concat("opening ", scene_spec.data[0].file.string()));
+  display.show(concat("opening ", asked.data[0].file.string()));
+  const DataAccess access = access_for(command.common, display);
   const Stopwatch opening;
-  drawn.plan = resolve_layers(scene_spec, access_for(command.common, display));
+  const render::SceneSpec scene_spec = with_label_layers(asked, access);
+  drawn.plan = resolve_layers(scene_spec, access);
+  if (draws) settle_annotations(drawn.plan);
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
   aim_camera(scene_spec, drawn.plan);

@@ -67,7 +67,10 @@ std::string content_of(const formats::ColorGridDescription& grid) {
 
 std::string content_of(const formats::TetMeshDescription& mesh) {
   return concat(counted(mesh.cell_count, "tetrahedron", "tetrahedra"), ", ",
-                counted(mesh.point_count, "point", "points"), ", ", counted(mesh.fields.size(), "field", "fields"));
+                counted(mesh.point_count, "point", "points"), ", ", counted(mesh.fields.size(), "field", "fields"),
+                mesh.cell_fields.empty()
+                    ? ""
+                    : concat(", ", counted(mesh.cell_fields.size(), "field of cells", "fields of cells")));
 }
 
 std::string content_of(const formats::TriangleMeshDescription& surface) {
@@ -163,6 +166,8 @@ Json json_of(const formats::ColorGridDescription& grid) {
 Json json_of(const formats::TetMeshDescription& mesh) {
   Json fields = Json::array();
   for (const formats::FieldSummary& field : mesh.fields) fields.push_back(json_of(field));
+  Json cell_fields = Json::array();
+  for (const formats::FieldSummary& field : mesh.cell_fields) cell_fields.push_back(json_of(field));
   Json json{{"points", mesh.point_count},
             {"cells", mesh.cell_count},
             {"origin", json_of(mesh.origin)},
@@ -179,6 +184,8 @@ Json json_of(const formats::TetMeshDescription& mesh) {
                        {"items", mesh.leaf_item_count}}},
                      {"macro_levels", {{"count", lattice.macro.level_count}, {"factor", lattice.macro.factor}}}});
   json.update(Json{{"fields", fields},
+                   {"cell_fields", cell_fields},
+                   {"boundary_faces", mesh.boundary_face_count},
                    {"packing",
                     {{"flipped_cells", mesh.flipped_cell_count},
                      {"flat_cells", mesh.flat_cell_count},

@@ -36,7 +36,7 @@ std::vector<Point> points_in_steps(const CleanMesh& mesh, const SampleLattice& l
   return steps;
 }
 
-FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vector<Point>& steps,
+FieldView view_of(const CleanMesh& mesh, const ScalarField& field, const std::vector<Point>& steps,
                   const SampleLattice& lattice, std::span<const Conflict> conflicts) {
   FieldView view;
   view.conflicts = conflicts;

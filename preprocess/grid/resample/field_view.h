@@ -42,7 +42,7 @@ struct FieldView {
 std::vector<Point> points_in_steps(const CleanMesh& mesh, const SampleLattice& lattice);
 
 /// @param steps  as returned by points_in_steps
-FieldView view_of(const CleanMesh& mesh, const PointField& field, const std::vector<Point>& steps,
+FieldView view_of(const CleanMesh& mesh, const ScalarField& field, const std::vector<Point>& steps,
                   const SampleLattice& lattice, std::span<const Conflict> conflicts);
 
 }  // namespace rhoray::preprocess

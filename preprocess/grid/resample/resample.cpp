@@ -26,9 +26,9 @@ std::uint64_t memory_limit(const ResampleOptions& options) {
 
 /// Bytes of samples and of the arrays that go with bricks, when this fraction of the bricks is
 /// touched.
-double bytes_of(const SampleLattice& lattice, const std::vector<PointField>& fields, double touched_share) {
+double bytes_of(const SampleLattice& lattice, const std::vector<ScalarField>& fields, double touched_share) {
   double sample_bytes = 0;
-  for (const PointField& field : fields)
+  for (const ScalarField& field : fields)
     std::visit([&]<class T>(const Array<T>&) { sample_bytes += sizeof(T); }, field.values);
   const auto bricks = static_cast<double>(volume(lattice.brick_count()));
   const double of_all_bricks = 8 + 4 + 4 + static_cast<double>(fields.size()) * 8 * (sizeof(float) * 2 + 1);
@@ -55,7 +55,8 @@ class Resampling {
     mesh_ = clean_mesh(mesh, source_name_);
     report_.notes = mesh_.notes;
     inspecting.add(1);
-    fields_ = choose_fields(mesh, mesh_, options.fields, options.cells_to_points, source_name_, report_.notes);
+    fields_ =
+        choose_fields(mesh, mesh_, options.fields, options.cells_to_points, source_name_, report_.notes).of_points;
     inspecting.add(1);
     neighbors_ = match_faces(mesh_.points, mesh_.cells);
     inspecting.add(1);
@@ -240,7 +241,7 @@ class Resampling {
   std::string source_name_;
   std::uint64_t limit_;
   CleanMesh mesh_;
-  std::vector<PointField> fields_;
+  std::vector<ScalarField> fields_;
   FaceNeighbors neighbors_;
   ResampleReport report_;
 };

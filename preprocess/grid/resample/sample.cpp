@@ -96,11 +96,11 @@ TouchedBricks find_touched_bricks(const CleanMesh& mesh, const SampleLattice& la
   return touched;
 }
 
-BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>& fields, const SampleLattice& lattice,
+BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<ScalarField>& fields, const SampleLattice& lattice,
                            const TouchedBricks& touched, const Progress& progress) {
   const std::size_t slot_count = touched.bricks.size();
   BrickSamples samples;
-  for (const PointField& field : fields)
+  for (const ScalarField& field : fields)
     std::visit([&]<class T>(const Array<T>&) { samples.fields.emplace_back(Array<T>(slot_count * brick_samples)); },
                field.values);
   samples.inside_counts.resize(slot_count);

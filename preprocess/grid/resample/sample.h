@@ -65,7 +65,7 @@ struct BrickSamples {
 /// double. It never leaves the range of the values at the cell's four vertices except for rounding
 /// to the field's own type. It is NaN outside the mesh, and where one of the four vertices has no
 /// data in every cell that holds the sample. (extend.h gives values to those that leaf cells need.)
-BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<PointField>& fields, const SampleLattice& lattice,
+BrickSamples sample_fields(const CleanMesh& mesh, const std::vector<ScalarField>& fields, const SampleLattice& lattice,
                            const TouchedBricks& touched, const Progress& progress);
 
 }  // namespace rhoray::preprocess

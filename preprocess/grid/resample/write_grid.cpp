@@ -27,7 +27,7 @@ std::vector<std::size_t> kept_slots(const BrickSamples& samples) {
 
 /// Samples beyond the lattice or in missing bricks count as without data; padding does not.
 template <class T>
-formats::FieldSummary summary_of(const PointField& field, const Array<T>& samples, const Index3& sample_count) {
+formats::FieldSummary summary_of(const ScalarField& field, const Array<T>& samples, const Index3& sample_count) {
   formats::FieldSummary summary = summarize(std::span<const T>(samples), field.name, field.unit);
   summary.no_data_count = static_cast<std::uint64_t>(volume(sample_count)) - (samples.size() - summary.no_data_count);
   return summary;
@@ -118,7 +118,7 @@ void write_bricks(const Array<T>& samples, const std::vector<std::size_t>& kept,
 
 }  // namespace
 
-void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<PointField>& fields,
+void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<ScalarField>& fields,
                 const std::string& length_unit, std::optional<double> requested_error,
                 const std::filesystem::path& path, const ResampleOptions& options, const Progress& progress,
                 ResampleReport& report) {

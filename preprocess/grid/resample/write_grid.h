@@ -19,7 +19,7 @@ struct ResampledMesh {
 /// Writes a packed grid with the bricks that have a sample inside the mesh or a value given to one
 /// outside. Sets description and file_bytes.
 /// @param requested_error  of the first field, for its certificate
-void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<PointField>& fields,
+void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vector<ScalarField>& fields,
                 const std::string& length_unit, std::optional<double> requested_error,
                 const std::filesystem::path& path, const ResampleOptions& options, const Progress& progress,
                 ResampleReport& report);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <span>
@@ -16,6 +17,7 @@
 #include "formats/base/error.h"
 #include "formats/base/interval.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/number_text.h"
 #include "preprocess/values/has_data.h"
 
 namespace rhoray::preprocess {
@@ -62,9 +64,19 @@ std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::strin
                                        std::vector<std::string>& notes) {
   std::vector<SourceField> fields;
   std::set<std::string> names;
+  const auto is_point_field = [&](const std::string& name) {
+    return std::any_of(fields.begin(), fields.end(),
+                       [&](const SourceField& field) { return !field.is_of_cells && field.name == name; });
+  };
   const auto add = [&](const NeutralField& field, bool is_of_cells, std::size_t place_count) {
     SourceField added{field.name.empty() ? "unnamed" : field.name, &field, is_of_cells};
     check_field(added, place_count, source_name);
+    if (is_of_cells && is_point_field(added.name)) {
+      const std::string other = added.name + ".cells";
+      notes.push_back(concat("field \"", added.name, "\" of cells is kept as \"", other,
+                             "\", because a field of points has its name"));
+      added.name = other;
+    }
     if (names.insert(added.name).second)
       fields.push_back(std::move(added));
     else
@@ -77,10 +89,9 @@ std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::strin
 }
 
 /// Returns every name that can be selected.
-std::vector<std::string> names_on_offer(const std::vector<SourceField>& fields, bool cells_to_points) {
+std::vector<std::string> names_on_offer(const std::vector<SourceField>& fields) {
   std::vector<std::string> names;
   for (const SourceField& source : fields) {
-    if (source.is_of_cells && !cells_to_points) continue;
     if (!is_vector(source)) {
       names.push_back(source.name);
       continue;
@@ -126,12 +137,12 @@ std::optional<Selection> find_selection(const std::vector<SourceField>& fields, 
   return std::nullopt;
 }
 
-[[noreturn]] void refuse_name(const std::vector<SourceField>& fields, const std::string& asked, bool cells_to_points,
+[[noreturn]] void refuse_name(const std::vector<SourceField>& fields, const std::string& asked,
                               const std::string& source_name) {
-  const std::vector<std::string> names = names_on_offer(fields, cells_to_points);
-  const std::string offer = names.empty() ? "no fields at points" : listed(names);
+  const std::vector<std::string> names = names_on_offer(fields);
+  const std::string offer = names.empty() ? "no fields" : listed(names);
   for (const SourceField& source : fields)
-    if (source.name == asked && is_vector(source) && (cells_to_points || !source.is_of_cells))
+    if (source.name == asked && is_vector(source))
       throw Error(ErrorCode::usage,
                   concat(source_name, ", field \"", asked, "\": found a vector of ", source.field->component_count,
                          " components; expected one scalar of: ", offer),
@@ -140,28 +151,40 @@ std::optional<Selection> find_selection(const std::vector<SourceField>& fields, 
               did_you_mean(asked, names));
 }
 
-Selection select(const std::vector<SourceField>& fields, const std::string& asked, bool cells_to_points,
-                 const std::string& source_name) {
-  const std::optional<Selection> found = find_selection(fields, asked);
-  if (!found) refuse_name(fields, asked, cells_to_points, source_name);
-  if (found->source->is_of_cells && !cells_to_points)
-    throw Error(
-        ErrorCode::usage,
-        concat(source_name, ", field \"", asked, "\": found a value for each cell; expected one for each point"),
-        "--cell-data averages cell fields to the points");
-  return *found;
+/// The scalars of the wanted names, or all.
+std::vector<Selection> select(const std::vector<SourceField>& fields, const std::vector<std::string>& wanted,
+                              const std::string& source_name) {
+  std::vector<Selection> selections;
+  std::set<std::string> chosen;
+  for (const std::string& asked : wanted) {
+    const std::optional<Selection> found = find_selection(fields, asked);
+    if (!found) refuse_name(fields, asked, source_name);
+    if (!chosen.insert(found->name).second)
+      throw Error(ErrorCode::usage, concat("field \"", asked, "\": given twice; expected each field once"));
+    selections.push_back(*found);
+  }
+  if (!wanted.empty()) return selections;
+  for (const SourceField& source : fields)
+    if (is_vector(source))
+      selections.push_back({source.name + ".mag", &source, Selection::magnitude});
+    else
+      selections.push_back({source.name, &source, 0});
+  return selections;
 }
 
-std::vector<Selection> select_all(const std::vector<SourceField>& fields, bool cells_to_points) {
-  std::vector<Selection> all;
-  for (const SourceField& source : fields) {
-    if (source.is_of_cells && !cells_to_points) continue;
-    if (is_vector(source))
-      all.push_back({source.name + ".mag", &source, Selection::magnitude});
-    else
-      all.push_back({source.name, &source, 0});
-  }
-  return all;
+/// Refuses fields of cells alone: isosurfaces need values at points.
+void require_points(const std::vector<Selection>& selections, bool cells_to_points, bool are_wanted,
+                    const std::string& source_name) {
+  const auto is_of_cells = [](const Selection& selection) { return selection.source->is_of_cells; };
+  if (cells_to_points ? !selections.empty() : !std::all_of(selections.begin(), selections.end(), is_of_cells)) return;
+  const std::string hint = "--cell-data averages cell fields to the points";
+  if (are_wanted)
+    throw Error(ErrorCode::usage,
+                concat(source_name, ", field \"", selections.front().name,
+                       "\": found a value for each cell; expected one for each point"),
+                hint);
+  throw Error(ErrorCode::invalid, concat(source_name, ": found no field at points; expected at least one"),
+              selections.empty() ? "" : hint);
 }
 
 /// Length of a vector. The components are scaled where squares would leave the range of double.
@@ -187,57 +210,66 @@ double scalar_at(const Selection& selection, std::uint64_t place) {
   return components[static_cast<std::size_t>(selection.component)];
 }
 
-Array<double> at_points(const Selection& selection, const CleanMesh& clean) {
-  Array<double> values(clean.points.size());
-  for (std::size_t p = 0; p < values.size(); ++p) values[p] = scalar_at(selection, clean.source_points[p]);
+/// @param places  of the points or cells in the source mesh
+Array<double> taken(const Selection& selection, const Array<std::uint64_t>& places) {
+  Array<double> values(places.size());
+  for (std::size_t p = 0; p < values.size(); ++p) values[p] = scalar_at(selection, places[p]);
   return values;
 }
 
-/// Volumes of the cells relative to the largest one, so that they cause no overflow in sums of
-/// weighted values.
-Array<double> relative_volumes(const CleanMesh& clean) {
-  Array<double> volumes(clean.cells.size());
-  for (std::size_t c = 0; c < volumes.size(); ++c) {
-    const auto vertex = [&](std::size_t v) {
-      const auto& p = clean.points[clean.cells[c][v]];
-      return Vec3(p[0], p[1], p[2]);
-    };
-    const Vec3 p0 = vertex(0);
-    volumes[c] = std::abs((vertex(1) - p0).cross(vertex(2) - p0).dot(vertex(3) - p0));
-  }
-  const double largest = *std::max_element(volumes.begin(), volumes.end());
-  if (largest > 0)
-    for (double& cell_volume : volumes) cell_volume /= largest;
-  return volumes;
+/// The cells of a clean mesh in the order of the source mesh, where those cut from one cell are
+/// neighbours.
+Array<std::uint32_t> in_source_order(const CleanMesh& clean) {
+  Array<std::uint32_t> order(clean.cells.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return clean.source_cells[a] < clean.source_cells[b]; });
+  return order;
 }
 
-Array<double> averaged_to_points(const Selection& selection, const CleanMesh& clean, const Array<double>& weights) {
+Array<double> averaged_to_points(const Selection& selection, const NeutralMesh& mesh, const CleanMesh& clean) {
   struct Mean {
-    double weighted_sum = 0, weight = 0;
-    double plain_sum = 0, count = 0;
+    double sum = 0;
+    std::uint64_t count = 0;
+    std::uint64_t last = std::numeric_limits<std::uint64_t>::max();  ///< id of the source's cell
     Interval<double> range;
   };
   Array<Mean> means(clean.points.size());
-  for (std::size_t c = 0; c < clean.cells.size(); ++c) {
-    const double value = scalar_at(selection, clean.source_cells[c]);
+  for (const std::uint32_t c : in_source_order(clean)) {
+    const std::uint64_t cell = clean.source_cells[c];
+    const double value = scalar_at(selection, cell);
     if (!has_data(value)) continue;
+    const std::uint64_t id = mesh.cell_ids.empty() ? cell : mesh.cell_ids[cell];
     for (const std::uint32_t vertex : clean.cells[c]) {
       Mean& mean = means[vertex];
-      mean.weighted_sum += weights[c] * value;
-      mean.weight += weights[c];
-      mean.plain_sum += value;
-      mean.count += 1;
+      if (mean.last == id) continue;
+      mean.last = id;
+      ++mean.count;
+      mean.sum += value;
       mean.range.include(value);
     }
   }
   Array<double> values(means.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t p = 0; p < means.size(); ++p) {
     const Mean& mean = means[p];
-    if (mean.count == 0) continue;
-    const double value = mean.weight > 0 ? mean.weighted_sum / mean.weight : mean.plain_sum / mean.count;
-    values[p] = std::clamp(value, mean.range.lo, mean.range.hi);
+    if (mean.count != 0)
+      values[p] = std::clamp(mean.sum / static_cast<double>(mean.count), mean.range.lo, mean.range.hi);
   }
   return values;
+}
+
+Interval<double> range_of(const Array<double>& values) {
+  Interval<double> range;
+  for (const double value : values)
+    if (has_data(value)) range.include(value);
+  return range;
+}
+
+std::string note_of_mean(const std::string& name, const Array<double>& of_cells, const Array<double>& of_points) {
+  const Interval<double> before = range_of(of_cells), after = range_of(of_points);
+  if (before.is_empty()) return concat("field \"", name, "\" of cells was averaged to the points; it holds no value");
+  return concat("field \"", name, "\" was averaged to the points: ", rounded(before.lo), " to ", rounded(before.hi),
+                " in cells became ", rounded(after.lo), " to ", rounded(after.hi));
 }
 
 /// Converts to single precision when it holds every value: exactly, or, where the values are
@@ -256,41 +288,39 @@ std::optional<Array<float>> in_single_precision(const Array<double>& values, boo
   return single;
 }
 
+ScalarField field_of(const Selection& selection, Array<double> values, bool is_mean) {
+  const NeutralField& source = *selection.source->field;
+  ScalarField field{.name = selection.name, .unit = source.unit, .values = {}};
+  std::optional<Array<float>> single;
+  if (source.was_single_precision)
+    single = in_single_precision(values, is_mean || selection.component == Selection::magnitude);
+  if (single)
+    field.values = std::move(*single);
+  else
+    field.values = std::move(values);
+  return field;
+}
+
 }  // namespace
 
-std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& clean,
-                                      const std::vector<std::string>& wanted, bool cells_to_points,
-                                      const std::string& source_name, std::vector<std::string>& notes) {
+ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
+                           bool cells_to_points, const std::string& source_name, std::vector<std::string>& notes) {
   const std::vector<SourceField> sources = source_fields(mesh, source_name, notes);
-  std::vector<Selection> selections;
-  std::set<std::string> chosen;
-  for (const std::string& asked : wanted) {
-    selections.push_back(select(sources, asked, cells_to_points, source_name));
-    if (!chosen.insert(selections.back().name).second)
-      throw Error(ErrorCode::usage, concat("field \"", asked, "\": given twice; expected each field once"));
-  }
-  if (wanted.empty()) selections = select_all(sources, cells_to_points);
-  if (selections.empty())
-    throw Error(ErrorCode::invalid, concat(source_name, ": found no field at points; expected at least one"),
-                mesh.cell_fields.empty() ? "" : "--cell-data averages its cell fields to the points");
-
-  Array<double> weights;
-  if (std::any_of(selections.begin(), selections.end(), [](const Selection& s) { return s.source->is_of_cells; }))
-    weights = relative_volumes(clean);
-  std::vector<PointField> fields;
+  const std::vector<Selection> selections = select(sources, wanted, source_name);
+  require_points(selections, cells_to_points, !wanted.empty(), source_name);
+  ChosenFields fields;
   for (const Selection& selection : selections) {
-    const SourceField& source = *selection.source;
-    Array<double> values =
-        source.is_of_cells ? averaged_to_points(selection, clean, weights) : at_points(selection, clean);
-    PointField field{.name = selection.name, .unit = source.field->unit, .values = {}};
-    const bool is_derived = source.is_of_cells || selection.component == Selection::magnitude;
-    std::optional<Array<float>> single;
-    if (source.field->was_single_precision) single = in_single_precision(values, is_derived);
-    if (single)
-      field.values = std::move(*single);
-    else
-      field.values = std::move(values);
-    fields.push_back(std::move(field));
+    if (!selection.source->is_of_cells) {
+      fields.of_points.push_back(field_of(selection, taken(selection, clean.source_points), false));
+      continue;
+    }
+    Array<double> values = taken(selection, clean.source_cells);
+    if (cells_to_points) {
+      Array<double> means = averaged_to_points(selection, mesh, clean);
+      notes.push_back(note_of_mean(selection.name, values, means));
+      fields.of_points.push_back(field_of(selection, std::move(means), true));
+    }
+    fields.of_cells.push_back(field_of(selection, std::move(values), false));
   }
   return fields;
 }

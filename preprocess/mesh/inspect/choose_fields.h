@@ -9,32 +9,35 @@
 
 namespace rhoray::preprocess {
 
-/// A scalar at every point of a clean mesh.
-struct PointField {
+/// A scalar at every point or every cell of a clean mesh.
+struct ScalarField {
   std::string name;
   std::string unit;
   std::variant<Array<float>, Array<double>> values;
 };
 
+struct ChosenFields {
+  std::vector<ScalarField> of_points;
+  std::vector<ScalarField> of_cells;
+};
+
 /// Returns the scalars that `wanted` names (PackMeshOptions::fields). By default these are all
-/// scalar point fields and the magnitudes of vectors, and with `cells_to_points` those of cell
-/// fields too. Components are counted from 0; x, y, z stand for 0, 1, 2 of vectors with two or
-/// three components.
+/// scalar fields and the magnitudes of vectors, of points and of cells. Components are counted from
+/// 0; x, y, z stand for 0, 1, 2 of vectors with two or three components.
 ///
-/// A cell field's value at a point is the mean over the cells around it, weighted by their volumes.
-/// Where these are all flat, it is the plain mean; where none has data, it is NaN. Components and
-/// magnitudes are taken before the mean. The mean never leaves the range of the values that it is
-/// made from.
+/// With `cells_to_points` each chosen cell field is there at the points, too. Its value at a point
+/// is the mean over the source's cells around it, as vtkCellDataToPointData computes it; where none
+/// has data, it is NaN. Tetrahedra cut from one cell count once. Components and magnitudes are taken
+/// before the mean. A note says how the range changes.
 ///
 /// Values are single precision where the source was (derived values, magnitudes and means, are
-/// rounded to it), else double. A point field has priority over a cell field of the same name,
-/// which is left out with a note.
+/// rounded to it), else double. A cell field with the name of a point field gets ".cells" behind
+/// its name, with a note.
 ///
 /// Refuses with ErrorCode::usage: an unknown name (the message gives the existing names and the
 /// nearest one), a name given twice, a vector without a component. Refuses with ErrorCode::invalid:
-/// a mesh without usable fields, or a field with too few or too many values.
-std::vector<PointField> choose_fields(const NeutralMesh& mesh, const CleanMesh& clean,
-                                      const std::vector<std::string>& wanted, bool cells_to_points,
-                                      const std::string& source_name, std::vector<std::string>& notes);
+/// a mesh without usable fields at points, or a field with too few or too many values.
+ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
+                           bool cells_to_points, const std::string& source_name, std::vector<std::string>& notes);
 
 }  // namespace rhoray::preprocess

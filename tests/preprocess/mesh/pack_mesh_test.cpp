@@ -234,6 +234,18 @@ TEST(PackMesh, packs_several_fields_of_both_precisions_in_the_order_asked) {
   EXPECT_EQ(opened.find_field("region"), 4u);
   EXPECT_GE(fields[4].range.lo, 0);
   EXPECT_LE(fields[4].range.hi, 2);
+  ASSERT_EQ(opened.find_cell_field("region"), 0u);
+  EXPECT_EQ(opened.description().cell_fields[0].range, (Interval<double>{0, 2}));
+  for (std::uint64_t c = 0; c < opened.description().cell_count; ++c)
+    ASSERT_EQ(opened.cell_values<double>(0)[c], static_cast<double>(opened.cell_id(c) % 3));
+}
+
+TEST(PackMesh, keeps_the_boundary_in_at_most_5_percent_of_the_file) {
+  const NeutralMesh mesh = tests::box_mesh({.cells = {30, 30, 30}, .jitter = 0.15}, tests::product_field(), true);
+  const TetMesh opened = packed(mesh);
+  EXPECT_EQ(opened.boundary().size(), 12U * 30 * 30);
+  EXPECT_LT(static_cast<double>(opened.boundary().size_bytes()),
+            0.05 * static_cast<double>(opened.file().file_bytes()));
 }
 
 TEST(PackMesh, writes_the_same_bytes_on_any_number_of_threads) {

@@ -78,6 +78,9 @@ std::vector<Scene> scenes_of(const render::Dataset& dataset, const Look& look) {
   if (dataset.is_surface()) {
     add({.mode = Mode::triangles});
     add({.mode = Mode::triangles, .material = {.normals = render::Normals::smooth, .opacity = 0.5}});
+    if (dataset.has_fields())
+      add({.mode = Mode::triangles,
+           .material = {.color_by = render::FieldColors{.field = dataset.field().name, .range = window}}});
     return scenes;
   }
   for (const render::Accuracy accuracy :
@@ -141,6 +144,7 @@ bool is_rendered(const std::string& bytes, const std::vector<Look>& looks) {
       const std::vector<std::string> names = render::Dataset::load(file).field_names();
       const render::Dataset dataset = render::Dataset::load(file, field < names.size() ? names[field] : std::string());
       render_all(dataset, look, scenes_of(dataset, look));
+      if (dataset.is_mesh()) render_all(dataset.boundary(), look, scenes_of(dataset.boundary(), look));
       if (field == 0)
         render_all(dataset, {dataset.bounds(), dataset.field().range},
                    scenes_of(dataset, {dataset.bounds(), dataset.field().range}));
@@ -257,7 +261,7 @@ TEST_P(HostileFiles, are_refused_or_rendered_on_every_machine) {
 INSTANTIATE_TEST_SUITE_P(Released, HostileFiles,
                          testing::Values("1.0-grid.rho", "1.0-tets.rho", "1.1-rectilinear-grid.rho",
                                          "1.1-sparse-grid.rho", "1.2-clustered-tets.rho", "1.3-surface.rho",
-                                         "1.4-colors.rho"),
+                                         "1.4-colors.rho", "1.7-tets.rho"),
                          [](const testing::TestParamInfo<const char*>& file) {
                            std::string name = file.param;
                            for (char& c : name)

@@ -40,6 +40,20 @@ render::ChannelSet channels_of_picks(const render::Scene& scene) {
   return channels;
 }
 
+/// The unit of what all layers show; empty where they differ.
+std::string common_unit(const render::ResolvedScene& plan) {
+  const auto unit_of = [&](const render::Layer& layer) {
+    const render::Dataset& dataset = plan.datasets[layer.dataset];
+    const auto& colors = layer.material.color_by;
+    return layer.mode == render::Mode::triangles && colors ? dataset.field(colors->field).value().unit
+                                                           : dataset.field().unit;
+  };
+  const std::vector<render::Layer>& layers = plan.scene.layers;
+  const std::string unit = unit_of(layers.front());
+  return std::all_of(layers.begin(), layers.end(), [&](const auto& layer) { return unit_of(layer) == unit; }) ? unit
+                                                                                                              : "";
+}
+
 Json picked(const render::ResolvedScene& plan, const render::Framebuffer& framebuffer, const PixelPlace& pixel) {
   if (pixel.x >= framebuffer.width || pixel.y >= framebuffer.height)
     throw Error(ErrorCode::usage, concat("--pick: found pixel ", pixel.x, ",", pixel.y, "; expected one below ",
@@ -62,7 +76,7 @@ Json picked(const render::ResolvedScene& plan, const render::Framebuffer& frameb
   json["cell"] = framebuffer.cell[at];
   if (!std::isnan(framebuffer.value[at])) {
     json["value"] = framebuffer.value[at];
-    json["unit"] = plan.datasets.size() == 1 ? dataset.field().unit : "";
+    json["unit"] = common_unit(plan);
   }
   if (!framebuffer.error.empty()) json["error"] = framebuffer.error[at];
   return json;

@@ -106,6 +106,18 @@ double Checks::wait() {
   return waiting.seconds();
 }
 
+void settle_annotations(render::ResolvedScene& plan) {
+  if (!plan.has_default_annotations) return;
+  try {
+    require_pictures_module();
+    find_font(known_fonts());
+  } catch (const Error& missing) {
+    plan.annotations.color_bar.reset();
+    plan.annotations.box.reset();
+    plan.notes.push_back(concat("no colour bar and no box: ", missing.what()));
+  }
+}
+
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan) {
   if (output != "-") require_writable(command, output, plan);

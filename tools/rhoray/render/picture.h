@@ -50,6 +50,9 @@ class Checks {
   std::future<void> running_;
 };
 
+/// Leaves annotations out that nobody asked for where they cannot be drawn, with a note.
+void settle_annotations(render::ResolvedScene& plan);
+
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan);

@@ -193,9 +193,17 @@ std::vector<Option> picture_options(PictureOptions& options) {
        in_group(
            "Surface",
            {with_details(
-                layers(choice_option("--mode", {"iso", "mip"},
-                                     "Isosurface or maximum intensity projection (MIP); default iso", options.mode)),
-                "Triangle meshes are shown as they are"),
+                layers(choice_option("--mode", {"iso", "mip", "boundary"},
+                                     "Isosurface, maximum intensity projection (MIP) or the boundary of a mesh; "
+                                     "default boundary for meshes, else iso",
+                                     options.mode)),
+                "Without --mode, --iso shows an isosurface of a mesh, and the boundary around it. A boundary is "
+                "coloured by the field unless --surface-color is given; without --mode it also gets a colour bar and "
+                "a box. Surfaces of triangles are shown as they are"),
+            layers(number_option("--context", "O",
+                                 "Opacity of a mesh's boundary around its isosurface; default 0.12, or 0 with --mode "
+                                 "iso",
+                                 render::limits::share, layer.context)),
             with_details(layers(value_option("--iso", "V[,V...]",
                                              "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
                                              "default auto",
@@ -342,7 +350,7 @@ namespace {
 
 /// Refuses options of surfaces if no surface is shown.
 void refuse_words_of_surfaces(const PictureOptions& options) {
-  constexpr std::array of_surfaces{"--iso",           "--normals", "--color-by", "--texture",
+  constexpr std::array of_surfaces{"--iso",           "--context", "--normals",  "--color-by", "--texture",
                                    "--surface-color", "--ambient", "--specular", "--shininess"};
   for (const std::string& name : options.of_the_layer)
     if (std::find(of_surfaces.begin(), of_surfaces.end(), name) != of_surfaces.end())
@@ -377,6 +385,12 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   scene_spec.layers = std::move(slices);
 }
 
+render::LayerType type_of(const std::string& mode) {
+  if (mode == "mip") return render::LayerType::mip;
+  if (mode == "boundary") return render::LayerType::boundary;
+  return mode == "iso" ? render::LayerType::isosurface : render::LayerType::automatic;
+}
+
 /// A layer of its own for each further file.
 /// @param first  of them; the files before have layers
 void add_layers(const std::vector<std::filesystem::path>& files, std::size_t first, const std::string& kind,
@@ -399,12 +413,12 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::
   scene_spec.data[0].file = files.front();
   if (!options.texture.empty()) add_texture(options.texture, scene_spec);
   scene_spec.lights = lights_of(options, scene_spec.style);
-  scene_spec.layers[0].type = options.mode == "mip" ? render::LayerType::mip : render::LayerType::isosurface;
+  scene_spec.layers[0].type = type_of(options.mode);
   if (!scene_spec.layers[0].method.empty() && !scene_spec.accuracy.empty())
     throw Error(ErrorCode::usage, "--method and --accuracy are mutually exclusive");
   if (scene_spec.layers[0].type == render::LayerType::mip) refuse_words_of_surfaces(options);
   add_slices(options, scene_spec);
-  add_layers(files, 1, "file", render::LayerType::isosurface, scene_spec);
+  add_layers(files, 1, "file", render::LayerType::automatic, scene_spec);
   add_layers({options.landmarks.begin(), options.landmarks.end()}, 0, "mesh", render::LayerType::triangles, scene_spec);
   return scene_spec;
 }

@@ -17,7 +17,7 @@ struct Angles {
 /// Options of a picture: a scene of one file and one layer.
 struct PictureOptions {
   render::SceneSpec scene_spec{.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
-  std::string mode = "iso";
+  std::string mode;  ///< empty: by the kind of data
   std::vector<render::LayerSpec> slices{};
   std::filesystem::path texture;          ///< empty = none
   std::vector<std::string> landmarks;     ///< files of triangles, landmarks beside the file

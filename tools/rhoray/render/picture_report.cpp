@@ -31,7 +31,9 @@ Json shown_json(const render::ResolvedScene& plan) {
   const bool iso = layer.mode == render::Mode::isosurface;
   Json json{{"file", plan.data[layer.dataset].file.string()}};
   if (layer.mode == render::Mode::triangles) {
-    json["mode"] = "triangles";
+    const bool is_boundary = plan.datasets[layer.dataset].has_fields();
+    json["mode"] = is_boundary ? "boundary" : "triangles";
+    if (is_boundary) json["field"] = plan.data[layer.dataset].field;
     return json;
   }
   json["field"] = plan.data[layer.dataset].field;

@@ -32,13 +32,18 @@ bool needs_words(const render::AnnotationsSpec& annotations) {
   return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
 }
 
+/// Whether options say all layers: there is one, or an isosurface and the boundary around it.
+bool is_of_one_layer(const render::ResolvedScene& plan) {
+  return plan.scene.layers.size() == 1 || (plan.scene.layers.size() == 2 && plan.origins[1].is_context);
+}
+
 }  // namespace
 
 std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output) {
   const render::SceneSpec scene_spec = to_spec(plan);
   std::vector<std::string> words{"rhoray", "render"};
   const render::AnnotationsSpec& annotations = scene_spec.annotations;
-  const bool needs_document = needs_words(annotations) || plan.scene.layers.size() > 1 || scene_spec.lights ||
+  const bool needs_document = needs_words(annotations) || !is_of_one_layer(plan) || scene_spec.lights ||
                               scene_spec.effects.occlusion || scene_spec.effects.fog ||
                               (plan.scene.clip && !plan.scene.layers[0].clipped) ||
                               plan.scene.layers[0].mode == render::Mode::slice;
@@ -51,17 +56,19 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const render::PictureSpec& image = scene_spec.image;
   words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
-  const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
-  if (is_field) add("--field", scene_spec.data[0].field);
+  const bool is_boundary = layer.type == render::LayerType::boundary;
+  if (plan.datasets[0].has_fields()) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {
     add("--mode", "mip");
     add("--colormap", layer.colormap);
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
   } else {
-    if (is_field) {
+    if (is_boundary) add("--mode", "boundary");
+    if (layer.type == render::LayerType::isosurface) {
       add("--mode", "iso");
       add("--iso", layer.isovalues[0]);
     }
+    if (plan.scene.layers.size() == 2) add("--context", concat(*scene_spec.layers[1].opacity));
     add("--surface-color", text_of_vector(layer.color->linear));
     add("--normals", layer.normals);
     if (!layer.color_by.empty()) {

@@ -27,7 +27,7 @@ inline NeutralMesh with_random_values(NeutralMesh mesh, std::uint64_t seed) {
 /// A mesh on its way through the verb's steps.
 struct Sampled {
   CleanMesh mesh;
-  std::vector<PointField> fields;
+  std::vector<ScalarField> fields;
   SampleLattice lattice;
   TouchedBricks touched;
   BrickSamples samples;
@@ -37,7 +37,7 @@ struct Sampled {
   Sampled(const NeutralMesh& source, const LatticeRequest& request) {
     std::vector<std::string> notes;
     mesh = clean_mesh(source, "mesh");
-    fields = choose_fields(source, mesh, {}, false, "mesh", notes);
+    fields = choose_fields(source, mesh, {}, false, "mesh", notes).of_points;
     lattice = choose_samples(mesh.box, request);
     touched = find_touched_bricks(mesh, lattice, {});
     samples = sample_fields(mesh, fields, lattice, touched, {});

@@ -49,19 +49,24 @@ NeutralMesh mesh_with_fields() {
   return mesh;
 }
 
-std::vector<PointField> chosen(const NeutralMesh& mesh, const std::vector<std::string>& wanted,
-                               bool cells_to_points = false) {
+ChosenFields all_chosen(const NeutralMesh& mesh, const std::vector<std::string>& wanted, bool cells_to_points = false) {
   std::vector<std::string> notes;
   return choose_fields(mesh, clean_mesh(mesh, "mesh"), wanted, cells_to_points, "torso.vtu", notes);
 }
 
-std::vector<double> values_of(const PointField& field) {
+/// At points.
+std::vector<ScalarField> chosen(const NeutralMesh& mesh, const std::vector<std::string>& wanted,
+                                bool cells_to_points = false) {
+  return all_chosen(mesh, wanted, cells_to_points).of_points;
+}
+
+std::vector<double> values_of(const ScalarField& field) {
   return std::visit([](const auto& values) { return std::vector<double>(values.begin(), values.end()); }, field.values);
 }
 
-std::vector<std::string> names_of(const std::vector<PointField>& fields) {
+std::vector<std::string> names_of(const std::vector<ScalarField>& fields) {
   std::vector<std::string> names;
-  for (const PointField& field : fields) names.push_back(field.name);
+  for (const ScalarField& field : fields) names.push_back(field.name);
   return names;
 }
 
@@ -107,12 +112,12 @@ TEST(ChooseFields, refuses_an_unknown_name_with_the_nearest_and_all_others) {
   EXPECT_STREQ(
       error.what(),
       "torso.vtu: no field \"Voltge\"; expected one of: voltage, Momentum.x, Momentum.y, Momentum.z, Momentum.mag, "
-      "stress.max");
+      "stress.max, tissue");
   EXPECT_EQ(error.hint(), "did you mean voltage?");
   EXPECT_THAT(refusal(mesh_with_fields(), {"temperature"}).hint(), IsEmpty());
 }
 
-TEST(ChooseFields, refuses_a_vector_without_component_a_cell_field_unasked_and_a_name_given_twice) {
+TEST(ChooseFields, refuses_a_vector_without_component_cell_fields_alone_and_a_name_given_twice) {
   EXPECT_THAT(refusal(mesh_with_fields(), {"Momentum"}).hint(), HasSubstr("Momentum.mag"));
   EXPECT_THAT(refusal(mesh_with_fields(), {"tissue"}).what(), HasSubstr("found a value for each cell"));
   EXPECT_THAT(refusal(mesh_with_fields(), {"voltage", "voltage"}).what(), HasSubstr("given twice"));
@@ -129,9 +134,41 @@ TEST(ChooseFields, refuses_a_mesh_without_fields_and_fields_of_the_wrong_size) {
               HasSubstr("field \"voltage\": found 3 values of 1 components; expected those of 6 points"));
 }
 
-TEST(ChooseFields, weighs_cells_by_their_volumes_when_it_averages_to_points) {
-  const auto fields = chosen(mesh_with_fields(), {"tissue"}, true);
-  EXPECT_THAT(values_of(fields[0]), ElementsAre(17.5, 17.5, 17.5, 10, 20));  // volumes 1 : 3
+TEST(ChooseFields, keeps_fields_of_cells_as_they_are) {
+  NeutralMesh mesh = mesh_with_fields();
+  mesh.cell_fields.push_back(field_of("flux", 2, {3, 4, 6, 8}));
+  const ChosenFields fields = all_chosen(mesh, {});
+  EXPECT_THAT(names_of(fields.of_points), ElementsAre("voltage", "Momentum.mag", "stress.max"));
+  ASSERT_THAT(names_of(fields.of_cells), ElementsAre("tissue", "flux.mag"));
+  EXPECT_THAT(values_of(fields.of_cells[0]), ElementsAre(10, 20));
+  EXPECT_THAT(values_of(fields.of_cells[1]), ElementsAre(5, 10));
+  EXPECT_EQ(fields.of_cells[0].unit, "mV");
+  const ChosenFields wanted = all_chosen(mesh, {"flux.y", "voltage"});
+  EXPECT_THAT(names_of(wanted.of_points), ElementsAre("voltage"));
+  EXPECT_THAT(values_of(wanted.of_cells.at(0)), ElementsAre(4, 8));
+  EXPECT_THAT(names_of(all_chosen(mesh, {"voltage"}).of_cells), IsEmpty());
+}
+
+TEST(ChooseFields, averages_cells_around_a_point_as_vtk_does) {
+  const ChosenFields fields = all_chosen(mesh_with_fields(), {"tissue"}, true);
+  EXPECT_THAT(values_of(fields.of_points.at(0)), ElementsAre(15, 15, 15, 10, 20));
+  EXPECT_THAT(values_of(fields.of_cells.at(0)), ElementsAre(10, 20)) << "they stay beside the means";
+}
+
+TEST(ChooseFields, counts_a_cell_once_that_was_cut_into_tetrahedra) {
+  NeutralMesh mesh = two_cells();
+  mesh.points.push_back({1, 1, 1});  // 6
+  mesh.cells = {{0, 1, 2, 3}, {1, 2, 3, 6}, {0, 2, 1, 4}};
+  mesh.cell_ids = {7, 7, 9};
+  mesh.cell_fields.push_back(field_of("tissue", 1, {10, 10, 40}));
+  EXPECT_THAT(values_of(chosen(mesh, {"tissue"}, true).at(0)), ElementsAre(25, 25, 25, 10, 40, 10));
+}
+
+TEST(ChooseFields, says_how_means_change_the_range) {
+  NeutralMesh mesh = mesh_with_fields();
+  std::vector<std::string> notes;
+  choose_fields(mesh, clean_mesh(mesh, "mesh"), {}, true, "torso.vtu", notes);
+  EXPECT_THAT(notes, ElementsAre("field \"tissue\" was averaged to the points: 10 to 20 in cells became 10 to 20"));
 }
 
 TEST(ChooseFields, averages_only_cells_with_data_and_leaves_points_without_any_as_nan) {
@@ -143,7 +180,7 @@ TEST(ChooseFields, averages_only_cells_with_data_and_leaves_points_without_any_a
   EXPECT_EQ(values[4], 20);
 }
 
-TEST(ChooseFields, averages_plainly_where_all_cells_around_a_point_are_flat) {
+TEST(ChooseFields, averages_flat_cells_like_others) {
   NeutralMesh mesh = two_cells();
   mesh.points.push_back({0.25, 0.25, 0});  // 6, in the plane of the face 0, 1, 2
   mesh.points.push_back({2, 2, 0});        // 7
@@ -151,7 +188,7 @@ TEST(ChooseFields, averages_plainly_where_all_cells_around_a_point_are_flat) {
   mesh.cells.push_back({1, 2, 6, 7});
   mesh.cell_fields.push_back(field_of("tissue", 1, {10, 20, 100, 300}));
   const auto values = values_of(chosen(mesh, {"tissue"}, true).at(0));
-  EXPECT_THAT(values, ElementsAre(17.5, 17.5, 17.5, 10, 20, 200, 300));
+  EXPECT_THAT(values, ElementsAre(130.0 / 3, 107.5, 107.5, 10, 20, 200, 300));
 }
 
 TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
@@ -161,7 +198,7 @@ TEST(ChooseFields, averages_a_constant_to_the_same_constant) {
 }
 
 TEST(ChooseFields, stores_single_precision_only_where_no_source_value_changes) {
-  const auto is_single = [](const PointField& field) { return std::holds_alternative<Array<float>>(field.values); };
+  const auto is_single = [](const ScalarField& field) { return std::holds_alternative<Array<float>>(field.values); };
   NeutralMesh mesh = two_cells();
   mesh.point_fields.push_back(field_of("exact", 1, {0.5, 1, 2, 3, nan, 5}, true));
   mesh.point_fields.push_back(field_of("claims", 1, {0.1, 1, 2, 3, 4, 5}, true));  // 0.1 is no float
@@ -187,13 +224,18 @@ TEST(ChooseFields, takes_lengths_that_square_beyond_the_range_of_double) {
   EXPECT_TRUE(std::isnan(values[3]));
 }
 
-TEST(ChooseFields, leaves_out_a_second_field_of_one_name_with_a_note) {
+TEST(ChooseFields, renames_a_cell_field_with_the_name_of_a_point_field) {
   NeutralMesh mesh = mesh_with_fields();
   mesh.cell_fields.push_back(field_of("voltage", 1, {1, 2}));
+  mesh.cell_fields.push_back(field_of("tissue", 1, {3, 4}));
   std::vector<std::string> notes;
-  const auto fields = choose_fields(mesh, clean_mesh(mesh, "mesh"), {"voltage"}, true, "torso.vtu", notes);
-  EXPECT_THAT(values_of(fields.at(0)), ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_THAT(notes, ElementsAre("field \"voltage\" of cells has the name of an earlier field; it is left out"));
+  const ChosenFields fields = choose_fields(mesh, clean_mesh(mesh, "mesh"), {}, false, "torso.vtu", notes);
+  EXPECT_THAT(values_of(fields.of_points.at(0)), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(names_of(fields.of_cells), ElementsAre("tissue", "voltage.cells"));
+  EXPECT_THAT(values_of(fields.of_cells.at(1)), ElementsAre(1, 2));
+  EXPECT_THAT(notes, ElementsAre("field \"voltage\" of cells is kept as \"voltage.cells\", because a field of points "
+                                 "has its name",
+                                 "field \"tissue\" of cells has the name of an earlier field; it is left out"));
 }
 
 }  // namespace

@@ -1,0 +1,84 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/workbench.h"
+
+namespace rhoray::tests {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// labels.nrrd: 20^3 bytes with the labels 1, 5 and 9 in a background of 0.
+void make_labels(const Workbench& bench) {
+  std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n\n";
+  for (int k = 0; k < 20; ++k)
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 20; ++i) {
+        const bool is_inside = i > 2 && j > 2 && k > 2 && i < 17 && j < 17 && k < 17;
+        text += static_cast<char>(!is_inside ? 0 : k < 10 ? 1 : i < 10 ? 5 : 9);
+      }
+  write_file(bench / "labels.nrrd", text);
+}
+
+Json drawn(const Workbench& bench, std::vector<std::string> words) {
+  words.insert(words.begin(), "render");
+  words.insert(words.end(), {"--json", "--force", "--size", "96x72"});
+  const RunResult run = bench.rhoray(words);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return Json::parse(run.out);
+}
+
+TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
+  const Workbench bench;
+  make_labels(bench);
+  const Json shown = drawn(bench, {"labels.nrrd"});
+  const Json& layers = shown["scene"]["layers"];
+  ASSERT_EQ(layers.size(), 3U);
+  std::vector<Json> colors;
+  for (const Json& layer : layers) {
+    EXPECT_EQ(layer["type"], "isosurface");
+    EXPECT_EQ(layer["isovalue"], 0.5);
+    EXPECT_THAT(colors, Not(testing::Contains(layer["color"])));
+    colors.push_back(layer["color"]);
+  }
+  EXPECT_EQ(shown["scene"]["data"]["label 5"]["label"], 5);
+  EXPECT_EQ(shown["scene"]["data"].size(), 3U);
+  const RunResult again = bench.shell(shown["reproduce"].get<std::string>() +
+                                      " -o again.png && rhoray compare labels.png again.png --fail 0");
+  EXPECT_EQ(again.exit_code, 0) << shown["reproduce"] << again.out << again.err;
+  EXPECT_THAT(bench.rhoray({"render", "labels.nrrd", "--force"}).err, HasSubstr("holds labels: 1, 5, 9"));
+}
+
+TEST(LabelLayers, an_isovalue_or_a_mode_shows_the_numbers) {
+  const Workbench bench;
+  make_labels(bench);
+  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--iso", "3"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--mode", "iso"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--mode", "mip"})["scene"]["layers"].size(), 1U);
+  bench.make_ball();
+  EXPECT_EQ(drawn(bench, {"ball.rho"})["scene"]["layers"].size(), 1U);
+}
+
+TEST(LabelLayers, labels_that_are_not_there_are_refused) {
+  const Workbench bench;
+  make_labels(bench);
+  bench.make_ball();
+  const auto refusal = [&](const std::string& file, const std::string& label) {
+    write_file(bench / "s.json", R"({"data": {"d": {"file": ")" + file + R"(", "label": )" + label +
+                                     R"(}}, "layers": [{"type": "isosurface", "isovalue": 0.5}]})");
+    const RunResult run = bench.rhoray({"render", "s.json"});
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_FALSE(std::filesystem::exists(bench / "s.png"));
+    return run.err;
+  };
+  EXPECT_THAT(refusal("labels.nrrd", "4"), HasSubstr("holds the labels 1, 5, 9; expected label 4"));
+  EXPECT_THAT(refusal("ball.rho", "4"), HasSubstr("is not a segmentation; expected label 4"));
+  EXPECT_THAT(refusal("labels.nrrd", "1.5"), HasSubstr("/data/d/label"));
+}
+
+}  // namespace
+}  // namespace rhoray::tests

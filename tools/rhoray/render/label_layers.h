@@ -1,0 +1,13 @@
+#pragma once
+
+#include "render/scene_spec.h"
+#include "tools/rhoray/data_choice.h"
+
+namespace rhoray::tools {
+
+/// A scene in which every layer whose type is chosen by the kind of data, and whose data are a
+/// segmentation, is replaced by an isosurface for each label. Layers that say an isovalue, a method
+/// or a field for colours stay.
+render::SceneSpec with_label_layers(render::SceneSpec scene_spec, const DataAccess& access);
+
+}  // namespace rhoray::tools
