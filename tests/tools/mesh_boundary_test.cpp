@@ -79,6 +79,15 @@ TEST(MeshBoundaryCommand, an_isosurface_of_a_mesh_has_the_boundary_around_it) {
   EXPECT_EQ(drawn(bench, {"box.vtu", "--verify", "50"})["scene"]["layers"][0]["type"], "isosurface");
 }
 
+TEST(MeshBoundaryCommand, exr_files_hold_data_and_no_annotations_unasked) {
+  const Workbench bench;
+  bench.make_box_vtu();
+  EXPECT_FALSE(drawn(bench, {"box.vtu", "-o", "box.exr"})["scene"].contains("annotations"));
+  const Json asked = drawn(bench, {"box.vtu", "-o", "box.exr", "--box"})["scene"]["annotations"];
+  EXPECT_EQ(asked["box"], true);
+  EXPECT_FALSE(asked.contains("colorbar"));
+}
+
 TEST(MeshBoundaryCommand, a_plain_boundary_has_no_bar) {
   const Workbench bench;
   bench.make_box_vtu();

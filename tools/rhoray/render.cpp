@@ -115,7 +115,7 @@ int run(RenderCommand& command) {
   const Stopwatch opening;
   const render::SceneSpec scene_spec = with_label_layers(asked, access);
   drawn.plan = resolve_layers(scene_spec, access);
-  if (draws) settle_annotations(drawn.plan);
+  settle_annotations(scene_spec, drawn.output, drawn.plan);
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
   aim_camera(scene_spec, drawn.plan);

@@ -202,7 +202,7 @@ void run_frames(const RenderCommand& command, const render::SceneSpec& scene_spe
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const render::SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
   render::ResolvedScene plan = resolve_layers(of_frame, access_for(command.common, display));
-  settle_annotations(plan);
+  settle_annotations(of_frame, command.common.output, plan);
   if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan));
   if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
   if (draws) return;

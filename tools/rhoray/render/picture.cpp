@@ -106,14 +106,19 @@ double Checks::wait() {
   return waiting.seconds();
 }
 
-void settle_annotations(render::ResolvedScene& plan) {
+void settle_annotations(const render::SceneSpec& asked, const std::filesystem::path& output,
+                        render::ResolvedScene& plan) {
   if (!plan.has_default_annotations) return;
+  const auto leave_out = [&] {
+    plan.annotations = asked.annotations;
+    plan.has_default_annotations = false;
+  };
+  if (output.extension() == ".exr") return leave_out();  // its pixels are data
   try {
     require_pictures_module();
     find_font(known_fonts());
   } catch (const Error& missing) {
-    plan.annotations.color_bar.reset();
-    plan.annotations.box.reset();
+    leave_out();
     plan.notes.push_back(concat("no colour bar and no box: ", missing.what()));
   }
 }

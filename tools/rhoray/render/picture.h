@@ -50,8 +50,10 @@ class Checks {
   std::future<void> running_;
 };
 
-/// Leaves annotations out that nobody asked for where they cannot be drawn, with a note.
-void settle_annotations(render::ResolvedScene& plan);
+/// Leaves annotations out that nobody asked for: in EXR files, whose pixels are data, and with a note
+/// where they cannot be drawn.
+void settle_annotations(const render::SceneSpec& asked, const std::filesystem::path& output,
+                        render::ResolvedScene& plan);
 
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
