@@ -145,4 +145,9 @@ Vec3 color_of(ColorMap map, double share) {
   return Vec3(linear_from_srgb(share));
 }
 
+double position_of(const ColorScale& scale, const Interval<double>& range, double value) {
+  if (scale.is_logarithmic) return std::log(value / range.lo) / std::log(range.hi / range.lo);
+  return (value - range.lo) / (range.hi - range.lo);
+}
+
 }  // namespace rhoray::render

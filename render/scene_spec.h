@@ -47,6 +47,7 @@ struct LayerSpec {
   std::string normals{};   ///< a word; empty = flat in meshes, else the style's
   std::string color_by{};  ///< a field of the data; empty = color
   std::string colormap{};  ///< a word; empty = viridis
+  std::string scale{};     ///< a word, of the colours; empty = linear
   std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's

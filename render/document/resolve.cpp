@@ -162,6 +162,7 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                       {!layer.color_by.empty(), "--color-by"},
                                       {!layer.colormap.empty(), "--colormap"},
                                       {layer.range.has_value(), "--range"},
+                                      {!layer.scale.empty(), "--color-scale"},
                                       {!layer.method.empty(), "--method"}})
     if (given)
       throw Error(ErrorCode::usage,
@@ -289,9 +290,12 @@ class LayerPlanner {
         throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
     });
     put(index, layer, {});
+    const LayerSpec& spec = scene_spec_.layers[index];
+    Layer& projection = plan_.scene.layers.back();
     for (const NamedColorMap& named : color_maps())
-      if (scene_spec_.layers[index].colormap == named.name) plan_.scene.layers.back().map = named.map;
-    plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(projected_window(field));
+      if (spec.colormap == named.name) projection.map = named.map;
+    projection.scale = color_scale(spec);
+    projection.window = color_range(spec, field, projected_window(field), layer_place(scene_spec_, index));
   }
 
   void put(std::size_t index, const Layer& layer, const std::string& isovalue_from) {

@@ -54,7 +54,8 @@ Rows rows_of_isosurfaces() {
               "Colour map of \"color_by\"; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
               "floating-point fields of both signs"),
           row("range", &LayerSpec::range, interval_value(),
-              "Values of \"color_by\" with the first and last colour; default the field's range")};
+              "Values of \"color_by\" with the first and last colour; default the field's range"),
+          scale_row()};
 }
 
 Rows rows_of_triangles() {
@@ -82,7 +83,8 @@ Rows rows_of_projections() {
   return {
       row("colormap", &LayerSpec::colormap, word_value(colormap_words()), "Colour map of the values; default \"gray\""),
       row("range", &LayerSpec::range, interval_value(),
-          "Values with the first and last colour; default from the 1st to the 99.9th percentile of the field")};
+          "Values with the first and last colour; default from the 1st to the 99.9th percentile of the field"),
+      scale_row()};
 }
 
 Row<LightSpec> color_row() {

@@ -45,6 +45,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     } else if (layer.mode == Mode::mip) {
       spec.type = LayerType::mip;
       spec.colormap = word_of(layer.map);
+      say_scale(layer.scale, spec);
       spec.range = layer.window;
     } else {
       if (layer.mode == Mode::isosurface)
@@ -56,6 +57,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       if (const auto& colors = layer.material.color_by) {
         spec.color_by = colors->field;
         spec.colormap = word_of(colors->map);
+        say_scale(colors->scale, spec);
         if (colors->range.lo < colors->range.hi) spec.range = colors->range;  // else the field's, as without
       }
       if (layer.material.texture) spec.texture = name_of_texture(plan, *layer.material.texture);

@@ -24,6 +24,11 @@ bool is_unlit_slice(const Layer& layer) {
   return layer.mode == Mode::slice && !layer.material.lit;
 }
 
+/// Nothing for an even scale.
+std::string scale_text(const ColorScale& scale) {
+  return scale.is_logarithmic ? ", on a logarithmic scale" : "";
+}
+
 std::string why_diffuse(const Scene&, const Layer& layer) {
   return layer.mode == Mode::slice ? "the slice is lit" : "a surface is lit";
 }
@@ -35,7 +40,8 @@ std::string why_smooth_normals(const Scene&, const Layer& layer) {
                                                    : "normals are the exact gradient of the hit's cell";
 }
 std::string why_field_color(const Scene&, const Layer& layer) {
-  return layer.material.color_by ? concat("coloured by '", layer.material.color_by->field, "'")
+  return layer.material.color_by ? concat("coloured by '", layer.material.color_by->field, "'",
+                                          scale_text(layer.material.color_by->scale))
                                  : "no field colours the surface";
 }
 std::string why_texture(const Scene&, const Layer& layer) {
@@ -47,7 +53,7 @@ std::string why_specular(const Scene&, const Layer& layer) {
 }
 std::string why_intensity(const Scene&, const Layer& layer) {
   return is_projection(layer)
-             ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi)
+             ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi, scale_text(layer.scale))
              : "used only by MIP";
 }
 std::string why_lights(const Scene& scene, const Layer&) {

@@ -42,6 +42,16 @@ void check_slice(const Layer& layer) {
                                          "; expected a range that is not empty"));
 }
 
+/// Refuses a range that colours cannot be spread over.
+/// @param of  "colours of 'pressure'"
+void check_colors(const std::string& of, const ColorScale& scale, const Interval<double>& range) {
+  if (range.is_empty() || !std::isfinite(range.hi - range.lo))
+    throw Error(ErrorCode::usage, concat(of, " from ", range.lo, " to ", range.hi, "; expected a finite range"));
+  if (scale.is_logarithmic && !(range.lo > 0))
+    throw Error(ErrorCode::usage,
+                concat(of, " from ", range.lo, " to ", range.hi, " by logarithm; expected a range above 0"));
+}
+
 void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
   if (layer.dataset >= datasets.size())
     throw Error(ErrorCode::usage, concat("a layer of dataset ", layer.dataset, " of ", datasets.size()));
@@ -56,15 +66,11 @@ void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
     throw Error(ErrorCode::usage, concat(dataset.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
-  if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
-    throw Error(ErrorCode::usage,
-                concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
+  if (layer.mode == Mode::mip) check_colors("a window", layer.scale, layer.window);
   if (!(layer.material.opacity >= 0 && layer.material.opacity <= 1))
     throw Error(ErrorCode::usage, concat("an opacity of ", layer.material.opacity, "; expected 0 to 1"));
-  if (const auto& colors = layer.material.color_by;
-      colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
-    throw Error(ErrorCode::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
-                                         colors->range.hi, "; expected a finite range"));
+  if (const auto& colors = layer.material.color_by)
+    check_colors(concat("colours of '", colors->field, "'"), colors->scale, colors->range);
   if (layer.mode == Mode::slice) check_slice(layer);
   if (layer.material.texture && layer.material.color_by)
     throw Error(ErrorCode::usage, concat("a texture, ", layer.material.texture->file().name(), ", and colours by '",

@@ -82,6 +82,29 @@ TEST(Ticks, are_in_the_range_evenly_and_never_too_many) {
       }
 }
 
+TEST(LogTicks, stand_at_powers_of_ten) {
+  const auto labels = [](const Interval<double>& range, int most) {
+    std::vector<std::string> all;
+    for (const Tick& tick : log_ticks_of(range, most))
+      if (!tick.text.empty()) all.push_back(tick.text);
+    return all;
+  };
+  EXPECT_THAT(labels({0.01, 1000}, 9), ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
+  EXPECT_THAT(labels({2e-7, 3e4}, 20), ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²",
+                                                   "10³", "10⁴"));
+  EXPECT_THAT(labels({1e-12, 1e12}, 5), ElementsAre("10⁻¹²", "10⁻⁶", "10⁰", "10⁶", "10¹²"));
+  EXPECT_THAT(labels({3, 80}, 9), ElementsAre("5", "10", "20", "50"));
+  EXPECT_THAT(labels({3e7, 8e8}, 9), ElementsAre("5×10⁷", "10⁸", "2×10⁸", "5×10⁸"));
+  EXPECT_THAT(labels({310, 340}, 4), ElementsAre("310", "320", "330", "340"));
+}
+
+TEST(LogTicks, mark_multiples_between_them_where_there_is_room) {
+  const std::vector<Tick> ticks = log_ticks_of({1, 1000}, 9);
+  EXPECT_EQ(ticks.size(), 28U);
+  EXPECT_EQ(std::count_if(ticks.begin(), ticks.end(), [](const Tick& tick) { return tick.text.empty(); }), 24);
+  EXPECT_EQ(log_ticks_of({1e-9, 1e9}, 9).size(), 9U);
+}
+
 TEST(Canvas, a_line_covers_its_width_times_its_length) {
   for (const Spot& to : {Spot{80, 10}, Spot{10, 80}, Spot{70, 55}}) {
     render::Framebuffer picture = blank(96, 96, 0);
@@ -128,6 +151,17 @@ TEST(ColorBar, has_the_maps_colours_in_every_row_and_ticks_where_their_values_ar
         EXPECT_LT(color_at(picture, drawn.x_end + 2, static_cast<int>(drawn.tick_rows[i])).x, 0.9) << "a tick is drawn";
       }
     }
+}
+
+TEST(ColorBar, has_even_distances_between_powers_of_ten_on_a_logarithmic_scale) {
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing =
+      annotate({.bars = {{"f", render::ColorMap::viridis, {1, 1000}, {.is_logarithmic = true}}}}, blocks, picture);
+  const Drawing::Bar& drawn = drawing.bars[0];
+  ASSERT_GE(drawn.tick_rows.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(drawn.tick_rows[i], drawn.y_end - static_cast<double>(i) / 3 * (drawn.y_end - drawn.y_begin), 1e-9);
+  EXPECT_EQ(drawing.texts.size(), 5U) << "a title and four numbers";
 }
 
 TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {

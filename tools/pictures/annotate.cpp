@@ -57,6 +57,11 @@ std::vector<std::string> lines_of(const std::string& text, const std::function<b
   return lines;
 }
 
+std::vector<Tick> ticks_of(const ColorBar& bar, int most) {
+  const bool is_logarithmic = bar.scale.is_logarithmic && bar.range.lo < bar.range.hi;
+  return is_logarithmic ? log_ticks_of(bar.range, most) : ticks_of(bar.range, most);
+}
+
 class Annotator {
  public:
   Annotator(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture)
@@ -174,7 +179,7 @@ class Annotator {
     const int most = std::clamp(static_cast<int>((y_end - y_begin) / (2.2 * pixels)), 2, 9);
     std::vector<Placed> numbers;
     double widest = 0;
-    const std::vector<Tick> ticks = ticks_of(bar.range, most);
+    const std::vector<Tick> ticks = ticks_of(bar, most);
     for (const Tick& each : ticks) {
       numbers.push_back(placed(each.text, pixels));
       widest = std::max(widest, numbers.back().area().width());
@@ -198,13 +203,15 @@ class Annotator {
     Drawing::Bar drawn{x_begin, x_end, y_begin, y_end, {}};
     const double width = bar.range.hi - bar.range.lo;
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-      const double at = width > 0 ? (ticks[i].value - bar.range.lo) / width : 0.5;
+      const double at = width > 0 ? position_of(bar.scale, bar.range, ticks[i].value) : 0.5;
       const double row = y_end - at * (y_end - y_begin);
-      canvas_.line({x_end + 0.5, row}, {x_end + tick, row}, thin(), ink_);
+      const bool has_number = !ticks[i].text.empty();
+      canvas_.line({x_end + 0.5, row}, {x_end + (has_number ? 1 : 0.6) * tick, row}, thin(), ink_);
+      drawn.tick_rows.push_back(row);
+      if (!has_number) continue;
       center(numbers[i], {0, row});
       numbers[i].baseline.x = x_end + tick + to_number - numbers[i].image.left;
       put(numbers[i], ink_);
-      drawn.tick_rows.push_back(row);
     }
     for (int y = y_begin; y < y_end; ++y)
       canvas_.fill(x_begin, x_end, y, y + 1, render::color_of(bar.map, 1 - (y + 0.5 - y_begin) / (y_end - y_begin)));

@@ -19,6 +19,7 @@ struct ColorBar {
   std::string title;
   render::ColorMap map;
   Interval<double> range;
+  render::ColorScale scale{};
 
   friend bool operator==(const ColorBar&, const ColorBar&) = default;
 };

@@ -23,9 +23,9 @@ std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
   for (const render::Layer& layer : plan.scene.layers) {
     const render::Dataset& dataset = plan.datasets[layer.dataset];
     if (layer.mode == render::Mode::mip)
-      add({title_of(dataset.field()), layer.map, layer.window});
+      add({title_of(dataset.field()), layer.map, layer.window, layer.scale});
     else if (const auto& colors = layer.material.color_by)
-      add({title_of(dataset.field(colors->field).value()), colors->map, colors->range});
+      add({title_of(dataset.field(colors->field).value()), colors->map, colors->range, colors->scale});
   }
   return bars;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <initializer_list>
 
 namespace rhoray::tools {
 
@@ -33,6 +35,27 @@ double next_step(double step) {
   return (digit < 2 ? 2 : digit < 5 ? 5 : 10) * power;
 }
 
+/// A digit times a power of ten.
+struct DecimalNumber {
+  int digit, power;
+
+  double value() const { return digit * std::pow(10, power); }
+  bool operator==(const DecimalNumber&) const = default;
+};
+
+/// 0.02 if plain, else 2×10⁻².
+std::string text_of(const DecimalNumber& number, bool is_plain) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", std::max(0, -number.power), number.value());
+  if (is_plain) return text;
+  static constexpr const char* raised[] = {"⁰", "¹", "²", "³", "⁴",
+                                           "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string power = number.digit == 1 ? "10" : std::to_string(number.digit) + "×10";
+  if (number.power < 0) power += "⁻";
+  for (const char digit : std::to_string(std::abs(number.power))) power += raised[digit - '0'];
+  return power;
+}
+
 }  // namespace
 
 std::vector<Tick> ticks_of(const Interval<double>& range, int most) {
@@ -51,6 +74,36 @@ std::vector<Tick> ticks_of(const Interval<double>& range, int most) {
   std::vector<Tick> ticks;
   for (double number = first(); number <= last(); ++number)
     ticks.push_back({number * step, written(number * step, step, largest)});
+  return ticks;
+}
+
+std::vector<Tick> log_ticks_of(const Interval<double>& range, int most) {
+  constexpr double slack = 1e-9;
+  const int first = static_cast<int>(std::floor(std::log10(range.lo) + slack)),
+            last = static_cast<int>(std::floor(std::log10(range.hi) + slack));
+  const double low = range.lo * (1 - slack), high = range.hi * (1 + slack);
+  // Of every power of ten in the range, its multiples by these digits.
+  const auto values_of = [&](std::initializer_list<int> digits, int step) {
+    std::vector<DecimalNumber> numbers;
+    for (int power = first; power <= last; ++power)
+      for (const int digit : digits)
+        if (const DecimalNumber number{digit, power};
+            power % step == 0 && number.value() >= low && number.value() <= high)
+          numbers.push_back(number);
+    return numbers;
+  };
+  std::vector<DecimalNumber> labelled = values_of({1}, 1);
+  const auto room = static_cast<std::size_t>(std::max(most, 1));
+  if (labelled.size() < 3) labelled = values_of({1, 2, 5}, 1);
+  int step = 1;
+  for (int next = 1; labelled.size() > room; ++next) labelled = values_of({1}, step = next);
+  if (labelled.size() < 2) return ticks_of(range, most);
+  std::vector<Tick> ticks;
+  const bool is_plain = labelled.front().value() > 0.9e-4 && labelled.back().value() < 1.1e5;
+  for (const DecimalNumber& number : labelled) ticks.push_back({number.value(), text_of(number, is_plain)});
+  if (step > 1 || 2 * (last - first) > most) return ticks;
+  for (const DecimalNumber& number : values_of({1, 2, 3, 4, 5, 6, 7, 8, 9}, 1))
+    if (std::find(labelled.begin(), labelled.end(), number) == labelled.end()) ticks.push_back({number.value(), {}});
   return ticks;
 }
 

@@ -51,11 +51,15 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const render::PictureSpec& image = scene_spec.image;
   words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
+  const auto add_scale = [&] {
+    if (!layer.scale.empty()) add("--color-scale", layer.scale);
+  };
   const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
   if (is_field) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {
     add("--mode", "mip");
     add("--colormap", layer.colormap);
+    add_scale();
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
   } else {
     if (is_field) {
@@ -67,6 +71,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     if (!layer.color_by.empty()) {
       add("--color-by", layer.color_by);
       add("--colormap", layer.colormap);
+      add_scale();
       if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
     }
     if (!layer.texture.empty()) add("--texture", plan.texture_data[0].file.string());
