@@ -150,4 +150,15 @@ double position_of(const ColorScale& scale, const Interval<double>& range, doubl
   return (value - range.lo) / (range.hi - range.lo);
 }
 
+double value_at(const ColorScale& scale, const Interval<double>& range, double position) {
+  if (scale.is_logarithmic) return range.lo * std::pow(range.hi / range.lo, position);
+  return range.lo + position * (range.hi - range.lo);
+}
+
+double position_in_map(const ColorScale& scale, double position) {
+  if (scale.levels == 0) return position;
+  const double last = scale.levels - 1;
+  return std::clamp(std::floor(position * scale.levels), 0.0, last) / last;
+}
+
 }  // namespace rhoray::render

@@ -48,6 +48,7 @@ struct LayerSpec {
   std::string color_by{};  ///< a field of the data; empty = color
   std::string colormap{};  ///< a word; empty = viridis
   std::string scale{};     ///< a word, of the colours; empty = linear
+  std::optional<int> levels{};
   std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
@@ -172,6 +173,7 @@ inline constexpr Interval<double> zoom{1e-6, 1e6};
 inline constexpr Interval<double> fov_deg{0.001, 179};
 inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
 inline constexpr Interval<double> shininess{1, 1e4};
+inline constexpr Interval<int> levels{2, 256};  ///< of colours
 inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};
 inline constexpr Interval<int> occlusion_samples{1, 4096};

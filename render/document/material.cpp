@@ -64,11 +64,12 @@ bool holds_floats(const formats::FieldSummary& field) {
 }  // namespace
 
 ColorScale color_scale(const LayerSpec& spec) {
-  return {.is_logarithmic = spec.scale == "log"};
+  return {.is_logarithmic = spec.scale == "log", .levels = spec.levels.value_or(0)};
 }
 
 void say_scale(const ColorScale& scale, LayerSpec& spec) {
   if (scale.is_logarithmic) spec.scale = "log";
+  if (scale.levels > 0) spec.levels = scale.levels;
 }
 
 Interval<double> color_range(const LayerSpec& spec, const formats::FieldSummary& field,
@@ -118,6 +119,7 @@ Material choose_material(const LayerSpec& spec, const Style& style, const Datase
   const std::string needs = layer.document.empty() ? "needs --color-by" : "needs \"color_by\"";
   if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", needs);
   if (!spec.scale.empty()) throw refusal(layer, "scale", "--color-scale", needs);
+  if (spec.levels) throw refusal(layer, "levels", "--levels", needs);
   if (spec.range) throw refusal(layer, "range", "--range", "on a surface, " + needs);
   return surface;
 }

@@ -163,6 +163,7 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                       {!layer.colormap.empty(), "--colormap"},
                                       {layer.range.has_value(), "--range"},
                                       {!layer.scale.empty(), "--color-scale"},
+                                      {layer.levels.has_value(), "--levels"},
                                       {!layer.method.empty(), "--method"}})
     if (given)
       throw Error(ErrorCode::usage,

@@ -58,10 +58,12 @@ std::string vector_text(const Vec3& v) {
 
 }  // namespace
 
-Row<LayerSpec> scale_row() {
-  return row("scale", &LayerSpec::scale, word_value(scale_words()),
-             "\"log\": colours follow the logarithm of the value; the range lies above 0, by default from 1/10000 of "
-             "the largest value if the field does not; default \"linear\"");
+std::vector<Row<LayerSpec>> scale_rows() {
+  return {row("scale", &LayerSpec::scale, word_value(scale_words()),
+              "\"log\": colours follow the logarithm of the value; the range lies above 0, by default from 1/10000 of "
+              "the largest value if the field does not; default \"linear\""),
+          row("levels", &LayerSpec::levels, whole_number_within(limits::levels),
+              "Number of colours: bands that divide the range evenly on its scale; default continuous colours")};
 }
 
 std::vector<Row<LayerSpec>> slice_rows() {
@@ -78,7 +80,6 @@ std::vector<Row<LayerSpec>> slice_rows() {
           "of both signs"),
       row("range", &LayerSpec::range, interval_value(),
           "Values of the first and last colour; default the field's range"),
-      scale_row(),
       row("threshold", &LayerSpec::threshold, interval_value(),
           "Show only values within this range; default all values"),
       row("lit", &LayerSpec::lit, yes_or_no(), "true: lights shade the slice; default false: the map's own colours"),

@@ -54,8 +54,7 @@ Rows rows_of_isosurfaces() {
               "Colour map of \"color_by\"; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
               "floating-point fields of both signs"),
           row("range", &LayerSpec::range, interval_value(),
-              "Values of \"color_by\" with the first and last colour; default the field's range"),
-          scale_row()};
+              "Values of \"color_by\" with the first and last colour; default the field's range")};
 }
 
 Rows rows_of_triangles() {
@@ -83,8 +82,7 @@ Rows rows_of_projections() {
   return {
       row("colormap", &LayerSpec::colormap, word_value(colormap_words()), "Colour map of the values; default \"gray\""),
       row("range", &LayerSpec::range, interval_value(),
-          "Values with the first and last colour; default from the 1st to the 99.9th percentile of the field"),
-      scale_row()};
+          "Values with the first and last colour; default from the 1st to the 99.9th percentile of the field")};
 }
 
 Row<LightSpec> color_row() {
@@ -226,13 +224,14 @@ Row<SceneSpec> schema_row() {
 std::span<const LayerKind> layer_kinds() {
   static const std::vector<LayerKind> kinds{
       {LayerType::isosurface, "isosurface", "Surface where the field has one value",
-       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + rows_of_lit_surfaces()},
+       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + scale_rows() +
+           rows_of_lit_surfaces()},
       {LayerType::mip, "mip", "Maximum intensity projection: the largest value along every ray",
-       rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
+       rows_of_every_layer() + rows_of_every_field() + rows_of_projections() + scale_rows()},
       {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
-       rows_of_data() + slice_rows()}};
+       rows_of_data() + slice_rows() + scale_rows()}};
   return kinds;
 }
 

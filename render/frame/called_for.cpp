@@ -24,9 +24,10 @@ bool is_unlit_slice(const Layer& layer) {
   return layer.mode == Mode::slice && !layer.material.lit;
 }
 
-/// Nothing for an even scale.
+/// Nothing for a continuous linear scale.
 std::string scale_text(const ColorScale& scale) {
-  return scale.is_logarithmic ? ", on a logarithmic scale" : "";
+  return concat(scale.is_logarithmic ? ", on a logarithmic scale" : "",
+                scale.levels > 0 ? concat(", in ", scale.levels, " levels") : "");
 }
 
 std::string why_diffuse(const Scene&, const Layer& layer) {

@@ -50,6 +50,8 @@ void check_colors(const std::string& of, const ColorScale& scale, const Interval
   if (scale.is_logarithmic && !(range.lo > 0))
     throw Error(ErrorCode::usage,
                 concat(of, " from ", range.lo, " to ", range.hi, " by logarithm; expected a range above 0"));
+  if (scale.levels != 0 && !(scale.levels >= 2 && scale.levels <= 65536))
+    throw Error(ErrorCode::usage, concat(of, " in ", scale.levels, " levels; expected 2 to 65536, or 0 for none"));
 }
 
 void check_layer(std::span<const Dataset> datasets, const Layer& layer) {

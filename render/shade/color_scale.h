@@ -27,20 +27,37 @@ RHORAY_INLINE double log2_of(double number) {
   return static_cast<double>(scale) + 2.8853900817779268 * s * series;
 }
 
+/// Replaces positions in a range by those of the bands' colours in the map, as position_in_map does.
+RHORAY_INLINE void put_into_bands(int levels, double* positions) {
+  const double count = levels, last = count - 1;
+  for (std::size_t i = 0; i < RayBatch::group_size; ++i) {
+    const double place = positions[i] * count;
+    const double above = place > 0 ? place : 0;  // written so that a NaN becomes 0
+    const auto band = static_cast<double>(static_cast<std::int32_t>(above < last ? above : last));
+    positions[i] = band / last;
+  }
+}
+
 /// Numbers of a group, and the range over which they are spread evenly.
 struct EvenNumbers {
   const double* numbers;
   Interval<double> range;
 };
 
-/// Returns a group's values and their range if the scale spreads them evenly, else the positions of
-/// the values in the range, which lies in [0, 1].
+/// Returns a group's values and their range if the scale spreads them evenly, else positions in the
+/// map, which go from 0 to 1.
 /// @param positions  room for a group
 RHORAY_INLINE EvenNumbers spread_evenly(const ColorScale& scale, const Interval<double>& range, const double* values,
                                         double* positions) {
-  if (!scale.is_logarithmic) return {values, range};
-  const double low = log2_of(range.lo), width = log2_of(range.hi) - low;
-  for (std::size_t i = 0; i < RayBatch::group_size; ++i) positions[i] = (log2_of(values[i]) - low) / width;
+  if (!scale.is_logarithmic && scale.levels == 0) return {values, range};
+  if (scale.is_logarithmic) {
+    const double low = log2_of(range.lo), width = log2_of(range.hi) - low;
+    for (std::size_t i = 0; i < RayBatch::group_size; ++i) positions[i] = (log2_of(values[i]) - low) / width;
+  } else {
+    const double low = range.lo, width = range.hi - range.lo;
+    for (std::size_t i = 0; i < RayBatch::group_size; ++i) positions[i] = (values[i] - low) / width;
+  }
+  if (scale.levels > 0) put_into_bands(scale.levels, positions);
   return {positions, {.lo = 0, .hi = 1}};
 }
 

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "render/render.h"
 #include "tests/support/expect_error.h"
@@ -105,6 +107,30 @@ TEST(LogTicks, mark_multiples_between_them_where_there_is_room) {
   EXPECT_EQ(log_ticks_of({1e-9, 1e9}, 9).size(), 9U);
 }
 
+TEST(BorderTicks, have_as_many_digits_as_a_band_needs) {
+  EXPECT_THAT(texts(border_ticks({0, 0.25, 0.5, 0.75, 1}, true, 9)), ElementsAre("0", "0.25", "0.50", "0.75", "1.00"));
+  EXPECT_THAT(texts(border_ticks({0, 1.0 / 3, 2.0 / 3, 1}, true, 9)), ElementsAre("0", "0.333", "0.667", "1.000"));
+  EXPECT_THAT(texts(border_ticks({-1000, -500, 0, 500}, true, 9)), ElementsAre("−1000", "−500", "0", "500"));
+  EXPECT_THAT(texts(border_ticks({0, 2.5e5, 5e5}, true, 9)), ElementsAre("0", "2.5e+05", "5.0e+05"));
+  EXPECT_THAT(texts(border_ticks({1, std::sqrt(10), 10, std::sqrt(1000), 100}, false, 9)),
+              ElementsAre("1", "3.16", "10", "31.6", "100"));
+}
+
+TEST(BorderTicks, have_labels_as_far_apart_as_there_is_room) {
+  std::vector<double> borders(13);
+  std::iota(borders.begin(), borders.end(), 0.0);
+  EXPECT_THAT(texts(border_ticks(borders, true, 7)),
+              ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", "", "12"));
+  EXPECT_THAT(texts(border_ticks(borders, true, 6)),
+              ElementsAre("0", "", "", "3", "", "", "6", "", "", "9", "", "", "12"));
+  borders.resize(12);
+  EXPECT_THAT(texts(border_ticks(borders, true, 6)), ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", ""));
+  borders.resize(257);
+  std::iota(borders.begin(), borders.end(), 0.0);
+  EXPECT_THAT(texts(border_ticks(borders, true, 9)),
+              ElementsAre("0", "32", "64", "96", "128", "160", "192", "224", "256"));
+}
+
 TEST(Canvas, a_line_covers_its_width_times_its_length) {
   for (const Spot& to : {Spot{80, 10}, Spot{10, 80}, Spot{70, 55}}) {
     render::Framebuffer picture = blank(96, 96, 0);
@@ -162,6 +188,23 @@ TEST(ColorBar, has_even_distances_between_powers_of_ten_on_a_logarithmic_scale) 
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_NEAR(drawn.tick_rows[i], drawn.y_end - static_cast<double>(i) / 3 * (drawn.y_end - drawn.y_begin), 1e-9);
   EXPECT_EQ(drawing.texts.size(), 5U) << "a title and four numbers";
+}
+
+TEST(ColorBar, shows_bands_and_their_borders) {
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing = annotate({.bars = {{"f", render::ColorMap::viridis, {0, 5}, {.levels = 5}}}}, blocks, picture);
+  const Drawing::Bar& drawn = drawing.bars[0];
+  ASSERT_EQ(drawn.tick_rows.size(), 6U);
+  const int x = (drawn.x_begin + drawn.x_end) / 2;
+  for (int band = 0; band < 5; ++band) {
+    const Vec3 expected = color_of(render::ColorMap::viridis, band / 4.0);
+    for (const double at : {0.1, 0.9}) {
+      const int y = static_cast<int>(drawn.y_end - (band + at) / 5 * (drawn.y_end - drawn.y_begin));
+      EXPECT_LT((color_at(picture, x, y) - expected).length(), 1e-6) << band;
+    }
+    EXPECT_NEAR(drawn.tick_rows[static_cast<std::size_t>(band)],
+                drawn.y_end - band / 5.0 * (drawn.y_end - drawn.y_begin), 1e-9);
+  }
 }
 
 TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {

@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/tools/workbench.h"
 
-/// Logarithmic colours, from options and documents to pictures.
+/// Logarithmic colours and colours in levels, from options and documents to pictures.
 namespace rhoray::tests {
 namespace {
 
@@ -112,6 +114,33 @@ TEST(ColorScaleOption, brightens_small_values_of_a_projection) {
   EXPECT_GT(sum_of("log"), 1.3 * sum_of("linear"));
 }
 
+TEST(LevelsOption, leaves_a_slice_that_many_colours) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const char* scale : {"linear", "log"}) {
+    const RunResult drawn =
+        bench.rhoray({"render", "ball.rho", "--slice", "z", "--levels", "5", "--color-scale", scale, "--range", "2,250",
+                      "--antialias", "1", "--size", "80x80", "--force", "-o", "p.png"});
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+    std::set<std::array<float, 3>> colors;
+    const std::vector<float> pixels = pixels_of(bench / "p.png");
+    for (std::size_t i = 0; i < pixels.size(); i += 3) colors.insert({pixels[i], pixels[i + 1], pixels[i + 2]});
+    EXPECT_EQ(colors.size(), 6U) << scale << ": five, and the background's";
+  }
+}
+
+TEST(LevelsOption, takes_2_to_256_and_needs_colours_of_values) {
+  const Workbench bench;
+  bench.make_ball();
+  EXPECT_FALSE(layer_of(bench, {"ball.rho", "--mode", "mip"}).contains("levels"));
+  EXPECT_EQ(layer_of(bench, {"ball.rho", "--mode", "mip", "--levels", "8"})["levels"], 8);
+  for (const char* number : {"1", "257", "2.5", "x"})
+    EXPECT_EQ(bench.rhoray({"render", "ball.rho", "--mode", "mip", "--levels", number, "-o", "p.png"}).exit_code, 2);
+  const RunResult refused = bench.rhoray({"render", "ball.rho", "--levels", "8", "-o", "p.png"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--levels: needs --color-by"));
+}
+
 TEST(ColorScaleOption, is_told_in_commands_that_draw_the_same_again) {
   const Workbench bench;
   bench.make_ball();
@@ -119,6 +148,9 @@ TEST(ColorScaleOption, is_told_in_commands_that_draw_the_same_again) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"ball.rho", "--mode", "mip", "--color-scale", "log", "--colorbar"},
         {"ball.rho", "--slice", "z", "--color-scale", "log", "--colorbar"},
+        {"ball.rho", "--mode", "mip", "--levels", "6", "--colorbar"},
+        {"ball.rho", "--slice", "z", "--levels", "3", "--color-scale", "log"},
+        {"box.rho", "--field", "length", "--color-by", "height", "--color-scale", "log", "--levels", "4"},
         {"box.rho", "--field", "length", "--color-by", "height", "--color-scale", "log"}}) {
     std::vector<std::string> all{"render", "--size", "80x60", "--force", "-o", "p.png"};
     all.insert(all.end(), words.begin(), words.end());

@@ -58,8 +58,13 @@ std::vector<std::string> lines_of(const std::string& text, const std::function<b
 }
 
 std::vector<Tick> ticks_of(const ColorBar& bar, int most) {
-  const bool is_logarithmic = bar.scale.is_logarithmic && bar.range.lo < bar.range.hi;
-  return is_logarithmic ? log_ticks_of(bar.range, most) : ticks_of(bar.range, most);
+  if (!(bar.range.lo < bar.range.hi)) return ticks_of(bar.range, most);
+  const int levels = bar.scale.levels;
+  if (levels == 0) return bar.scale.is_logarithmic ? log_ticks_of(bar.range, most) : ticks_of(bar.range, most);
+  std::vector<double> borders;
+  for (int i = 0; i <= levels; ++i)
+    borders.push_back(value_at(bar.scale, bar.range, static_cast<double>(i) / levels));
+  return border_ticks(borders, !bar.scale.is_logarithmic, most);
 }
 
 class Annotator {
@@ -214,7 +219,8 @@ class Annotator {
       put(numbers[i], ink_);
     }
     for (int y = y_begin; y < y_end; ++y)
-      canvas_.fill(x_begin, x_end, y, y + 1, render::color_of(bar.map, 1 - (y + 0.5 - y_begin) / (y_end - y_begin)));
+      canvas_.fill(x_begin, x_end, y, y + 1,
+                   color_of(bar.map, position_in_map(bar.scale, 1 - (y + 0.5 - y_begin) / (y_end - y_begin))));
     taken_.push_back({{x_begin - 1.0, top}, {x_begin + taken, static_cast<double>(y_end)}});
     drawing_.bars.push_back(std::move(drawn));
   }

@@ -15,6 +15,11 @@ int decimals_of(double step) {
   return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
 }
 
+std::string with_minus_signs(std::string text) {
+  for (std::size_t at; (at = text.find('-')) != std::string::npos;) text.replace(at, 1, "\u2212");
+  return text;
+}
+
 std::string written(double value, double step, double largest) {
   char text[64];
   if (largest >= 1e5 || step < 1e-4) {
@@ -23,16 +28,37 @@ std::string written(double value, double step, double largest) {
   } else {
     std::snprintf(text, sizeof text, "%.*f", decimals_of(step), value);
   }
-  std::string written(text);
-  if (value == 0) written = "0";
-  for (std::size_t at; (at = written.find('-')) != std::string::npos;) written.replace(at, 1, "\u2212");
-  return written;
+  return value == 0 ? "0" : with_minus_signs(text);
 }
 
 /// 1, 2, 5, 10, 20, ..., and the same times negative powers of ten.
 double next_step(double step) {
   const double power = std::pow(10, std::floor(std::log10(step) + 1e-9)), digit = std::round(step / power);
   return (digit < 2 ? 2 : digit < 5 ? 5 : 10) * power;
+}
+
+/// A number with some decimals, by a power of ten or not.
+std::string decimal_text(double value, int decimals, bool by_power) {
+  char text[512];
+  std::snprintf(text, sizeof text, by_power ? "%.*e" : "%.*f", decimals, value);
+  return text;
+}
+
+/// The fewest decimals that tell a value within a slack.
+int decimals_within(double value, double slack, bool by_power) {
+  int decimals = 0;
+  while (decimals < 15 && std::abs(std::strtod(decimal_text(value, decimals, by_power).c_str(), nullptr) - value) > slack)
+    ++decimals;
+  return decimals;
+}
+
+/// How many bands lie between labels: a number that divides all where that leaves enough labels.
+std::size_t label_distance(std::size_t band_count, std::size_t most) {
+  std::size_t least = 1;
+  while (band_count / least + 1 > most) ++least;
+  for (std::size_t each = least; each <= 2 * least && each <= band_count; ++each)
+    if (band_count % each == 0) return each;
+  return least;
 }
 
 /// A digit times a power of ten.
@@ -104,6 +130,27 @@ std::vector<Tick> log_ticks_of(const Interval<double>& range, int most) {
   if (step > 1 || 2 * (last - first) > most) return ticks;
   for (const DecimalNumber& number : values_of({1, 2, 3, 4, 5, 6, 7, 8, 9}, 1))
     if (std::find(labelled.begin(), labelled.end(), number) == labelled.end()) ticks.push_back({number.value(), {}});
+  return ticks;
+}
+
+std::vector<Tick> border_ticks(const std::vector<double>& borders, bool are_even, int most) {
+  const auto room = static_cast<std::size_t>(std::max(most, 2));
+  const std::size_t distance = label_distance(borders.size() - 1, room);
+  const double largest = std::max(std::abs(borders.front()), std::abs(borders.back()));
+  const bool by_power = largest >= 1e5 || borders[1] - borders[0] < 1e-4;
+  std::vector<int> decimals;
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    const double width = i + 1 < borders.size() ? borders[i + 1] - borders[i] : borders[i] - borders[i - 1];
+    decimals.push_back(decimals_within(borders[i], width / 200, by_power));
+  }
+  if (are_even) std::fill(decimals.begin(), decimals.end(), *std::max_element(decimals.begin(), decimals.end()));
+  std::vector<Tick> ticks;
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    const bool is_labelled = i % distance == 0;
+    if (!is_labelled && borders.size() > 5 * room) continue;
+    const std::string text = borders[i] == 0 ? "0" : with_minus_signs(decimal_text(borders[i], decimals[i], by_power));
+    ticks.push_back({borders[i], is_labelled ? text : std::string()});
+  }
   return ticks;
 }
 

@@ -24,4 +24,9 @@ std::vector<Tick> ticks_of(const Interval<double>& range, int most);
 /// is room, the other multiples stand between them without a label.
 std::vector<Tick> log_ticks_of(const Interval<double>& range, int most);
 
+/// Ticks at the borders of bands, which increase; every so many have a label. Labels are within 1/200
+/// of a band.
+/// @param are_even  all bands have the same width, and labels have as many decimals
+std::vector<Tick> border_ticks(const std::vector<double>& borders, bool are_even, int most);
+
 }  // namespace rhoray::tools

@@ -50,6 +50,31 @@ TEST(ColorScale, gives_effects_the_positions_of_its_values) {
     EXPECT_NEAR(even.numbers[i], position_of(log, range, values[i]), 1e-12);
 }
 
+TEST(ColorScale, divides_its_range_into_bands_of_one_colour) {
+  const ColorScale four{.levels = 4};
+  for (const auto& [position, in_map] :
+       {std::pair{-0.1, 0.0}, {0.0, 0.0}, {0.2499, 0.0}, {0.25, 1.0 / 3}, {0.74, 2.0 / 3}, {0.75, 1.0}, {1.0, 1.0}})
+    EXPECT_EQ(position_in_map(four, position), in_map) << position;
+  EXPECT_EQ(position_in_map({}, 0.2499), 0.2499);
+  for (const bool is_logarithmic : {false, true})
+    for (const int levels : {2, 3, 7, 256}) {
+      const ColorScale scale{.is_logarithmic = is_logarithmic, .levels = levels};
+      const Interval<double> range{0.5, 80};
+      double values[RayBatch::group_size], positions[RayBatch::group_size];
+      for (std::size_t i = 0; i < RayBatch::group_size; ++i) values[i] = 0.3 + 1.37 * static_cast<double>(i);
+      const render::EvenNumbers even = spread_evenly(scale, range, values, positions);
+      EXPECT_EQ(even.range, (Interval<double>{0, 1}));
+      for (std::size_t i = 0; i < RayBatch::group_size; ++i)
+        EXPECT_EQ(even.numbers[i], position_in_map(scale, position_of(scale, range, values[i]))) << values[i];
+    }
+}
+
+TEST(ColorScale, finds_the_value_at_a_position) {
+  for (const ColorScale& scale : {ColorScale{}, ColorScale{.is_logarithmic = true}})
+    for (const double position : {0.0, 0.3, 1.0})
+      EXPECT_NEAR(position_of(scale, {0.5, 80}, value_at(scale, {0.5, 80}, position)), position, 1e-15);
+}
+
 TEST(ColorScale, that_is_even_leaves_the_values_as_they_are) {
   const double values[RayBatch::group_size] = {};
   double positions[RayBatch::group_size];

@@ -234,6 +234,11 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                      layer.scale)),
                 "For --color-by, --slice and MIP. If the field reaches 0 or below, the default range starts at 1/10000 "
                 "of its largest value; of whole numbers at 1 or above"),
+            with_details(layers(number_option("--levels", "N",
+                                              "Number of colours, 2 to 256; default continuous colours",
+                                              render::limits::levels, layer.levels)),
+                         "For --color-by, --slice and MIP. The map is divided into equal bands; with --color-scale log "
+                         "each covers the same ratio of values"),
             with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
                                              options.texture)),
                          "The texture is placed in world axes"),
@@ -364,10 +369,10 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   std::vector<render::LayerSpec> slices = options.slices;
   const bool has_range = layer.color_by.empty() && layer.type != render::LayerType::mip;
   for (render::LayerSpec& slice : slices) {
-    slice.colormap = layer.colormap, slice.scale = layer.scale;
+    slice.colormap = layer.colormap, slice.scale = layer.scale, slice.levels = layer.levels;
     if (has_range) slice.range = layer.range;
   }
-  if (layer.color_by.empty()) layer.colormap.clear(), layer.scale.clear();
+  if (layer.color_by.empty()) layer.colormap.clear(), layer.scale.clear(), layer.levels.reset();
   if (has_range) layer.range.reset();
   const std::vector<std::string>& given = options.of_the_layer;
   const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
@@ -375,7 +380,8 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
     scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
     return;
   }
-  constexpr std::array of_slices{"--slice", "--field", "--colormap", "--color-scale", "--range", "--opacity"};
+  constexpr std::array of_slices{"--slice",       "--field",  "--colormap",
+                                 "--color-scale", "--levels", "--range", "--opacity"};
   for (const std::string& name : given)
     if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
       throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),

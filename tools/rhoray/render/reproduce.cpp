@@ -53,6 +53,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
   const auto add_scale = [&] {
     if (!layer.scale.empty()) add("--color-scale", layer.scale);
+    if (layer.levels) add("--levels", concat(*layer.levels));
   };
   const bool is_field = plan.scene.layers[0].mode != render::Mode::triangles;
   if (is_field) add("--field", scene_spec.data[0].field);
