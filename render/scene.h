@@ -133,7 +133,8 @@ struct Scene {
   std::optional<Fog> fog{};
   std::optional<Clip> clip{};
   Camera camera{};
-  Vec3 background{1, 1, 1};  ///< linear RGB
+  Vec3 background{1, 1, 1};             ///< linear RGB
+  bool transparent_background = false;  ///< nothing is behind instead; pictures keep their alpha
 };
 
 }  // namespace rhoray::render

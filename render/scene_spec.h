@@ -29,6 +29,13 @@ struct Color {
 /// (ErrorCode::usage).
 void read_value(const std::string& text, Color& out);
 
+/// What is behind all that is shown.
+struct Background {
+  std::optional<Color> color{};  ///< nothing: the picture keeps its alpha
+};
+/// Reads none, or a colour as above. Refuses other texts (ErrorCode::usage).
+void read_value(const std::string& text, Background& out);
+
 /// A file, opened for one of its fields.
 struct DataSpec {
   std::string name{};  ///< by which layers ask for it
@@ -82,7 +89,7 @@ struct CameraSpec {
 
 struct PictureSpec {
   std::optional<PictureSize> size{};
-  std::optional<Color> background{};
+  std::optional<Background> background{};
   std::optional<std::vector<std::string>> channels{};
   std::optional<std::string> show{};  ///< color, or a heat map
   std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked

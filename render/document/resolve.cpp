@@ -386,9 +386,14 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
       !std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return proves(layer.method); }))
     at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
              [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
-  plan.scene.background = image.background ? image.background->linear
-                          : is_projection  ? Vec3(0, 0, 0)
-                                           : style.background;
+  const bool has_color = image.background && image.background->color;
+  plan.scene.background = has_color ? image.background->color->linear : is_projection ? Vec3(0, 0, 0) : style.background;
+  plan.scene.transparent_background = image.background && !has_color;
+  if (plan.page && plan.scene.transparent_background)
+    at_place(root(scene_spec).at("image").at("background"), [&] {
+      throw Error(ErrorCode::usage,
+                  concat(scene_spec.document.empty() ? "--background none: " : "", "a heat map fills the picture"));
+    });
 }
 
 }  // namespace

@@ -344,8 +344,9 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
 const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
       row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [1280, 720]"),
-      row("background", &PictureSpec::background, color_value(),
-          "Background colour; default the style's, but black if only projections are shown"),
+      row("background", &PictureSpec::background, background_value(),
+          "Background colour; \"none\": a picture with alpha (not JPEG); default the style's, but black if only "
+          "projections are shown"),
       row("channels", &PictureSpec::channels, words_value(channel_words()), "Extra channels (EXR only)"),
       row("show", &PictureSpec::show, word_value(show_words()), "Heat map instead of colours; default \"color\""),
       row("hierarchy", &PictureSpec::hierarchy, yes_or_no(),

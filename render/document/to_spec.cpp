@@ -85,7 +85,8 @@ SceneSpec to_spec(const ResolvedScene& plan) {
   if (plan.space != formats::Space::ras) scene_spec.space = "lps";
   scene_spec.annotations = plan.annotations;
   scene_spec.image.size = PictureSize{plan.frame.width, plan.frame.height};
-  scene_spec.image.background = Color{plan.scene.background};
+  scene_spec.image.background = Background{Color{plan.scene.background}};
+  if (plan.scene.transparent_background) scene_spec.image.background->color.reset();
   if (plan.frame.channels.any()) scene_spec.image.channels = words_of(plan.frame.channels);
   if (plan.page) scene_spec.image.show = word_of(*plan.page);
   if (!plan.frame.use_hierarchy) scene_spec.image.hierarchy = false;

@@ -260,7 +260,8 @@ Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const 
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
               .clip = std::nullopt,
-              .background = scene.background,
+              .background = scene.transparent_background ? Vec3(0, 0, 0) : scene.background,
+              .has_transparent_background = scene.transparent_background,
               .keeps_channels = options.channels.any() || options.antialiasing > 1,
               .occlusion = scene.occlusion,
               .needs = {}};
@@ -498,7 +499,8 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   if (options.antialiasing > 1) edges.emplace(frame, options);
   framebuffer.reshape(options.width, options.height, edges ? edges->channels() : options.channels);
   for (int c = 0; c < 3; ++c)
-    framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(scene.background[c]);
+    framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(frame.background[c]);
+  framebuffer.is_transparent = frame.has_transparent_background;
   RenderContext::Implementation& kept = memory.implementation();
   kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;

@@ -16,9 +16,14 @@ namespace {
 constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
 constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
 
-double luminance(const std::array<float, 3>& color) {
-  return 0.2126 * static_cast<double>(color[0]) + 0.7152 * static_cast<double>(color[1]) +
-         0.0722 * static_cast<double>(color[2]);
+double luminance(const Vec3& color) {
+  return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
+}
+
+/// The colour behind the picture: white paper where it has no background.
+Vec3 page_of(const render::Framebuffer& picture) {
+  if (picture.is_transparent) return {1, 1, 1};
+  return {picture.background[0], picture.background[1], picture.background[2]};
 }
 
 /// A text at its position in a picture.
@@ -74,10 +79,9 @@ class Annotator {
         make_text_(make_text),
         picture_(picture),
         projection_(annotations.camera, picture.width, picture.height),
-        is_dark_(luminance(picture.background) < 0.18),
+        is_dark_(luminance(page_of(picture)) < 0.18),
         ink_(is_dark_ ? Vec3(1, 1, 1) : Vec3(0, 0, 0)),
-        canvas_(picture, Vec3(picture.background[0], picture.background[1], picture.background[2]),
-                std::clamp(share(0.0025), 1.0, 8.0)) {}
+        canvas_(picture, page_of(picture), std::clamp(share(0.0025), 1.0, 8.0)) {}
 
   Drawing draw() {
     if (wished_.box) draw_box_edges();

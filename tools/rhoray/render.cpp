@@ -94,7 +94,8 @@ int run(RenderCommand& command) {
     drawn.output = output_of(command, scene_spec);
     drawn.to_stdout = goes_to_stdout(command);
     require_picture_format(drawn.to_stdout ? "picture.png" : drawn.output,
-                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})),
+                           keeps_alpha(scene_spec));
   }
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const Stopwatch opening;

@@ -106,6 +106,10 @@ double Checks::wait() {
   return waiting.seconds();
 }
 
+bool keeps_alpha(const render::SceneSpec& scene_spec) {
+  return scene_spec.image.background && !scene_spec.image.background->color;
+}
+
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan) {
   if (output != "-") require_writable(command, output, plan);

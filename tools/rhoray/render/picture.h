@@ -50,6 +50,9 @@ class Checks {
   std::future<void> running_;
 };
 
+/// Whether the picture has no background.
+bool keeps_alpha(const render::SceneSpec& scene_spec);
+
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan);

@@ -242,9 +242,13 @@ std::vector<Option> picture_options(PictureOptions& options) {
             with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
                                              options.texture)),
                          "The texture is placed in world axes"),
-            value_option("--background", "COLOR",
-                         "Background colour, written as for --surface-color; default the style's (MIP: black)",
-                         image.background)}),
+            with_details(
+                value_option("--background", "COLOR",
+                             "Background colour, written as for --surface-color, or none: a picture with alpha; default "
+                             "the style's (MIP: black)",
+                             image.background),
+                "With none, PNG and TIFF store colours that are not multiplied by alpha, to be composited in linear "
+                "light; JPEG has no alpha")}),
        in_group(
            "Light",
            {with_details(choice_option("--style", render::style_words(),

@@ -97,7 +97,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--ortho-height", concat(*camera.orthographic_height));
   else
     add("--fov", concat(*camera.fov_deg));
-  add("--background", text_of_vector(image.background->linear));
+  add("--background", image.background->color ? text_of_vector(image.background->color->linear) : "none");
   if (image.channels) add("--channels", joined(*image.channels, ","));
   if (image.show) add("--show", *image.show);
   if (image.hierarchy) words.push_back("--no-hierarchy");
