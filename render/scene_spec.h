@@ -56,7 +56,7 @@ struct LayerSpec {
   std::string colormap{};  ///< a word; empty = viridis
   std::string scale{};     ///< a word, of the colours; empty = linear
   std::optional<int> levels{};
-  std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
+  std::string texture{};  ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
@@ -152,6 +152,7 @@ struct AnnotationsSpec {
   std::optional<AxesSpec> axes{};
   std::optional<bool> box{};  ///< around what is shown, with numbers
   std::optional<ColorBarSpec> color_bar{};
+  std::optional<bool> legend{};  ///< of isosurfaces; default where their colours stand for isovalues
   std::string caption{};
 };
 

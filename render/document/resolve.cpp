@@ -11,6 +11,7 @@
 #include "render/document/clip.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
+#include "render/document/several_isovalues.h"
 #include "render/document/slices.h"
 #include "render/document/styles.h"
 #include "render/document/tables.h"
@@ -198,6 +199,28 @@ bool shows_values(const ResolvedScene& plan) {
          });
 }
 
+bool has_own_color(const Layer& layer) {
+  return layer.mode == Mode::isosurface && !layer.material.color_by && !layer.material.texture;
+}
+
+/// Annotations as requested, and a legend where colours stand for isovalues. Refuses those that have
+/// nothing to show.
+void plan_annotations(const SceneSpec& scene_spec, ResolvedScene& plan) {
+  const bool has_isovalue_colors = plan.annotations.legend.value_or(false);
+  const std::vector<Layer>& layers = plan.scene.layers;
+  plan.annotations = scene_spec.annotations;
+  const auto refuse = [&](const char* key, const std::string& fact) {
+    at_place(root(scene_spec).at("annotations").at(key), [&] {
+      throw Error(ErrorCode::usage, scene_spec.document.empty() ? concat("--", key, ": ", fact) : fact);
+    });
+  };
+  if (plan.annotations.color_bar && !shows_values(plan)) refuse("colorbar", "nothing here is coloured by a field");
+  const bool can_have_legend = !plan.page && std::any_of(layers.begin(), layers.end(), has_own_color);
+  if (plan.annotations.legend.value_or(false) && !can_have_legend)
+    refuse("legend", "no isosurface here has a colour of its own");
+  if (!plan.annotations.legend && has_isovalue_colors && can_have_legend) plan.annotations.legend = true;
+}
+
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
@@ -211,6 +234,7 @@ class LayerPlanner {
     require_layers();
     note_invisible_surfaces();
     color_several_surfaces();
+    show_several_isovalues();
     note_textures_elsewhere(plan_);
     note_unknown_spaces(plan_);
     return std::move(plan_);
@@ -356,6 +380,19 @@ class LayerPlanner {
     }
   }
 
+  void show_several_isovalues() {
+    for (std::size_t index = 0; index < scene_spec_.layers.size(); ++index) {
+      if (scene_spec_.layers[index].isovalues.size() < 2) continue;
+      std::vector<Layer*> surfaces;
+      for (std::size_t i = 0; i < plan_.origins.size(); ++i)
+        if (plan_.origins[i].spec == index && plan_.scene.layers[i].mode == Mode::isosurface)
+          surfaces.push_back(&plan_.scene.layers[i]);
+      if (surfaces.empty()) continue;
+      show_several(scene_spec_.layers[index], plan_.datasets[surfaces[0]->dataset], surfaces);
+      if (are_colored_by_isovalue(scene_spec_.layers[index], surfaces.size())) plan_.annotations.legend = true;
+    }
+  }
+
   const SceneSpec& scene_spec_;
   const OpenData& open_;
   ResolvedScene plan_;
@@ -387,7 +424,9 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
     at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
              [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
   const bool has_color = image.background && image.background->color;
-  plan.scene.background = has_color ? image.background->color->linear : is_projection ? Vec3(0, 0, 0) : style.background;
+  plan.scene.background = has_color       ? image.background->color->linear
+                          : is_projection ? Vec3(0, 0, 0)
+                                          : style.background;
   plan.scene.transparent_background = image.background && !has_color;
   if (plan.page && plan.scene.transparent_background)
     at_place(root(scene_spec).at("image").at("background"), [&] {
@@ -404,12 +443,7 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
   const Place clip = root(scene_spec).at("clip");
   plan.scene.clip = choose_clip(scene_spec.clip, clip);
   for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
-  plan.annotations = scene_spec.annotations;
-  if (plan.annotations.color_bar && !shows_values(plan))
-    at_place(root(scene_spec).at("annotations").at("colorbar"), [&] {
-      throw Error(ErrorCode::usage,
-                  concat(scene_spec.document.empty() ? "--colorbar: " : "", "nothing here is coloured by a field"));
-    });
+  plan_annotations(scene_spec, plan);
   return plan;
 }
 

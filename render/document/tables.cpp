@@ -41,7 +41,9 @@ Rows rows_of_every_field() {
 
 Rows rows_of_isosurfaces() {
   return {row("isovalue", &LayerSpec::isovalues, isovalues_value(),
-              "Isovalue; \"auto\" is Otsu's threshold; several values make several layers; default \"auto\""),
+              "Isovalue; \"auto\" is Otsu's threshold; default \"auto\". Several values make several surfaces; by "
+              "default they are coloured by viridis over their values (by coolwarm if those below and above 0 enclose "
+              "different regions), the innermost is opaque, and outer ones are transparent"),
           row("color", &LayerSpec::color, color_value(),
               "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value(normals_words()),
@@ -75,7 +77,7 @@ Rows rows_of_lit_surfaces() {
           row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
               "Specular exponent; larger values give smaller and sharper highlights; default 40"),
           row("opacity", &LayerSpec::opacity, number_within(limits::share),
-              "Opacity; at 0 the surface is not traced; default 1")};
+              "Opacity; at 0 the surface is not traced; default 1, less for the outer ones of several isovalues")};
 }
 
 Rows rows_of_projections() {
@@ -224,8 +226,7 @@ Row<SceneSpec> schema_row() {
 std::span<const LayerKind> layer_kinds() {
   static const std::vector<LayerKind> kinds{
       {LayerType::isosurface, "isosurface", "Surface where the field has one value",
-       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + scale_rows() +
-           rows_of_lit_surfaces()},
+       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + scale_rows() + rows_of_lit_surfaces()},
       {LayerType::mip, "mip", "Maximum intensity projection: the largest value along every ray",
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections() + scale_rows()},
       {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
@@ -383,6 +384,8 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
           "for them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),
+      row("legend", &AnnotationsSpec::legend, yes_or_no(),
+          "Colours and values of the isosurfaces; default true if a layer with several isovalues names no colour"),
       row("caption", &AnnotationsSpec::caption, text_value(),
           "Caption below the picture, in lines of the picture's width")};
   return rows;

@@ -262,10 +262,9 @@ std::optional<Color> color_in(const Json& json) {
 ValueKind<Color> color_value() {
   Json parts = numbers_schema(3);
   parts["items"].update(Json{{"minimum", 0}, {"maximum", 1}});
-  return parsed<Color>(
-      "a colour: a CSS name, \"#rrggbb\", or linear [r, g, b] from 0 to 1",
-      {{"oneOf", {{{"type", "string"}, {"pattern", "^(#[0-9a-fA-F]{6}|[a-z]+)$"}}, parts}}},
-      color_in, [](const Color& color) { return json_of(color.linear); });
+  return parsed<Color>("a colour: a CSS name, \"#rrggbb\", or linear [r, g, b] from 0 to 1",
+                       {{"oneOf", {{{"type", "string"}, {"pattern", "^(#[0-9a-fA-F]{6}|[a-z]+)$"}}, parts}}}, color_in,
+                       [](const Color& color) { return json_of(color.linear); });
 }
 
 ValueKind<Background> background_value() {

@@ -22,8 +22,8 @@ RHORAY_INLINE double log2_of(double number) {
   const double mantissa = std::bit_cast<double>(bits - scale * (std::int64_t{1} << 52));
   const double s = (mantissa - 1) / (mantissa + 1), s2 = s * s;
   const double series =
-      1 + s2 * (1.0 / 3 +
-                s2 * (1.0 / 5 + s2 * (1.0 / 7 + s2 * (1.0 / 9 + s2 * (1.0 / 11 + s2 * (1.0 / 13 + s2 / 15))))));
+      1 +
+      s2 * (1.0 / 3 + s2 * (1.0 / 5 + s2 * (1.0 / 7 + s2 * (1.0 / 9 + s2 * (1.0 / 11 + s2 * (1.0 / 13 + s2 / 15))))));
   return static_cast<double>(scale) + 2.8853900817779268 * s * series;
 }
 

@@ -63,11 +63,11 @@ Framebuffer slope(int width, int height) {
 TEST(Srgb, of_a_picture_without_background_keeps_alpha_apart_from_colours) {
   Framebuffer picture(5, 1, {});
   picture.is_transparent = true;
-  picture.color = {0,    0,    0,    0,        // nothing
-                   0.25, 0.5,  0.75, 1,        // opaque
-                   0.1F, 0.2F, 0.4F, 0.4F,     // 255 * 0.4 = 102
-                   0.7F, 0,    0,    0.5F,     // brighter than white: alpha grows to 179 of 255
-                   0,    1e-4F, 0,   1e-4F};   // not lost
+  picture.color = {0,    0,     0,    0,       // nothing
+                   0.25, 0.5,   0.75, 1,       // opaque
+                   0.1F, 0.2F,  0.4F, 0.4F,    // 255 * 0.4 = 102
+                   0.7F, 0,     0,    0.5F,    // brighter than white: alpha grows to 179 of 255
+                   0,    1e-4F, 0,    1e-4F};  // not lost
   const std::vector<std::uint8_t> bytes = srgb_bytes(picture);
   ASSERT_EQ(bytes.size(), 20U);
   const auto pixel = [&](std::size_t at) { return std::vector(bytes.begin() + 4 * at, bytes.begin() + 4 * at + 4); };

@@ -92,9 +92,9 @@ TEST(LogTicks, stand_at_powers_of_ten) {
     return all;
   };
   EXPECT_THAT(labels({0.01, 1000}, 9), ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
-  EXPECT_THAT(labels({2e-7, 3e4}, 20), ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²",
-                                                   "10³", "10⁴"));
-  EXPECT_THAT(labels({1e-12, 1e12}, 5), ElementsAre("10⁻¹²", "10⁻⁶", "10⁰", "10⁶", "10¹²"));
+  EXPECT_THAT(labels({2e-7, 3e4}, 20),
+              ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²", "10³", "10⁴"));
+  EXPECT_THAT(labels({1e-12, 1e12}, 5), ElementsAre("10⁻¹⁰", "10⁻⁵", "10⁰", "10⁵", "10¹⁰"));
   EXPECT_THAT(labels({3, 80}, 9), ElementsAre("5", "10", "20", "50"));
   EXPECT_THAT(labels({3e7, 8e8}, 9), ElementsAre("5×10⁷", "10⁸", "2×10⁸", "5×10⁸"));
   EXPECT_THAT(labels({310, 340}, 4), ElementsAre("310", "320", "330", "340"));
@@ -124,7 +124,8 @@ TEST(BorderTicks, have_labels_as_far_apart_as_there_is_room) {
   EXPECT_THAT(texts(border_ticks(borders, true, 6)),
               ElementsAre("0", "", "", "3", "", "", "6", "", "", "9", "", "", "12"));
   borders.resize(12);
-  EXPECT_THAT(texts(border_ticks(borders, true, 6)), ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", ""));
+  EXPECT_THAT(texts(border_ticks(borders, true, 6)),
+              ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", ""));
   borders.resize(257);
   std::iota(borders.begin(), borders.end(), 0.0);
   EXPECT_THAT(texts(border_ticks(borders, true, 9)),
@@ -192,7 +193,8 @@ TEST(ColorBar, has_even_distances_between_powers_of_ten_on_a_logarithmic_scale) 
 
 TEST(ColorBar, shows_bands_and_their_borders) {
   render::Framebuffer picture = blank(640, 400);
-  const Drawing drawing = annotate({.bars = {{"f", render::ColorMap::viridis, {0, 5}, {.levels = 5}}}}, blocks, picture);
+  const Drawing drawing =
+      annotate({.bars = {{"f", render::ColorMap::viridis, {0, 5}, {.levels = 5}}}}, blocks, picture);
   const Drawing::Bar& drawn = drawing.bars[0];
   ASSERT_EQ(drawn.tick_rows.size(), 6U);
   const int x = (drawn.x_begin + drawn.x_end) / 2;
@@ -205,6 +207,34 @@ TEST(ColorBar, shows_bands_and_their_borders) {
     EXPECT_NEAR(drawn.tick_rows[static_cast<std::size_t>(band)],
                 drawn.y_end - band / 5.0 * (drawn.y_end - drawn.y_begin), 1e-9);
   }
+}
+
+TEST(Legend, shows_each_colour_before_its_text_opposite_to_the_bars) {
+  const Legend legend{.title = "density (HU)", .entries = {{{1, 0, 0}, "500"}, {{0, 0.25, 0}, "\u2212100"}}};
+  for (const Side side : {Side::left, Side::right}) {
+    render::Framebuffer picture = blank(640, 400);
+    const Drawing drawing = annotate(
+        {.bars = {{"f", render::ColorMap::viridis, {0, 1}}}, .bars_side = side, .legends = {legend}}, blocks, picture);
+    ASSERT_EQ(drawing.swatches.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Area& swatch = drawing.swatches[i];
+      EXPECT_EQ(side == Side::right, swatch.high.x < 320);
+      const Spot middle = 0.5 * (swatch.low + swatch.high);
+      EXPECT_LT((color_at(picture, static_cast<int>(middle.x), static_cast<int>(middle.y)) - legend.entries[i].color)
+                    .length(),
+                1e-6);
+    }
+    EXPECT_LT(drawing.swatches[0].high.y, drawing.swatches[1].low.y);
+  }
+}
+
+TEST(Legend, says_how_many_colours_have_no_room) {
+  Legend legend{.title = "f", .entries = std::vector<Legend::Entry>(50, {{1, 0, 0}, "1"})};
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing = annotate({.legends = {legend}}, blocks, picture);
+  EXPECT_LT(drawing.swatches.size(), 40U);
+  EXPECT_EQ(drawing.texts.size(), drawing.swatches.size() + 2) << "a title, and the number of the others";
+  for (const Area& text : drawing.texts) EXPECT_LE(text.high.y, 400);
 }
 
 TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
@@ -275,6 +305,7 @@ TEST(Annotations, never_put_text_over_text_or_over_a_bar) {
            .box = box,
            .length_unit = "mm",
            .bars = {{"a", render::ColorMap::viridis, {0, 7}}, {"another title", render::ColorMap::gray, {-1e-3, 1e-3}}},
+           .legends = {{"f (mV)", {{{1, 0, 0}, "1"}, {{0, 1, 0}, "12345"}}}, {"g", {{{0, 0, 1}, "0.5"}}}},
            .caption = "words that take more than one line in a narrow picture"},
           blocks, picture);
       EXPECT_GE(drawing.texts.size(), 12U);

@@ -64,8 +64,8 @@ TEST(ColorScaleOption, takes_a_map_for_one_sign_even_where_the_field_has_both) {
   const nlohmann::json log = layer_of(bench, {"box.vtu", "--slice", "y", "--color-scale", "log"});
   EXPECT_EQ(log["colormap"], "viridis");
   EXPECT_EQ(log["range"], nlohmann::json({1e-4 * 0.75, 0.75}));
-  const RunResult refused = bench.rhoray(
-      {"render", "box.vtu", "--field", "below", "--slice", "y", "--color-scale", "log", "-o", "p.png"});
+  const RunResult refused =
+      bench.rhoray({"render", "box.vtu", "--field", "below", "--slice", "y", "--color-scale", "log", "-o", "p.png"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err, HasSubstr("--color-scale: field 'below' has no values above 0"));
 }

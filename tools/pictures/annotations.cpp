@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "render/scene_words.h"
 
@@ -28,6 +29,25 @@ std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
       add({title_of(dataset.field(colors->field).value()), colors->map, colors->range, colors->scale});
   }
   return bars;
+}
+
+/// Isosurfaces that have colours of their own, by dataset; the largest value first.
+std::vector<Legend> legends_of(const render::ResolvedScene& plan) {
+  std::vector<Legend> legends;
+  for (std::size_t dataset = 0; dataset < plan.datasets.size(); ++dataset) {
+    std::vector<const render::Layer*> surfaces;
+    for (const render::Layer& layer : plan.scene.layers)
+      if (layer.dataset == dataset && layer.mode == render::Mode::isosurface && !layer.material.color_by &&
+          !layer.material.texture)
+        surfaces.push_back(&layer);
+    if (surfaces.empty()) continue;
+    std::stable_sort(surfaces.begin(), surfaces.end(),
+                     [](const render::Layer* a, const render::Layer* b) { return a->isovalue > b->isovalue; });
+    Legend& legend = legends.emplace_back(Legend{.title = title_of(plan.datasets[dataset].field()), .entries = {}});
+    for (const render::Layer* surface : surfaces)
+      legend.entries.push_back({surface->material.color, with_minus_signs(rounded(surface->isovalue, 5))});
+  }
+  return legends;
 }
 
 /// Errors are shown by their powers of ten.
@@ -65,6 +85,7 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
     for (ColorBar& bar : annotations.bars)
       if (!spec.color_bar->title.empty()) bar.title = spec.color_bar->title;
   }
+  if (spec.legend.value_or(false)) annotations.legends = legends_of(plan);
   annotations.caption = spec.caption;
   return annotations;
 }

@@ -67,6 +67,13 @@ void require_pictures_module() {
                 "tools/setup/build builds it; PNG pictures without annotations are written without it");
 }
 
+bool can_annotate() {
+  std::error_code ignored;
+  return std::filesystem::exists(module_path(), ignored) &&
+         std::any_of(known_fonts().begin(), known_fonts().end(),
+                     [&](const auto& font) { return std::filesystem::is_regular_file(font, ignored); });
+}
+
 std::vector<std::string> picture_extensions() {
   return names_in(picture_formats, &PictureFormat::extension);
 }

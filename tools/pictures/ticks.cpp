@@ -15,11 +15,6 @@ int decimals_of(double step) {
   return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
 }
 
-std::string with_minus_signs(std::string text) {
-  for (std::size_t at; (at = text.find('-')) != std::string::npos;) text.replace(at, 1, "\u2212");
-  return text;
-}
-
 std::string written(double value, double step, double largest) {
   char text[64];
   if (largest >= 1e5 || step < 1e-4) {
@@ -47,7 +42,8 @@ std::string decimal_text(double value, int decimals, bool by_power) {
 /// The fewest decimals that tell a value within a slack.
 int decimals_within(double value, double slack, bool by_power) {
   int decimals = 0;
-  while (decimals < 15 && std::abs(std::strtod(decimal_text(value, decimals, by_power).c_str(), nullptr) - value) > slack)
+  while (decimals < 15 &&
+         std::abs(std::strtod(decimal_text(value, decimals, by_power).c_str(), nullptr) - value) > slack)
     ++decimals;
   return decimals;
 }
@@ -74,8 +70,7 @@ std::string text_of(const DecimalNumber& number, bool is_plain) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", std::max(0, -number.power), number.value());
   if (is_plain) return text;
-  static constexpr const char* raised[] = {"⁰", "¹", "²", "³", "⁴",
-                                           "⁵", "⁶", "⁷", "⁸", "⁹"};
+  static constexpr const char* raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string power = number.digit == 1 ? "10" : std::to_string(number.digit) + "×10";
   if (number.power < 0) power += "⁻";
   for (const char digit : std::to_string(std::abs(number.power))) power += raised[digit - '0'];
@@ -83,6 +78,11 @@ std::string text_of(const DecimalNumber& number, bool is_plain) {
 }
 
 }  // namespace
+
+std::string with_minus_signs(std::string text) {
+  for (std::size_t at; (at = text.find('-')) != std::string::npos;) text.replace(at, 1, "\u2212");
+  return text;
+}
 
 std::vector<Tick> ticks_of(const Interval<double>& range, int most) {
   const double width = range.hi - range.lo;

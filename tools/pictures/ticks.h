@@ -7,10 +7,13 @@
 
 namespace rhoray::tools {
 
+/// Replaces hyphens by the typographic minus sign (U+2212).
+std::string with_minus_signs(std::string text);
+
 /// A marked position on an axis, and its label.
 struct Tick {
   double value;
-  std::string text;  ///< with the typographic minus sign (U+2212); empty: a smaller mark, without label
+  std::string text;  ///< with typographic minus signs; empty: a smaller mark, without label
 };
 
 /// Returns the multiples of 1, 2 or 5 times a power of ten that lie in the range: as many as

@@ -100,6 +100,7 @@ int run(RenderCommand& command) {
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const Stopwatch opening;
   drawn.plan = resolve_layers(scene_spec, access_for(command.common, display));
+  drop_default_legend(scene_spec, drawn.plan);
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
   aim_camera(scene_spec, drawn.plan);

@@ -32,11 +32,11 @@ TEST(Log2, of_numbers_without_one_is_that_of_the_smallest_number) {
 
 TEST(ColorScale, places_equal_ratios_at_equal_distances) {
   const ColorScale log{.is_logarithmic = true};
-  EXPECT_NEAR(position_of(log, {0.01, 100}, 0.01), 0, 1e-15);
-  EXPECT_NEAR(position_of(log, {0.01, 100}, 0.1), 0.25, 1e-15);
-  EXPECT_NEAR(position_of(log, {0.01, 100}, 1), 0.5, 1e-15);
-  EXPECT_NEAR(position_of(log, {0.01, 100}, 100), 1, 1e-15);
-  EXPECT_EQ(position_of({}, {0.5, 4.5}, 1.5), 0.25);
+  EXPECT_NEAR(render::position_of(log, {0.01, 100}, 0.01), 0, 1e-15);
+  EXPECT_NEAR(render::position_of(log, {0.01, 100}, 0.1), 0.25, 1e-15);
+  EXPECT_NEAR(render::position_of(log, {0.01, 100}, 1), 0.5, 1e-15);
+  EXPECT_NEAR(render::position_of(log, {0.01, 100}, 100), 1, 1e-15);
+  EXPECT_EQ(render::position_of({}, {0.5, 4.5}, 1.5), 0.25);
 }
 
 TEST(ColorScale, gives_effects_the_positions_of_its_values) {
@@ -44,41 +44,42 @@ TEST(ColorScale, gives_effects_the_positions_of_its_values) {
   const Interval<double> range{0.02, 3000};
   double values[RayBatch::group_size], positions[RayBatch::group_size];
   for (std::size_t i = 0; i < RayBatch::group_size; ++i) values[i] = 0.02 * std::pow(1.2, static_cast<double>(i));
-  const render::EvenNumbers even = spread_evenly(log, range, values, positions);
+  const render::EvenNumbers even = render::spread_evenly(log, range, values, positions);
   EXPECT_EQ(even.range, (Interval<double>{0, 1}));
   for (std::size_t i = 0; i < RayBatch::group_size; ++i)
-    EXPECT_NEAR(even.numbers[i], position_of(log, range, values[i]), 1e-12);
+    EXPECT_NEAR(even.numbers[i], render::position_of(log, range, values[i]), 1e-12);
 }
 
 TEST(ColorScale, divides_its_range_into_bands_of_one_colour) {
   const ColorScale four{.levels = 4};
   for (const auto& [position, in_map] :
        {std::pair{-0.1, 0.0}, {0.0, 0.0}, {0.2499, 0.0}, {0.25, 1.0 / 3}, {0.74, 2.0 / 3}, {0.75, 1.0}, {1.0, 1.0}})
-    EXPECT_EQ(position_in_map(four, position), in_map) << position;
-  EXPECT_EQ(position_in_map({}, 0.2499), 0.2499);
+    EXPECT_EQ(render::position_in_map(four, position), in_map) << position;
+  EXPECT_EQ(render::position_in_map({}, 0.2499), 0.2499);
   for (const bool is_logarithmic : {false, true})
     for (const int levels : {2, 3, 7, 256}) {
       const ColorScale scale{.is_logarithmic = is_logarithmic, .levels = levels};
       const Interval<double> range{0.5, 80};
       double values[RayBatch::group_size], positions[RayBatch::group_size];
       for (std::size_t i = 0; i < RayBatch::group_size; ++i) values[i] = 0.3 + 1.37 * static_cast<double>(i);
-      const render::EvenNumbers even = spread_evenly(scale, range, values, positions);
+      const render::EvenNumbers even = render::spread_evenly(scale, range, values, positions);
       EXPECT_EQ(even.range, (Interval<double>{0, 1}));
       for (std::size_t i = 0; i < RayBatch::group_size; ++i)
-        EXPECT_EQ(even.numbers[i], position_in_map(scale, position_of(scale, range, values[i]))) << values[i];
+        EXPECT_EQ(even.numbers[i], render::position_in_map(scale, render::position_of(scale, range, values[i])))
+            << values[i];
     }
 }
 
 TEST(ColorScale, finds_the_value_at_a_position) {
   for (const ColorScale& scale : {ColorScale{}, ColorScale{.is_logarithmic = true}})
     for (const double position : {0.0, 0.3, 1.0})
-      EXPECT_NEAR(position_of(scale, {0.5, 80}, value_at(scale, {0.5, 80}, position)), position, 1e-15);
+      EXPECT_NEAR(render::position_of(scale, {0.5, 80}, render::value_at(scale, {0.5, 80}, position)), position, 1e-15);
 }
 
 TEST(ColorScale, that_is_even_leaves_the_values_as_they_are) {
   const double values[RayBatch::group_size] = {};
   double positions[RayBatch::group_size];
-  const render::EvenNumbers even = spread_evenly({}, {2, 3}, values, positions);
+  const render::EvenNumbers even = render::spread_evenly({}, {2, 3}, values, positions);
   EXPECT_EQ(even.numbers, values);
   EXPECT_EQ(even.range, (Interval<double>{2, 3}));
 }

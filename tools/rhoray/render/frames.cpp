@@ -204,6 +204,7 @@ void run_frames(const RenderCommand& command, const render::SceneSpec& scene_spe
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const render::SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
   render::ResolvedScene plan = resolve_layers(of_frame, access_for(command.common, display));
+  drop_default_legend(scene_spec, plan);
   if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan));
   if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
   if (draws) return;

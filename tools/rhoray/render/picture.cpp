@@ -82,8 +82,8 @@ void require_writable(const RenderCommand& command, const std::filesystem::path&
 }
 
 bool has_annotations(const render::ResolvedScene& plan) {
-  const auto& [axes, box, bar, caption] = plan.annotations;
-  return axes || box.value_or(false) || bar || !caption.empty();
+  const auto& [axes, box, bar, legend, caption] = plan.annotations;
+  return axes || box.value_or(false) || bar || legend.value_or(false) || !caption.empty();
 }
 
 void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
@@ -104,6 +104,12 @@ double Checks::wait() {
   const Stopwatch waiting;
   if (running_.valid()) running_.get();
   return waiting.seconds();
+}
+
+void drop_default_legend(const render::SceneSpec& scene_spec, render::ResolvedScene& plan) {
+  if (scene_spec.annotations.legend || !plan.annotations.legend.value_or(false) || can_annotate()) return;
+  plan.annotations.legend = false;
+  plan.notes.push_back("no legend: it needs the module rhoray-pictures.so and the font DejaVu Sans");
 }
 
 bool keeps_alpha(const render::SceneSpec& scene_spec) {

@@ -50,6 +50,9 @@ class Checks {
   std::future<void> running_;
 };
 
+/// Leaves out a legend that was not requested where annotations cannot be drawn.
+void drop_default_legend(const render::SceneSpec& scene_spec, render::ResolvedScene& plan);
+
 /// Whether the picture has no background.
 bool keeps_alpha(const render::SceneSpec& scene_spec);
 

@@ -196,14 +196,18 @@ std::vector<Option> picture_options(PictureOptions& options) {
                 layers(choice_option("--mode", {"iso", "mip"},
                                      "Isosurface or maximum intensity projection (MIP); default iso", options.mode)),
                 "Triangle meshes are shown as they are"),
-            with_details(layers(value_option("--iso", "V[,V...]",
-                                             "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
-                                             "default auto",
-                                             layer.isovalues)),
-                         "Several values give several surfaces. For the field boundary_distance, auto is 1/10000 of "
-                         "its maximum"),
+            with_details(
+                layers(value_option("--iso", "V[,V...]",
+                                    "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
+                                    "default auto",
+                                    layer.isovalues)),
+                "Several values give several surfaces: coloured by viridis over their values (by coolwarm if those "
+                "below and above 0 enclose different regions), the innermost opaque, outer ones transparent. For "
+                "the field boundary_distance, auto is 1/10000 of its maximum"),
             layers(slice_option(options.slices)),
-            layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", render::limits::share, layer.opacity)),
+            layers(number_option("--opacity", "O",
+                                 "Opacity, 0 to 1; default 1 (several isovalues: less for outer ones)",
+                                 render::limits::share, layer.opacity)),
             with_details(layers(choice_option(
                              "--normals", render::normals_words(),
                              "Surface normals: smooth, exact (grids) or flat; default flat for meshes, else smooth",
@@ -232,21 +236,22 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                      "log: colours follow the logarithm of the value; the range lies above 0; default "
                                      "linear",
                                      layer.scale)),
-                "For --color-by, --slice and MIP. If the field reaches 0 or below, the default range starts at 1/10000 "
-                "of its largest value; of whole numbers at 1 or above"),
-            with_details(layers(number_option("--levels", "N",
-                                              "Number of colours, 2 to 256; default continuous colours",
-                                              render::limits::levels, layer.levels)),
-                         "For --color-by, --slice and MIP. The map is divided into equal bands; with --color-scale log "
-                         "each covers the same ratio of values"),
+                "For --color-by, --slice and MIP. Values at 0 or below get the first colour. If the field reaches 0 or "
+                "below, the default range starts at 1/10000 of its largest value; of whole numbers at 1 or above"),
+            with_details(
+                layers(number_option("--levels", "N", "Number of colours, 2 to 256; default continuous colours",
+                                     render::limits::levels, layer.levels)),
+                "For --color-by, --slice and MIP. The map is divided into equal bands; with --color-scale log "
+                "each covers the same ratio of values"),
             with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
                                              options.texture)),
                          "The texture is placed in world axes"),
             with_details(
-                value_option("--background", "COLOR",
-                             "Background colour, written as for --surface-color, or none: a picture with alpha; default "
-                             "the style's (MIP: black)",
-                             image.background),
+                value_option(
+                    "--background", "COLOR",
+                    "Background colour, written as for --surface-color, or none: a picture with alpha; default "
+                    "the style's (MIP: black)",
+                    image.background),
                 "With none, PNG and TIFF store colours that are not multiplied by alpha, to be composited in linear "
                 "light; JPEG has no alpha")}),
        in_group(
@@ -313,6 +318,12 @@ std::vector<Option> picture_options(PictureOptions& options) {
             with_details(
                 constant_option("--colorbar", "Draw a colour bar", render::ColorBarSpec{}, scene.annotations.color_bar),
                 "For --color-by, a slice, a MIP or a heat map"),
+            with_details(
+                choice_option("--legend", {"on", "off"},
+                              "List colours and values of isosurfaces; default on if several isovalues have "
+                              "no --surface-color",
+                              [&legend = scene.annotations.legend](const std::string& text) { legend = text == "on"; }),
+                "Isosurfaces coloured by a field or a texture are left out"),
             value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
        in_group(
            "Accuracy",
@@ -384,8 +395,8 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
     scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
     return;
   }
-  constexpr std::array of_slices{"--slice",       "--field",  "--colormap",
-                                 "--color-scale", "--levels", "--range", "--opacity"};
+  constexpr std::array of_slices{"--slice",  "--field", "--colormap", "--color-scale",
+                                 "--levels", "--range", "--opacity"};
   for (const std::string& name : given)
     if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
       throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
@@ -442,7 +453,8 @@ render::SceneSpec with_options(render::SceneSpec document, const PictureOptions&
   replace(document, said, &render::SceneSpec::clip);
   replace(document.image, said.image, &Image::size, &Image::background, &Image::channels, &Image::show,
           &Image::hierarchy, &Image::antialias, &Image::frames);
-  replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar);
+  replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar,
+          &Annotations::legend);
   if (!said.space.empty()) document.space = said.space;
   if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {

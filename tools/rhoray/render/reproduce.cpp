@@ -28,7 +28,7 @@ std::vector<std::string> clip_words(const render::ClipSpec& spec) {
 
 /// Whether annotations say what no option says.
 bool needs_words(const render::AnnotationsSpec& annotations) {
-  const auto& [axes, box, bar, caption] = annotations;
+  const auto& [axes, box, bar, legend, caption] = annotations;
   return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
 }
 
@@ -105,6 +105,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   if (annotations.axes) words.push_back("--axes");
   if (annotations.box.value_or(false)) words.push_back("--box");
   if (annotations.color_bar) words.push_back("--colorbar");
+  if (annotations.legend) add("--legend", *annotations.legend ? "on" : "off");
   if (!annotations.caption.empty()) add("--caption", annotations.caption);
   return words;
 }
