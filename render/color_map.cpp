@@ -145,4 +145,20 @@ Vec3 color_of(ColorMap map, double share) {
   return Vec3(linear_from_srgb(share));
 }
 
+double position_of(const ColorScale& scale, const Interval<double>& range, double value) {
+  if (scale.is_logarithmic) return std::log(value / range.lo) / std::log(range.hi / range.lo);
+  return (value - range.lo) / (range.hi - range.lo);
+}
+
+double value_at(const ColorScale& scale, const Interval<double>& range, double position) {
+  if (scale.is_logarithmic) return range.lo * std::pow(range.hi / range.lo, position);
+  return range.lo + position * (range.hi - range.lo);
+}
+
+double position_in_map(const ColorScale& scale, double position) {
+  if (scale.levels == 0) return position;
+  const double last = scale.levels - 1;
+  return std::clamp(std::floor(position * scale.levels), 0.0, last) / last;
+}
+
 }  // namespace rhoray::render

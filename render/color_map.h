@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "formats/base/interval.h"
 #include "formats/base/vector.h"
 
 namespace rhoray::render {
@@ -43,5 +44,23 @@ std::span<const NamedColorMap> color_maps();
 /// Returns the colour at a position in [0, 1] as linear RGB in [0, 1]; positions outside get the
 /// colour of the nearer end.
 Vec3 color_of(ColorMap map, double share);
+
+/// How the values of a range are spread over a colour map.
+struct ColorScale {
+  bool is_logarithmic = false;  ///< by their logarithms; the range lies above 0
+  /// Bands of one colour each, 2 or more, from the first colour of the map to its last; they divide
+  /// the range evenly on the scale. 0: colours change continuously.
+  int levels = 0;
+
+  bool operator==(const ColorScale&) const = default;
+};
+
+/// Returns the position of a value in a range: 0 at its low end, 1 at its high end.
+double position_of(const ColorScale& scale, const Interval<double>& range, double value);
+/// The inverse.
+double value_at(const ColorScale& scale, const Interval<double>& range, double position);
+
+/// Returns the position in the map whose colour is shown at a position in the range.
+double position_in_map(const ColorScale& scale, double position);
 
 }  // namespace rhoray::render

@@ -67,6 +67,7 @@ struct Framebuffer {
   int width = 0;
   int height = 0;
   std::array<float, 3> background{1, 1, 1};  ///< linear RGB, behind all hits
+  bool is_transparent = false;               ///< nothing is behind; `background` is black, and files keep alpha
   /// Linear RGBA, 4 per pixel, over the background. Alpha is the part of the pixel that is covered:
   /// 1 where something opaque is hit, else 0.
   std::vector<float, PixelAllocator<float>> color;

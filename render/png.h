@@ -16,6 +16,10 @@ std::uint8_t srgb_byte(float linear);
 
 /// Returns red, green and blue of every pixel as 8-bit sRGB, over the background that the
 /// framebuffer carries: rows from the top, pixels from the left.
+///
+/// Without a background, alpha is the fourth byte, and the colours are not multiplied by it. Such
+/// pixels are to be composited in linear light. Over black and white, colours are then right within
+/// half a step of the 8 bits of alpha.
 std::vector<std::uint8_t> srgb_bytes(const Framebuffer& picture);
 
 /// A text that a PNG file stores beside the pixels.
@@ -24,8 +28,8 @@ struct PngText {
   std::string text;     ///< UTF-8
 };
 
-/// Returns the bytes of a PNG file: 8-bit sRGB, no alpha channel. The same input gives the same
-/// bytes; no time is stored.
+/// Returns the bytes of a PNG file: srgb_bytes, with an alpha channel if the framebuffer has no
+/// background. The same input gives the same bytes; no time is stored.
 ///
 /// ASCII texts become tEXt chunks, others iTXt. Throws ErrorCode::internal for input that libpng
 /// refuses (a picture without pixels, a keyword that breaks the rule above), and std::bad_alloc.

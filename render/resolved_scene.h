@@ -32,7 +32,7 @@ struct ResolvedScene {
   FrameOptions frame;
   std::optional<DebugChannel> page;  ///< drawn instead of colours
   AnnotationsSpec annotations;
-  bool has_default_annotations = false;  ///< some were chosen, because a boundary is coloured
+  bool has_default_annotations = false;  ///< the layers need some that were not asked for
   Box3 annotated_box;                    ///< around what is shown, where annotations ask for it
   std::vector<std::string> notes;        ///< what was left out or chosen otherwise than asked, one line each
 };

@@ -44,6 +44,7 @@ struct FieldColors {
   /// Values at the first and last colour of the map; not empty. Values outside get the colours of
   /// its ends.
   Interval<double> range{};
+  ColorScale scale{};
 };
 
 /// Material of a surface; colours are linear RGB in [0, 1]. Both sides of the surface look the
@@ -71,6 +72,7 @@ struct Layer {
   Interval<double> window{};  ///< values at the ends of the map in MIP; must not be empty there
   /// Of MIP. Each channel brightens what is behind, so maps that begin dark suit it.
   ColorMap map = ColorMap::gray;
+  ColorScale scale{};  ///< of MIP
   Material material{};
   /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by), which
   /// is trilinear, or linear in the cells of a mesh, in double precision at every level. Nothing is
@@ -131,7 +133,8 @@ struct Scene {
   std::optional<Fog> fog{};
   std::optional<Clip> clip{};
   Camera camera{};
-  Vec3 background{1, 1, 1};  ///< linear RGB
+  Vec3 background{1, 1, 1};             ///< linear RGB
+  bool transparent_background = false;  ///< nothing is behind instead; pictures keep their alpha
 };
 
 }  // namespace rhoray::render

@@ -29,6 +29,13 @@ struct Color {
 /// (ErrorCode::usage).
 void read_value(const std::string& text, Color& out);
 
+/// What is behind all that is shown.
+struct Background {
+  std::optional<Color> color{};  ///< nothing: the picture keeps its alpha
+};
+/// Reads none, or a colour as above. Refuses other texts (ErrorCode::usage).
+void read_value(const std::string& text, Background& out);
+
 /// A file, opened for one of its fields.
 struct DataSpec {
   std::string name{};  ///< by which layers ask for it
@@ -56,7 +63,9 @@ struct LayerSpec {
   std::string normals{};   ///< a word; empty = flat in meshes, else the style's
   std::string color_by{};  ///< a field of the data; empty = color. Boundaries: see boundary_colors
   std::string colormap{};  ///< a word; empty = viridis
-  std::string texture{};   ///< name of the data whose colours cover the surface; empty = none
+  std::string scale{};     ///< a word, of the colours; empty = linear
+  std::optional<int> levels{};
+  std::string texture{};  ///< name of the data whose colours cover the surface; empty = none
   std::optional<double> ambient{}, specular{}, shininess{}, opacity{};
   std::string accuracy{};  ///< a level; empty = the scene's
   std::string method{};    ///< instead of a level
@@ -92,7 +101,7 @@ struct CameraSpec {
 
 struct PictureSpec {
   std::optional<PictureSize> size{};
-  std::optional<Color> background{};
+  std::optional<Background> background{};
   std::optional<std::vector<std::string>> channels{};
   std::optional<std::string> show{};  ///< color, or a heat map
   std::optional<bool> hierarchy{};    ///< false: every leaf cell is walked
@@ -155,6 +164,7 @@ struct AnnotationsSpec {
   std::optional<AxesSpec> axes{};
   std::optional<bool> box{};  ///< around what is shown, with numbers
   std::optional<ColorBarSpec> color_bar{};
+  std::optional<bool> legend{};  ///< of isosurfaces; default where their colours stand for isovalues
   std::string caption{};
 };
 
@@ -183,6 +193,7 @@ inline constexpr Interval<double> zoom{1e-6, 1e6};
 inline constexpr Interval<double> fov_deg{0.001, 179};
 inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
 inline constexpr Interval<double> shininess{1, 1e4};
+inline constexpr Interval<int> levels{2, 256};  ///< of colours
 inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};
 inline constexpr Interval<int> occlusion_samples{1, 4096};

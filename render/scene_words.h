@@ -46,6 +46,7 @@ std::string word_of(Normals normals, bool has_flat_normals);
 bool has_flat_normals(const Dataset& dataset);  ///< meshes and surfaces
 
 std::vector<std::string> colormap_words();
+std::vector<std::string> scale_words();  ///< of LayerSpec::scale; linear first
 std::vector<std::string> space_words();  ///< of SceneSpec::space
 std::string word_of(ColorMap map);
 

@@ -58,18 +58,48 @@ formats::FieldSummary color_field(const LayerSpec& spec, const Dataset& dataset,
   return *field;
 }
 
+bool holds_floats(const formats::FieldSummary& field) {
+  return field.type == formats::ElementType::F32 || field.type == formats::ElementType::F64;
+}
+
 }  // namespace
 
-FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& field) {
+ColorScale color_scale(const LayerSpec& spec) {
+  return {.is_logarithmic = spec.scale == "log", .levels = spec.levels.value_or(0)};
+}
+
+void say_scale(const ColorScale& scale, LayerSpec& spec) {
+  if (scale.is_logarithmic) spec.scale = "log";
+  if (scale.levels > 0) spec.levels = scale.levels;
+}
+
+Interval<double> color_range(const LayerSpec& spec, const formats::FieldSummary& field,
+                             const Interval<double>& otherwise, const Place& layer) {
+  const Interval<double> range = spec.range.value_or(otherwise);
+  if (!color_scale(spec).is_logarithmic || range.lo > 0) return range;
+  if (spec.range)
+    throw refusal(layer, "range", "--range",
+                  concat("found ", range.lo, " to ", range.hi, "; a logarithmic scale needs values above 0"),
+                  "start the range above 0, or use the linear scale");
+  if (!(range.hi > 0))
+    throw refusal(layer, "scale", "--color-scale",
+                  concat("field '", field.name, "' has no values above 0, which a logarithmic scale needs"));
+  // Of values of both signs the smallest above 0 is often noise.
+  constexpr double decades = 1e-4;
+  const double least = decades * range.hi;
+  return {holds_floats(field) || range.hi <= 1 ? least : std::max(least, 1.0), range.hi};
+}
+
+FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& field, const Place& layer) {
   // Integers are codes of an instrument: a zero among them is not the middle of anything.
-  const bool is_measured = field.type == formats::ElementType::F32 || field.type == formats::ElementType::F64;
-  const bool has_center = is_measured && field.range.lo < 0 && field.range.hi > 0;
-  FieldColors colors{.field = field.name, .range = spec.range.value_or(field.range)};
-  if (spec.colormap.empty() && has_center) {
+  const bool has_center = holds_floats(field) && field.range.lo < 0 && field.range.hi > 0;
+  FieldColors colors{.field = field.name, .range = field.range, .scale = color_scale(spec)};
+  if (spec.colormap.empty() && has_center && !colors.scale.is_logarithmic) {
     colors.map = ColorMap::coolwarm;
     const double end = std::max(-field.range.lo, field.range.hi);
-    if (!spec.range) colors.range = {-end, end};
+    colors.range = {-end, end};
   }
+  colors.range = color_range(spec, field, colors.range, layer);
   for (const NamedColorMap& named : color_maps())
     if (spec.colormap == named.name) colors.map = named.map;
   return colors;
@@ -84,11 +114,13 @@ Material choose_material(const LayerSpec& spec, const Style& style, const Datase
   surface.opacity = spec.opacity.value_or(surface.opacity);
   surface.normals = choose_normals(spec, style, dataset, layer);
   if (!spec.color_by.empty()) {
-    surface.color_by = field_colors(spec, color_field(spec, dataset, layer));
+    surface.color_by = field_colors(spec, color_field(spec, dataset, layer), layer);
     return surface;
   }
   const std::string needs = layer.document.empty() ? "needs --color-by" : "needs \"color_by\"";
   if (!spec.colormap.empty()) throw refusal(layer, "colormap", "--colormap", needs);
+  if (!spec.scale.empty()) throw refusal(layer, "scale", "--color-scale", needs);
+  if (spec.levels) throw refusal(layer, "levels", "--levels", needs);
   if (spec.range) throw refusal(layer, "range", "--range", "on a surface, " + needs);
   return surface;
 }

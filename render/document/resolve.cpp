@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
@@ -11,6 +12,7 @@
 #include "render/document/clip.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
+#include "render/document/several_isovalues.h"
 #include "render/document/slices.h"
 #include "render/document/styles.h"
 #include "render/document/tables.h"
@@ -184,6 +186,8 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
                                       {!layer.color_by.empty(), "--color-by"},
                                       {!layer.colormap.empty(), "--colormap"},
                                       {layer.range.has_value(), "--range"},
+                                      {!layer.scale.empty(), "--color-scale"},
+                                      {layer.levels.has_value(), "--levels"},
                                       {!layer.method.empty(), "--method"}})
     if (given)
       throw Error(ErrorCode::usage,
@@ -227,6 +231,35 @@ bool shows_values(const ResolvedScene& plan) {
          });
 }
 
+bool has_own_color(const Layer& layer) {
+  return layer.mode == Mode::isosurface && !layer.material.color_by && !layer.material.texture;
+}
+
+/// Annotations as requested, and where nothing is said those that the layers need. Refuses those that
+/// have nothing to show.
+void plan_annotations(const SceneSpec& scene_spec, ResolvedScene& plan) {
+  const AnnotationsSpec needed = std::exchange(plan.annotations, scene_spec.annotations);
+  const std::vector<Layer>& layers = plan.scene.layers;
+  const auto refuse = [&](const char* key, const std::string& fact) {
+    at_place(root(scene_spec).at("annotations").at(key), [&] {
+      throw Error(ErrorCode::usage, scene_spec.document.empty() ? concat("--", key, ": ", fact) : fact);
+    });
+  };
+  if (plan.annotations.color_bar && !shows_values(plan)) refuse("colorbar", "nothing here is coloured by a field");
+  const bool can_have_legend = !plan.page && std::any_of(layers.begin(), layers.end(), has_own_color);
+  if (plan.annotations.legend.value_or(false) && !can_have_legend)
+    refuse("legend", "no isosurface here has a colour of its own");
+  if (plan.page) return;  // a heat map shows none of these colours
+  const auto take = [&](auto AnnotationsSpec::*member, bool has_use) {
+    if (plan.annotations.*member || !(needed.*member) || !has_use) return;
+    plan.annotations.*member = needed.*member;
+    plan.has_default_annotations = true;
+  };
+  take(&AnnotationsSpec::legend, can_have_legend);
+  take(&AnnotationsSpec::color_bar, true);
+  take(&AnnotationsSpec::box, true);
+}
+
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
@@ -240,9 +273,10 @@ class LayerPlanner {
     require_layers();
     note_invisible_surfaces();
     color_several_surfaces();
+    show_several_isovalues();
+    explain_labels();
     note_textures_elsewhere(plan_);
     note_unknown_spaces(plan_);
-    plan_.has_default_annotations = annotates_;
     return std::move(plan_);
   }
 
@@ -326,7 +360,9 @@ class LayerPlanner {
     layer.material = choose_boundary_material(spec, style_named(scene_spec_.style), dataset, place);
     layer.material.texture = texture_of(scene_spec_, index, plan_);
     put(index, layer, {});
-    if (spec.type == LayerType::automatic && layer.material.color_by) annotates_ = true;
+    if (spec.type != LayerType::automatic || !layer.material.color_by) return;
+    plan_.annotations.color_bar = ColorBarSpec{};
+    plan_.annotations.box = true;
   }
 
   /// Refuses a context of data that have no boundary.
@@ -378,9 +414,12 @@ class LayerPlanner {
         throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
     });
     put(index, layer, {});
+    const LayerSpec& spec = scene_spec_.layers[index];
+    Layer& projection = plan_.scene.layers.back();
     for (const NamedColorMap& named : color_maps())
-      if (scene_spec_.layers[index].colormap == named.name) plan_.scene.layers.back().map = named.map;
-    plan_.scene.layers.back().window = scene_spec_.layers[index].range.value_or(projected_window(field));
+      if (spec.colormap == named.name) projection.map = named.map;
+    projection.scale = color_scale(spec);
+    projection.window = color_range(spec, field, projected_window(field), layer_place(scene_spec_, index));
   }
 
   void put(std::size_t index, const Layer& layer, const std::string& isovalue_from) {
@@ -442,11 +481,29 @@ class LayerPlanner {
     }
   }
 
+  /// Colours of labels mean something only with a legend.
+  void explain_labels() {
+    for (const Layer& layer : plan_.scene.layers)
+      if (plan_.data[layer.dataset].label) plan_.annotations.legend = true;
+  }
+
+  void show_several_isovalues() {
+    for (std::size_t index = 0; index < scene_spec_.layers.size(); ++index) {
+      if (scene_spec_.layers[index].isovalues.size() < 2) continue;
+      std::vector<Layer*> surfaces;
+      for (std::size_t i = 0; i < plan_.origins.size(); ++i)
+        if (plan_.origins[i].spec == index && plan_.scene.layers[i].mode == Mode::isosurface)
+          surfaces.push_back(&plan_.scene.layers[i]);
+      if (surfaces.empty()) continue;
+      show_several(scene_spec_.layers[index], plan_.datasets[surfaces[0]->dataset], surfaces);
+      if (are_colored_by_isovalue(scene_spec_.layers[index], surfaces.size())) plan_.annotations.legend = true;
+    }
+  }
+
   const SceneSpec& scene_spec_;
   const OpenData& open_;
   ResolvedScene plan_;
   std::vector<Outside> outside_;
-  bool annotates_ = false;  ///< colours were chosen, and need a legend
 };
 
 /// Size, channels and background.
@@ -473,9 +530,16 @@ void plan_image(const SceneSpec& scene_spec, ResolvedScene& plan) {
       !std::all_of(layers.begin(), layers.end(), [](const Layer& layer) { return proves(layer.method); }))
     at_place(root(scene_spec).at("image").at(shows_error ? "show" : "channels"),
              [] { throw Error(ErrorCode::usage, "the channel 'error' needs accuracy certified or exact"); });
-  plan.scene.background = image.background ? image.background->linear
-                          : is_projection  ? Vec3(0, 0, 0)
-                                           : style.background;
+  const bool has_color = image.background && image.background->color;
+  plan.scene.background = has_color       ? image.background->color->linear
+                          : is_projection ? Vec3(0, 0, 0)
+                                          : style.background;
+  plan.scene.transparent_background = image.background && !has_color;
+  if (plan.page && plan.scene.transparent_background)
+    at_place(root(scene_spec).at("image").at("background"), [&] {
+      throw Error(ErrorCode::usage,
+                  concat(scene_spec.document.empty() ? "--background none: " : "", "a heat map fills the picture"));
+    });
 }
 
 }  // namespace
@@ -486,17 +550,7 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) 
   const Place clip = root(scene_spec).at("clip");
   plan.scene.clip = choose_clip(scene_spec.clip, clip);
   for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
-  plan.annotations = scene_spec.annotations;
-  plan.has_default_annotations &= !plan.page;
-  if (plan.has_default_annotations) {
-    if (!plan.annotations.color_bar) plan.annotations.color_bar = ColorBarSpec{};
-    if (!plan.annotations.box) plan.annotations.box = true;
-  }
-  if (plan.annotations.color_bar && !shows_values(plan))
-    at_place(root(scene_spec).at("annotations").at("colorbar"), [&] {
-      throw Error(ErrorCode::usage,
-                  concat(scene_spec.document.empty() ? "--colorbar: " : "", "nothing here is coloured by a field"));
-    });
+  plan_annotations(scene_spec, plan);
   return plan;
 }
 

@@ -100,6 +100,10 @@ std::vector<std::string> colormap_words() {
   return names_in(color_maps(), &NamedColorMap::name);
 }
 
+std::vector<std::string> scale_words() {
+  return {"linear", "log"};
+}
+
 std::vector<std::string> space_words() {
   return {"ras", "lps"};
 }

@@ -58,6 +58,14 @@ std::string vector_text(const Vec3& v) {
 
 }  // namespace
 
+std::vector<Row<LayerSpec>> scale_rows() {
+  return {row("scale", &LayerSpec::scale, word_value(scale_words()),
+              "\"log\": colours follow the logarithm of the value; the range lies above 0, by default from 1/10000 of "
+              "the largest value if the field does not; default \"linear\""),
+          row("levels", &LayerSpec::levels, whole_number_within(limits::levels),
+              "Number of colours: bands that divide the range evenly on its scale; default continuous colours")};
+}
+
 std::vector<Row<LayerSpec>> slice_rows() {
   return {
       row("axis", &LayerSpec::axis, word_value(axis_words), "World axis perpendicular to the plane"),
@@ -87,7 +95,7 @@ void choose_slice(const LayerSpec& spec, const Dataset& dataset, const Place& pl
   layer.mode = Mode::slice;
   layer.plane = plane_of(spec, dataset.bounds().center());
   if (spec.threshold) layer.threshold = *spec.threshold;
-  layer.material.color_by = field_colors(spec, field);
+  layer.material.color_by = field_colors(spec, field, place);
   layer.material.specular = 0;
   layer.material.lit = spec.lit.value_or(false);
   layer.material.opacity = spec.opacity.value_or(1);
@@ -98,6 +106,7 @@ void say_slice(const Layer& layer, LayerSpec& spec) {
   spec.point = layer.plane.point, spec.normal = layer.plane.normal;
   const FieldColors& colors = *layer.material.color_by;
   spec.colormap = word_of(colors.map);
+  say_scale(colors.scale, spec);
   if (colors.range.lo < colors.range.hi) spec.range = colors.range;  // else the field's, as without
   if (layer.threshold != Layer{}.threshold) spec.threshold = layer.threshold;
   spec.lit = layer.material.lit;

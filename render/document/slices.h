@@ -11,6 +11,9 @@ namespace rhoray::render {
 
 // Slices, planes that show a field: their keys in documents and how they are resolved.
 
+/// The keys of the scale of a layer's colours.
+std::vector<Row<LayerSpec>> scale_rows();
+
 /// The keys of a slice, in addition to those of every layer.
 std::vector<Row<LayerSpec>> slice_rows();
 

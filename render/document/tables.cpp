@@ -42,7 +42,9 @@ Rows rows_of_every_field() {
 
 Rows rows_of_isosurfaces() {
   return {row("isovalue", &LayerSpec::isovalues, isovalues_value(),
-              "Isovalue; \"auto\" is Otsu's threshold; several values make several layers; default \"auto\""),
+              "Isovalue; \"auto\" is Otsu's threshold; default \"auto\". Several values make several surfaces; by "
+              "default they are coloured by viridis over their values (by coolwarm if those below and above 0 enclose "
+              "different regions), the innermost is opaque, and outer ones are transparent"),
           row("color", &LayerSpec::color, color_value(),
               "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value(normals_words()),
@@ -88,7 +90,7 @@ Rows rows_of_lit_surfaces() {
           row("shininess", &LayerSpec::shininess, number_within(limits::shininess),
               "Specular exponent; larger values give smaller and sharper highlights; default 40"),
           row("opacity", &LayerSpec::opacity, number_within(limits::share),
-              "Opacity; at 0 the surface is not traced; default 1")};
+              "Opacity; at 0 the surface is not traced; default 1, less for the outer ones of several isovalues")};
 }
 
 Rows rows_of_projections() {
@@ -237,16 +239,16 @@ Row<SceneSpec> schema_row() {
 std::span<const LayerKind> layer_kinds() {
   static const std::vector<LayerKind> kinds{
       {LayerType::isosurface, "isosurface", "Surface where the field has one value",
-       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + rows_of_lit_surfaces()},
+       rows_of_every_layer() + rows_of_every_field() + rows_of_isosurfaces() + scale_rows() + rows_of_lit_surfaces()},
       {LayerType::mip, "mip", "Maximum intensity projection: the largest value along every ray",
-       rows_of_every_layer() + rows_of_every_field() + rows_of_projections()},
+       rows_of_every_layer() + rows_of_every_field() + rows_of_projections() + scale_rows()},
       {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
       {LayerType::boundary, "boundary",
        "Boundary of a mesh: the faces that belong to one cell only. Its fields are exact",
        rows_of_every_layer() + rows_of_boundaries() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
-       rows_of_data() + slice_rows()}};
+       rows_of_data() + slice_rows() + scale_rows()}};
   return kinds;
 }
 
@@ -363,8 +365,9 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
 const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
       row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [1280, 720]"),
-      row("background", &PictureSpec::background, color_value(),
-          "Background colour; default the style's, but black if only projections are shown"),
+      row("background", &PictureSpec::background, background_value(),
+          "Background colour; \"none\": a picture with alpha (not JPEG); default the style's, but black if only "
+          "projections are shown"),
       row("channels", &PictureSpec::channels, words_value(channel_words()), "Extra channels (EXR only)"),
       row("show", &PictureSpec::show, word_value(show_words()), "Heat map instead of colours; default \"color\""),
       row("hierarchy", &PictureSpec::hierarchy, yes_or_no(),
@@ -401,6 +404,8 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
           "for them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),
+      row("legend", &AnnotationsSpec::legend, yes_or_no(),
+          "Colours and values of the isosurfaces; default true if a layer with several isovalues names no colour"),
       row("caption", &AnnotationsSpec::caption, text_value(),
           "Caption below the picture, in lines of the picture's width")};
   return rows;

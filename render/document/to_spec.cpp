@@ -58,6 +58,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     } else if (layer.mode == Mode::mip) {
       spec.type = LayerType::mip;
       spec.colormap = word_of(layer.map);
+      say_scale(layer.scale, spec);
       spec.range = layer.window;
     } else {
       if (layer.mode == Mode::isosurface)
@@ -69,6 +70,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       if (const auto& colors = layer.material.color_by) {
         spec.color_by = colors->field;
         spec.colormap = word_of(colors->map);
+        say_scale(colors->scale, spec);
         if (colors->range.lo < colors->range.hi) spec.range = colors->range;  // else the field's, as without
       }
       if (layer.material.texture) spec.texture = name_of_texture(plan, *layer.material.texture);
@@ -96,7 +98,8 @@ SceneSpec to_spec(const ResolvedScene& plan) {
   if (plan.space != formats::Space::ras) scene_spec.space = "lps";
   scene_spec.annotations = plan.annotations;
   scene_spec.image.size = PictureSize{plan.frame.width, plan.frame.height};
-  scene_spec.image.background = Color{plan.scene.background};
+  scene_spec.image.background = Background{Color{plan.scene.background}};
+  if (plan.scene.transparent_background) scene_spec.image.background->color.reset();
   if (plan.frame.channels.any()) scene_spec.image.channels = words_of(plan.frame.channels);
   if (plan.page) scene_spec.image.show = word_of(*plan.page);
   if (!plan.frame.use_hierarchy) scene_spec.image.hierarchy = false;

@@ -136,6 +136,11 @@ void read_value(const std::string& text, Color& out) {
   out.linear = {part(0), part(1), part(2)};
 }
 
+void read_value(const std::string& text, Background& out) {
+  out = {};
+  if (text != "none") read_value(text, out.color.emplace());
+}
+
 Place Place::at(std::string_view key) const {
   Place place = *this;
   place.pointer += '/';
@@ -241,21 +246,37 @@ ValueKind<Interval<double>> interval_value() {
       [](const Interval<double>& interval) { return json_of(interval); });
 }
 
+namespace {
+
+std::optional<Color> color_in(const Json& json) {
+  if (json.is_string()) return value_of<Color>(json);
+  const auto numbers = numbers_in(json, 3);
+  if (!numbers) return std::nullopt;
+  for (const double part : *numbers)
+    if (!limits::share.contains(part)) return std::nullopt;
+  return Color{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}};
+}
+
+}  // namespace
+
 ValueKind<Color> color_value() {
   Json parts = numbers_schema(3);
   parts["items"].update(Json{{"minimum", 0}, {"maximum", 1}});
-  return parsed<Color>(
-      "a colour: a CSS name, \"#rrggbb\", or linear [r, g, b] from 0 to 1",
-      {{"oneOf", {{{"type", "string"}, {"pattern", "^(#[0-9a-fA-F]{6}|[a-z]+)$"}}, parts}}},
-      [](const Json& json) -> std::optional<Color> {
-        if (json.is_string()) return value_of<Color>(json);
-        const auto numbers = numbers_in(json, 3);
-        if (!numbers) return std::nullopt;
-        for (const double part : *numbers)
-          if (!limits::share.contains(part)) return std::nullopt;
-        return Color{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}};
+  return parsed<Color>("a colour: a CSS name, \"#rrggbb\", or linear [r, g, b] from 0 to 1",
+                       {{"oneOf", {{{"type", "string"}, {"pattern", "^(#[0-9a-fA-F]{6}|[a-z]+)$"}}, parts}}}, color_in,
+                       [](const Color& color) { return json_of(color.linear); });
+}
+
+ValueKind<Background> background_value() {
+  const ValueKind<Color> color = color_value();
+  return parsed<Background>(
+      concat("\"none\", or ", color.expected), color.schema(),
+      [](const Json& json) -> std::optional<Background> {
+        if (json == "none") return Background{};
+        const std::optional<Color> found = color_in(json);
+        return found ? std::optional(Background{found}) : std::nullopt;
       },
-      [](const Color& color) { return json_of(color.linear); });
+      [](const Background& background) { return background.color ? json_of(background.color->linear) : Json("none"); });
 }
 
 ValueKind<PictureSize> size_value() {

@@ -67,6 +67,8 @@ ValueKind<Vec3> vector_value();
 ValueKind<Vec3> direction_value();
 ValueKind<Interval<double>> interval_value();
 ValueKind<Color> color_value();
+/// "none", or a colour.
+ValueKind<Background> background_value();
 ValueKind<PictureSize> size_value();
 /// A file that must be there; names are relative to the document's folder.
 ValueKind<std::filesystem::path> file_value();

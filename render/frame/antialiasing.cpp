@@ -126,6 +126,10 @@ bool EdgeSamples::differ(const Framebuffer& picture, std::size_t a, std::size_t 
     const float of_a = picture.color[4 * a + c], of_b = picture.color[4 * b + c];
     if (of_a != of_b && std::abs(seen(of_a) - seen(of_b)) > color_threshold) return true;
   }
+  // Over the background that the picture gets later, these may differ.
+  if (frame_.has_transparent_background &&
+      std::abs(picture.color[4 * a + 3] - picture.color[4 * b + 3]) > color_threshold)
+    return true;
   if (!shows_surfaces_) return false;
   const bool a_is_hit = std::isfinite(picture.depth[a]), b_is_hit = std::isfinite(picture.depth[b]);
   if (a_is_hit != b_is_hit) return true;

@@ -30,7 +30,8 @@ SamplePlace sample_place(int index);
 /// - their normals are more than 26 degrees apart (cosine below 0.9);
 /// - the distances of three pixels in a row differ from a plane's by two pixel widths;
 /// - a colour component differs by more than 1/16 on a scale whose square is linear light (a
-///   sixteenth of the perceived way from black to white).
+///   sixteenth of the perceived way from black to white);
+/// - alpha differs by more than 1/16, in pictures without a background.
 ///
 /// Wherever one straight edge passes through a pixel, the pixel or its neighbour across the edge
 /// shows the other side, so the edge is found. Objects thinner than a pixel that no pixel centre

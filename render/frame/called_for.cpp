@@ -24,6 +24,12 @@ bool is_unlit_slice(const Layer& layer) {
   return layer.mode == Mode::slice && !layer.material.lit;
 }
 
+/// Nothing for a continuous linear scale.
+std::string scale_text(const ColorScale& scale) {
+  return concat(scale.is_logarithmic ? ", on a logarithmic scale" : "",
+                scale.levels > 0 ? concat(", in ", scale.levels, " levels") : "");
+}
+
 std::string why_diffuse(const Scene&, const Layer& layer) {
   return layer.mode == Mode::slice ? "the slice is lit" : "a surface is lit";
 }
@@ -35,8 +41,9 @@ std::string why_smooth_normals(const Scene&, const Layer& layer) {
                                                    : "normals are the exact gradient of the hit's cell";
 }
 std::string why_field_color(const Scene&, const Layer& layer) {
-  return layer.material.color_by ? concat("coloured by '", layer.material.color_by->field, "'")
-                                 : "no field colours the surface";
+  return layer.material.color_by
+             ? concat("coloured by '", layer.material.color_by->field, "'", scale_text(layer.material.color_by->scale))
+             : "no field colours the surface";
 }
 std::string why_texture(const Scene&, const Layer& layer) {
   return layer.material.texture ? concat("covered by the colours in ", layer.material.texture->file().name())
@@ -46,9 +53,9 @@ std::string why_specular(const Scene&, const Layer& layer) {
   return concat("specular is ", layer.material.specular);
 }
 std::string why_intensity(const Scene&, const Layer& layer) {
-  return is_projection(layer)
-             ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi)
-             : "used only by MIP";
+  return is_projection(layer) ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi,
+                                       scale_text(layer.scale))
+                              : "used only by MIP";
 }
 std::string why_lights(const Scene& scene, const Layer&) {
   if (is_lit_from_the_eye_alone(scene)) return "one white light at the camera";

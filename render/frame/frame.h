@@ -61,7 +61,8 @@ struct Frame {
   std::vector<AllHitsGroup> all_hits_groups{};
   CameraRays camera_rays;
   std::optional<ClipRegion> clip;  ///< of the layers with FrameLayer::clipped
-  Vec3 background;
+  Vec3 background;                 ///< black if nothing is behind
+  bool has_transparent_background;
   bool keeps_channels;  ///< besides the colour
   Occlusion occlusion;
   WorkerNeeds needs;

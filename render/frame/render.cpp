@@ -42,6 +42,18 @@ void check_slice(const Layer& layer) {
                                          "; expected a range that is not empty"));
 }
 
+/// Refuses a range that colours cannot be spread over.
+/// @param of  "colours of 'pressure'"
+void check_colors(const std::string& of, const ColorScale& scale, const Interval<double>& range) {
+  if (range.is_empty() || !std::isfinite(range.hi - range.lo))
+    throw Error(ErrorCode::usage, concat(of, " from ", range.lo, " to ", range.hi, "; expected a finite range"));
+  if (scale.is_logarithmic && !(range.lo > 0))
+    throw Error(ErrorCode::usage,
+                concat(of, " from ", range.lo, " to ", range.hi, " by logarithm; expected a range above 0"));
+  if (scale.levels != 0 && !(scale.levels >= 2 && scale.levels <= 65536))
+    throw Error(ErrorCode::usage, concat(of, " in ", scale.levels, " levels; expected 2 to 65536, or 0 for none"));
+}
+
 void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
   if (layer.dataset >= datasets.size())
     throw Error(ErrorCode::usage, concat("a layer of dataset ", layer.dataset, " of ", datasets.size()));
@@ -56,15 +68,11 @@ void check_layer(std::span<const Dataset> datasets, const Layer& layer) {
     throw Error(ErrorCode::usage, concat(dataset.file().name(), ": a surface has no fields to be coloured by"));
   if (layer.mode == Mode::isosurface && !std::isfinite(layer.isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", layer.isovalue, "; expected a finite number"));
-  if (layer.mode == Mode::mip && (layer.window.is_empty() || !std::isfinite(layer.window.hi - layer.window.lo)))
-    throw Error(ErrorCode::usage,
-                concat("window ", layer.window.lo, " to ", layer.window.hi, "; expected a finite range"));
+  if (layer.mode == Mode::mip) check_colors("a window", layer.scale, layer.window);
   if (!(layer.material.opacity >= 0 && layer.material.opacity <= 1))
     throw Error(ErrorCode::usage, concat("an opacity of ", layer.material.opacity, "; expected 0 to 1"));
-  if (const auto& colors = layer.material.color_by;
-      colors && (colors->range.is_empty() || !std::isfinite(colors->range.hi - colors->range.lo)))
-    throw Error(ErrorCode::usage, concat("colours of '", colors->field, "' from ", colors->range.lo, " to ",
-                                         colors->range.hi, "; expected a finite range"));
+  if (const auto& colors = layer.material.color_by)
+    check_colors(concat("colours of '", colors->field, "'"), colors->scale, colors->range);
   if (layer.mode == Mode::slice) check_slice(layer);
   if (layer.material.texture && layer.material.color_by)
     throw Error(ErrorCode::usage, concat("a texture, ", layer.material.texture->file().name(), ", and colours by '",
@@ -252,7 +260,8 @@ Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const 
   Frame frame{.layers = {},
               .camera_rays = CameraRays(scene.camera, options.width, options.height),
               .clip = std::nullopt,
-              .background = scene.background,
+              .background = scene.transparent_background ? Vec3(0, 0, 0) : scene.background,
+              .has_transparent_background = scene.transparent_background,
               .keeps_channels = options.channels.any() || options.antialiasing > 1,
               .occlusion = scene.occlusion,
               .needs = {}};
@@ -490,7 +499,8 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   if (options.antialiasing > 1) edges.emplace(frame, options);
   framebuffer.reshape(options.width, options.height, edges ? edges->channels() : options.channels);
   for (int c = 0; c < 3; ++c)
-    framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(scene.background[c]);
+    framebuffer.background[static_cast<std::size_t>(c)] = static_cast<float>(frame.background[c]);
+  framebuffer.is_transparent = frame.has_transparent_background;
   RenderContext::Implementation& kept = memory.implementation();
   kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;

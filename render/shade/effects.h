@@ -97,7 +97,7 @@ RHORAY_INLINE void shade(const Layer& layer, const EffectSet& effects, const Fac
                          const HitBatch& hits, std::size_t first, const double* field_values, Colors& colors,
                          const Surroundings& surroundings = {}, const CoveringColors* texture = nullptr) {
   colors = {};
-  if (effects.intensity) find_intensity(layer.map, layer.window, hits.value.data() + first, colors);
+  if (effects.intensity) find_intensity(layer.map, layer.scale, layer.window, hits.value.data() + first, colors);
   if (effects.true_colors) find_field_colors(layer.material, field_values, colors);
   if (effects.diffuse && effects.lights) {
     Colors base;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "formats/base/interval.h"
+#include "render/shade/color_scale.h"
 #include "render/shade/color_table.h"
 #include "render/shade/lanes.h"
 #include "render/shade/power.h"
@@ -26,11 +27,14 @@ RHORAY_INLINE void add_intensity(const Interval<double>& window, const double* v
 }
 
 /// Sets the colours of values in a projection: grey as above, or those of another map.
-RHORAY_INLINE void find_intensity(ColorMap map, const Interval<double>& window, const double* values, Colors& colors) {
+RHORAY_INLINE void find_intensity(ColorMap map, const ColorScale& scale, const Interval<double>& window,
+                                  const double* values, Colors& colors) {
+  double positions[RayBatch::group_size];
+  const EvenNumbers even = spread_evenly(scale, window, values, positions);
   if (map == ColorMap::gray)
-    add_intensity(window, values, colors);
+    add_intensity(even.range, even.numbers, colors);
   else
-    ColorTable::of(map).look_up(values, window, colors);
+    ColorTable::of(map).look_up(even.numbers, even.range, colors);
 }
 
 }  // namespace rhoray::render

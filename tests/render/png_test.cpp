@@ -60,6 +60,25 @@ Framebuffer slope(int width, int height) {
   return picture;
 }
 
+TEST(Srgb, of_a_picture_without_background_keeps_alpha_apart_from_colours) {
+  Framebuffer picture(5, 1, {});
+  picture.is_transparent = true;
+  picture.color = {0,    0,     0,    0,       // nothing
+                   0.25, 0.5,   0.75, 1,       // opaque
+                   0.1F, 0.2F,  0.4F, 0.4F,    // 255 * 0.4 = 102
+                   0.7F, 0,     0,    0.5F,    // brighter than white: alpha grows to 179 of 255
+                   0,    1e-4F, 0,    1e-4F};  // not lost
+  const std::vector<std::uint8_t> bytes = srgb_bytes(picture);
+  ASSERT_EQ(bytes.size(), 20U);
+  const auto pixel = [&](std::size_t at) { return std::vector(bytes.begin() + 4 * at, bytes.begin() + 4 * at + 4); };
+  const auto code = [](float linear) { return static_cast<std::uint8_t>(srgb_by_formula(linear)); };
+  EXPECT_THAT(pixel(0), testing::ElementsAre(0, 0, 0, 0));
+  EXPECT_THAT(pixel(1), testing::ElementsAre(code(0.25F), code(0.5F), code(0.75F), 255));
+  EXPECT_THAT(pixel(2), testing::ElementsAre(code(0.25F), code(0.5F), 255, 102));
+  EXPECT_THAT(pixel(3), testing::ElementsAre(code(0.7F * 255 / 179), 0, 0, 179));
+  EXPECT_THAT(pixel(4), testing::ElementsAre(0, code(0.0255F), 0, 1));
+}
+
 struct Chunk {
   std::string type, data;
 };

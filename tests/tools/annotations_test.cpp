@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "render/render.h"
 #include "tests/support/expect_error.h"
@@ -82,6 +84,54 @@ TEST(Ticks, are_in_the_range_evenly_and_never_too_many) {
       }
 }
 
+TEST(LogTicks, stand_at_powers_of_ten) {
+  const auto labels = [](const Interval<double>& range, int most) {
+    std::vector<std::string> all;
+    for (const Tick& tick : log_ticks_of(range, most))
+      if (!tick.text.empty()) all.push_back(tick.text);
+    return all;
+  };
+  EXPECT_THAT(labels({0.01, 1000}, 9), ElementsAre("0.01", "0.1", "1", "10", "100", "1000"));
+  EXPECT_THAT(labels({2e-7, 3e4}, 20),
+              ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹", "10²", "10³", "10⁴"));
+  EXPECT_THAT(labels({1e-12, 1e12}, 5), ElementsAre("10⁻¹⁰", "10⁻⁵", "10⁰", "10⁵", "10¹⁰"));
+  EXPECT_THAT(labels({3, 80}, 9), ElementsAre("5", "10", "20", "50"));
+  EXPECT_THAT(labels({3e7, 8e8}, 9), ElementsAre("5×10⁷", "10⁸", "2×10⁸", "5×10⁸"));
+  EXPECT_THAT(labels({310, 340}, 4), ElementsAre("310", "320", "330", "340"));
+}
+
+TEST(LogTicks, mark_multiples_between_them_where_there_is_room) {
+  const std::vector<Tick> ticks = log_ticks_of({1, 1000}, 9);
+  EXPECT_EQ(ticks.size(), 28U);
+  EXPECT_EQ(std::count_if(ticks.begin(), ticks.end(), [](const Tick& tick) { return tick.text.empty(); }), 24);
+  EXPECT_EQ(log_ticks_of({1e-9, 1e9}, 9).size(), 9U);
+}
+
+TEST(BorderTicks, have_as_many_digits_as_a_band_needs) {
+  EXPECT_THAT(texts(border_ticks({0, 0.25, 0.5, 0.75, 1}, true, 9)), ElementsAre("0", "0.25", "0.50", "0.75", "1.00"));
+  EXPECT_THAT(texts(border_ticks({0, 1.0 / 3, 2.0 / 3, 1}, true, 9)), ElementsAre("0", "0.333", "0.667", "1.000"));
+  EXPECT_THAT(texts(border_ticks({-1000, -500, 0, 500}, true, 9)), ElementsAre("−1000", "−500", "0", "500"));
+  EXPECT_THAT(texts(border_ticks({0, 2.5e5, 5e5}, true, 9)), ElementsAre("0", "2.5e+05", "5.0e+05"));
+  EXPECT_THAT(texts(border_ticks({1, std::sqrt(10), 10, std::sqrt(1000), 100}, false, 9)),
+              ElementsAre("1", "3.16", "10", "31.6", "100"));
+}
+
+TEST(BorderTicks, have_labels_as_far_apart_as_there_is_room) {
+  std::vector<double> borders(13);
+  std::iota(borders.begin(), borders.end(), 0.0);
+  EXPECT_THAT(texts(border_ticks(borders, true, 7)),
+              ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", "", "12"));
+  EXPECT_THAT(texts(border_ticks(borders, true, 6)),
+              ElementsAre("0", "", "", "3", "", "", "6", "", "", "9", "", "", "12"));
+  borders.resize(12);
+  EXPECT_THAT(texts(border_ticks(borders, true, 6)),
+              ElementsAre("0", "", "2", "", "4", "", "6", "", "8", "", "10", ""));
+  borders.resize(257);
+  std::iota(borders.begin(), borders.end(), 0.0);
+  EXPECT_THAT(texts(border_ticks(borders, true, 9)),
+              ElementsAre("0", "32", "64", "96", "128", "160", "192", "224", "256"));
+}
+
 TEST(Canvas, a_line_covers_its_width_times_its_length) {
   for (const Spot& to : {Spot{80, 10}, Spot{10, 80}, Spot{70, 55}}) {
     render::Framebuffer picture = blank(96, 96, 0);
@@ -128,6 +178,63 @@ TEST(ColorBar, has_the_maps_colours_in_every_row_and_ticks_where_their_values_ar
         EXPECT_LT(color_at(picture, drawn.x_end + 2, static_cast<int>(drawn.tick_rows[i])).x, 0.9) << "a tick is drawn";
       }
     }
+}
+
+TEST(ColorBar, has_even_distances_between_powers_of_ten_on_a_logarithmic_scale) {
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing =
+      annotate({.bars = {{"f", render::ColorMap::viridis, {1, 1000}, {.is_logarithmic = true}}}}, blocks, picture);
+  const Drawing::Bar& drawn = drawing.bars[0];
+  ASSERT_GE(drawn.tick_rows.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(drawn.tick_rows[i], drawn.y_end - static_cast<double>(i) / 3 * (drawn.y_end - drawn.y_begin), 1e-9);
+  EXPECT_EQ(drawing.texts.size(), 5U) << "a title and four numbers";
+}
+
+TEST(ColorBar, shows_bands_and_their_borders) {
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing =
+      annotate({.bars = {{"f", render::ColorMap::viridis, {0, 5}, {.levels = 5}}}}, blocks, picture);
+  const Drawing::Bar& drawn = drawing.bars[0];
+  ASSERT_EQ(drawn.tick_rows.size(), 6U);
+  const int x = (drawn.x_begin + drawn.x_end) / 2;
+  for (int band = 0; band < 5; ++band) {
+    const Vec3 expected = color_of(render::ColorMap::viridis, band / 4.0);
+    for (const double at : {0.1, 0.9}) {
+      const int y = static_cast<int>(drawn.y_end - (band + at) / 5 * (drawn.y_end - drawn.y_begin));
+      EXPECT_LT((color_at(picture, x, y) - expected).length(), 1e-6) << band;
+    }
+    EXPECT_NEAR(drawn.tick_rows[static_cast<std::size_t>(band)],
+                drawn.y_end - band / 5.0 * (drawn.y_end - drawn.y_begin), 1e-9);
+  }
+}
+
+TEST(Legend, shows_each_colour_before_its_text_opposite_to_the_bars) {
+  const Legend legend{.title = "density (HU)", .entries = {{{1, 0, 0}, "500"}, {{0, 0.25, 0}, "\u2212100"}}};
+  for (const Side side : {Side::left, Side::right}) {
+    render::Framebuffer picture = blank(640, 400);
+    const Drawing drawing = annotate(
+        {.bars = {{"f", render::ColorMap::viridis, {0, 1}}}, .bars_side = side, .legends = {legend}}, blocks, picture);
+    ASSERT_EQ(drawing.swatches.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Area& swatch = drawing.swatches[i];
+      EXPECT_EQ(side == Side::right, swatch.high.x < 320);
+      const Spot middle = 0.5 * (swatch.low + swatch.high);
+      EXPECT_LT((color_at(picture, static_cast<int>(middle.x), static_cast<int>(middle.y)) - legend.entries[i].color)
+                    .length(),
+                1e-6);
+    }
+    EXPECT_LT(drawing.swatches[0].high.y, drawing.swatches[1].low.y);
+  }
+}
+
+TEST(Legend, says_how_many_colours_have_no_room) {
+  Legend legend{.title = "f", .entries = std::vector<Legend::Entry>(50, {{1, 0, 0}, "1"})};
+  render::Framebuffer picture = blank(640, 400);
+  const Drawing drawing = annotate({.legends = {legend}}, blocks, picture);
+  EXPECT_LT(drawing.swatches.size(), 40U);
+  EXPECT_EQ(drawing.texts.size(), drawing.swatches.size() + 2) << "a title, and the number of the others";
+  for (const Area& text : drawing.texts) EXPECT_LE(text.high.y, 400);
 }
 
 TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
@@ -198,6 +305,7 @@ TEST(Annotations, never_put_text_over_text_or_over_a_bar) {
            .box = box,
            .length_unit = "mm",
            .bars = {{"a", render::ColorMap::viridis, {0, 7}}, {"another title", render::ColorMap::gray, {-1e-3, 1e-3}}},
+           .legends = {{"f (mV)", {{{1, 0, 0}, "1"}, {{0, 1, 0}, "12345"}}}, {"g", {{{0, 0, 1}, "0.5"}}}},
            .caption = "words that take more than one line in a narrow picture"},
           blocks, picture);
       EXPECT_GE(drawing.texts.size(), 12U);

@@ -91,7 +91,10 @@ TEST_F(SceneDocument, gives_surfaces_without_a_colour_one_each_only_where_there_
     return list;
   };
   EXPECT_EQ(colors(R"([{"type": "isosurface", "isovalue": 100}])").at(0), render::Material{}.color);
-  const std::vector<Vec3> eight = colors(R"([{"type": "isosurface", "isovalue": [10, 20, 30, 40, 50, 60, 70, 80]}])");
+  std::string layers;
+  for (int i = 1; i <= 8; ++i)
+    layers += concat(i > 1 ? ", " : "", R"({"type": "isosurface", "isovalue": )", 10 * i, "}");
+  const std::vector<Vec3> eight = colors("[" + layers + "]");
   for (std::size_t i = 0; i < eight.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_GT((eight[i] - eight[j]).length(), 0.1) << i << " " << j;
 }

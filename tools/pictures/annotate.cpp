@@ -16,9 +16,14 @@ namespace {
 constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
 constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
 
-double luminance(const std::array<float, 3>& color) {
-  return 0.2126 * static_cast<double>(color[0]) + 0.7152 * static_cast<double>(color[1]) +
-         0.0722 * static_cast<double>(color[2]);
+double luminance(const Vec3& color) {
+  return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
+}
+
+/// The colour behind the picture: white paper where it has no background.
+Vec3 page_of(const render::Framebuffer& picture) {
+  if (picture.is_transparent) return {1, 1, 1};
+  return {picture.background[0], picture.background[1], picture.background[2]};
 }
 
 /// A text at its position in a picture.
@@ -57,6 +62,15 @@ std::vector<std::string> lines_of(const std::string& text, const std::function<b
   return lines;
 }
 
+std::vector<Tick> ticks_beside(const ColorBar& bar, int most) {
+  if (!(bar.range.lo < bar.range.hi)) return ticks_of(bar.range, most);
+  const int levels = bar.scale.levels;
+  if (levels == 0) return bar.scale.is_logarithmic ? log_ticks_of(bar.range, most) : ticks_of(bar.range, most);
+  std::vector<double> borders;
+  for (int i = 0; i <= levels; ++i) borders.push_back(value_at(bar.scale, bar.range, static_cast<double>(i) / levels));
+  return border_ticks(borders, !bar.scale.is_logarithmic, most);
+}
+
 class Annotator {
  public:
   Annotator(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture)
@@ -64,15 +78,15 @@ class Annotator {
         make_text_(make_text),
         picture_(picture),
         projection_(annotations.camera, picture.width, picture.height),
-        is_dark_(luminance(picture.background) < 0.18),
+        is_dark_(luminance(page_of(picture)) < 0.18),
         ink_(is_dark_ ? Vec3(1, 1, 1) : Vec3(0, 0, 0)),
-        canvas_(picture, Vec3(picture.background[0], picture.background[1], picture.background[2]),
-                std::clamp(share(0.0025), 1.0, 8.0)) {}
+        canvas_(picture, page_of(picture), std::clamp(share(0.0025), 1.0, 8.0)) {}
 
   Drawing draw() {
     if (wished_.box) draw_box_edges();
     if (wished_.axes) draw_axes();
     if (!wished_.bars.empty()) draw_bars();
+    draw_legends();
     if (!wished_.caption.empty()) draw_caption();
     if (wished_.box) draw_box_ticks();
     return std::move(drawing_);
@@ -167,14 +181,14 @@ class Annotator {
   void draw_bar(const ColorBar& bar, double top, double bottom) {
     const int pixels = letters();
     const double bar_width = std::round(share(0.026)), tick = 0.35 * pixels, to_number = 0.3 * pixels;
-    Placed title = title_of(bar);
+    Placed title = title_of(bar.title);
     const int y_begin = static_cast<int>(std::lround(top + 1.9 * pixels)),
               y_end = static_cast<int>(std::lround(bottom));
     if (y_end - y_begin < 2 || bar_width < 1) return;
     const int most = std::clamp(static_cast<int>((y_end - y_begin) / (2.2 * pixels)), 2, 9);
     std::vector<Placed> numbers;
     double widest = 0;
-    const std::vector<Tick> ticks = ticks_of(bar.range, most);
+    const std::vector<Tick> ticks = ticks_beside(bar, most);
     for (const Tick& each : ticks) {
       numbers.push_back(placed(each.text, pixels));
       widest = std::max(widest, numbers.back().area().width());
@@ -191,33 +205,79 @@ class Annotator {
     title.baseline = {left - title.image.left, y_begin - 0.75 * pixels};
     put(title, ink_);
 
-    canvas_.line({x_begin - 0.5, y_begin - 0.5}, {x_begin - 0.5, y_end + 0.5}, thin(), ink_);
-    canvas_.line({x_end + 0.5, y_begin - 0.5}, {x_end + 0.5, y_end + 0.5}, thin(), ink_);
-    canvas_.line({x_begin - 0.5, y_begin - 0.5}, {x_end + 0.5, y_begin - 0.5}, thin(), ink_);
-    canvas_.line({x_begin - 0.5, y_end + 0.5}, {x_end + 0.5, y_end + 0.5}, thin(), ink_);
+    draw_frame({{static_cast<double>(x_begin), static_cast<double>(y_begin)},
+                {static_cast<double>(x_end), static_cast<double>(y_end)}});
     Drawing::Bar drawn{x_begin, x_end, y_begin, y_end, {}};
     const double width = bar.range.hi - bar.range.lo;
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-      const double at = width > 0 ? (ticks[i].value - bar.range.lo) / width : 0.5;
+      const double at = width > 0 ? position_of(bar.scale, bar.range, ticks[i].value) : 0.5;
       const double row = y_end - at * (y_end - y_begin);
-      canvas_.line({x_end + 0.5, row}, {x_end + tick, row}, thin(), ink_);
+      const bool has_number = !ticks[i].text.empty();
+      canvas_.line({x_end + 0.5, row}, {x_end + (has_number ? 1 : 0.6) * tick, row}, thin(), ink_);
+      drawn.tick_rows.push_back(row);
+      if (!has_number) continue;
       center(numbers[i], {0, row});
       numbers[i].baseline.x = x_end + tick + to_number - numbers[i].image.left;
       put(numbers[i], ink_);
-      drawn.tick_rows.push_back(row);
     }
     for (int y = y_begin; y < y_end; ++y)
-      canvas_.fill(x_begin, x_end, y, y + 1, render::color_of(bar.map, 1 - (y + 0.5 - y_begin) / (y_end - y_begin)));
+      canvas_.fill(x_begin, x_end, y, y + 1,
+                   color_of(bar.map, position_in_map(bar.scale, 1 - (y + 0.5 - y_begin) / (y_end - y_begin))));
     taken_.push_back({{x_begin - 1.0, top}, {x_begin + taken, static_cast<double>(y_end)}});
     drawing_.bars.push_back(std::move(drawn));
   }
 
   /// Uses smaller letters where the title would be wider than 2/5 of the picture.
-  Placed title_of(const ColorBar& bar) const {
+  Placed title_of(const std::string& text) const {
     int pixels = letters();
-    Placed title = placed(bar.title, pixels);
-    for (; title.area().width() > 0.4 * picture_.width && pixels > 8; --pixels) title = placed(bar.title, pixels - 1);
+    Placed title = placed(text, pixels);
+    for (; title.area().width() > 0.4 * picture_.width && pixels > 8; --pixels) title = placed(text, pixels - 1);
     return title;
+  }
+
+  /// Lines of titles, and of colours with their values.
+  void draw_legends() {
+    const double line = 1.7 * letters(), lowest = picture_.height - margin();
+    double top = margin();
+    for (const Legend& legend : wished_.legends) {
+      if (top + 2 * line > lowest) return;
+      draw_legend_line(title_of(legend.title), nullptr, top);
+      top += line;
+      for (std::size_t i = 0; i < legend.entries.size(); ++i, top += line) {
+        const std::size_t left = legend.entries.size() - i;
+        if (left > 1 && top + 2 * line > lowest)
+          return draw_legend_line(placed(concat(left, " more"), letters()), nullptr, top);
+        draw_legend_line(placed(legend.entries[i].text, letters()), &legend.entries[i].color, top);
+      }
+      top += 0.6 * line;
+    }
+  }
+
+  /// @param color  null: a line without one
+  void draw_legend_line(Placed text, const Vec3* color, double top) {
+    const bool is_left = wished_.bars.empty() || wished_.bars_side == Side::right;
+    const int height = letters(), width = color != nullptr ? static_cast<int>(std::lround(1.5 * height)) : 0;
+    const double gap = color != nullptr ? 0.6 * height : 0, text_width = text.area().width();
+    const double left = is_left ? margin() : picture_.width - margin() - width - gap - text_width;
+    const int x = static_cast<int>(std::lround(left)), y = static_cast<int>(std::lround(top));
+    text.baseline = {x + width + gap - text.image.left, y + 0.86 * height};
+    put(text, ink_);
+    if (color == nullptr) return;
+    const Area swatch{{static_cast<double>(x), static_cast<double>(y)},
+                      {static_cast<double>(x + width), static_cast<double>(y + height)}};
+    draw_frame(swatch);
+    canvas_.fill(x, x + width, y, y + height, *color);
+    taken_.push_back(swatch);
+    drawing_.swatches.push_back(swatch);
+  }
+
+  /// Lines around a rectangle of whole pixels.
+  void draw_frame(const Area& area) {
+    const Spot low = area.low - Spot{0.5, 0.5}, high = area.high + Spot{0.5, 0.5};
+    canvas_.line(low, {low.x, high.y}, thin(), ink_);
+    canvas_.line({high.x, low.y}, high, thin(), ink_);
+    canvas_.line(low, {high.x, low.y}, thin(), ink_);
+    canvas_.line({low.x, high.y}, high, thin(), ink_);
   }
 
   void draw_caption() {

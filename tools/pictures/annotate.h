@@ -19,8 +19,19 @@ struct ColorBar {
   std::string title;
   render::ColorMap map;
   Interval<double> range;
+  render::ColorScale scale{};
 
   friend bool operator==(const ColorBar&, const ColorBar&) = default;
+};
+
+/// Colours of isosurfaces of one field, and what they stand for.
+struct Legend {
+  struct Entry {
+    Vec3 color;  ///< linear
+    std::string text;
+  };
+  std::string title;
+  std::vector<Entry> entries;
 };
 
 enum class Side { left, right };
@@ -39,9 +50,10 @@ struct Annotations {
   bool hides_box = true;         ///< the picture has depths, and surfaces hide the box's edges
   std::vector<ColorBar> bars{};  ///< one above the other
   Side bars_side = Side::right;
-  std::string caption{};  ///< centred at the bottom; wrapped if too long for one line
+  std::vector<Legend> legends{};  ///< one above the other, in the upper corner opposite to the bars
+  std::string caption{};          ///< centred at the bottom; wrapped if too long for one line
 
-  bool any() const { return axes || box || !bars.empty() || !caption.empty(); }
+  bool any() const { return axes || box || !bars.empty() || !legends.empty() || !caption.empty(); }
 };
 
 /// Renders a line of text at a font size in pixels, relative to the start of its baseline.
@@ -54,6 +66,7 @@ struct Drawing {
     std::vector<double> tick_rows;  ///< rows of the bar's ticks, in pixels
   };
   std::vector<Bar> bars;
+  std::vector<Area> swatches;  ///< colours of legends
   Spot axes_origin{};
   std::array<Spot, 3> axes_tips{};  ///< for x, y and z
   std::vector<Area> texts;          ///< bounding box of each line

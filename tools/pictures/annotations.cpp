@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "render/scene_words.h"
 
@@ -23,11 +24,44 @@ std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
   for (const render::Layer& layer : plan.scene.layers) {
     const render::Dataset& dataset = plan.datasets[layer.dataset];
     if (layer.mode == render::Mode::mip)
-      add({title_of(dataset.field()), layer.map, layer.window});
+      add({title_of(dataset.field()), layer.map, layer.window, layer.scale});
     else if (const auto& colors = layer.material.color_by)
-      add({title_of(dataset.field(colors->field).value()), colors->map, colors->range});
+      add({title_of(dataset.field(colors->field).value()), colors->map, colors->range, colors->scale});
   }
   return bars;
+}
+
+/// The labels of each field that is shown by labels.
+std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
+  std::vector<Legend> legends;
+  for (const render::Layer& layer : plan.scene.layers) {
+    const render::DataSpec& data = plan.data[layer.dataset];
+    if (!data.label) continue;
+    const std::string title = data.field.empty() ? "labels" : data.field;
+    auto legend = std::find_if(legends.begin(), legends.end(), [&](const Legend& each) { return each.title == title; });
+    if (legend == legends.end()) legend = legends.insert(legends.end(), {.title = title, .entries = {}});
+    legend->entries.push_back({layer.material.color, concat(*data.label)});
+  }
+  return legends;
+}
+
+/// Isosurfaces that have colours of their own, by dataset; the largest value first.
+std::vector<Legend> legends_of(const render::ResolvedScene& plan) {
+  std::vector<Legend> legends = legends_of_labels(plan);
+  for (std::size_t dataset = 0; dataset < plan.datasets.size(); ++dataset) {
+    std::vector<const render::Layer*> surfaces;
+    for (const render::Layer& layer : plan.scene.layers)
+      if (layer.dataset == dataset && layer.mode == render::Mode::isosurface && !layer.material.color_by &&
+          !layer.material.texture)
+        surfaces.push_back(&layer);
+    if (surfaces.empty() || plan.data[dataset].label) continue;
+    std::stable_sort(surfaces.begin(), surfaces.end(),
+                     [](const render::Layer* a, const render::Layer* b) { return a->isovalue > b->isovalue; });
+    Legend& legend = legends.emplace_back(Legend{.title = title_of(plan.datasets[dataset].field()), .entries = {}});
+    for (const render::Layer* surface : surfaces)
+      legend.entries.push_back({surface->material.color, with_minus_signs(rounded(surface->isovalue, 5))});
+  }
+  return legends;
 }
 
 /// Errors are shown by their powers of ten.
@@ -65,6 +99,7 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
     for (ColorBar& bar : annotations.bars)
       if (!spec.color_bar->title.empty()) bar.title = spec.color_bar->title;
   }
+  if (spec.legend.value_or(false)) annotations.legends = legends_of(plan);
   annotations.caption = spec.caption;
   return annotations;
 }

@@ -67,11 +67,18 @@ void require_pictures_module() {
                 "tools/setup/build builds it; PNG pictures without annotations are written without it");
 }
 
+bool can_annotate() {
+  std::error_code ignored;
+  return std::filesystem::exists(module_path(), ignored) &&
+         std::any_of(known_fonts().begin(), known_fonts().end(),
+                     [&](const auto& font) { return std::filesystem::is_regular_file(font, ignored); });
+}
+
 std::vector<std::string> picture_extensions() {
   return names_in(picture_formats, &PictureFormat::extension);
 }
 
-void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels) {
+void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels, bool has_alpha) {
   const std::string format = format_of(path);
   if (format.empty())
     throw Error(ErrorCode::usage, concat(path.string(), ": found extension '", path.extension().string(),
@@ -79,6 +86,9 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
   if (channels.any() && format != "openexr")
     throw Error(ErrorCode::usage, concat(path.string(), ": only EXR stores --channels"),
                 "use a file name ending in .exr");
+  if (has_alpha && format == "jpeg")
+    throw Error(ErrorCode::usage, concat(path.string(), ": JPEG stores no alpha, which background none needs"),
+                "use a file name ending in .png, .tif or .exr");
   if (format != "png") require_pictures_module();
 }
 

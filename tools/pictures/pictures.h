@@ -15,22 +15,27 @@ namespace rhoray::tools {
 /// but PNG (ErrorCode::unsupported).
 void require_pictures_module();
 
+/// Whether annotations can be drawn: the module and a known font are there.
+bool can_annotate();
+
 /// The extensions of the pictures that are written.
 std::vector<std::string> picture_extensions();
 
 /// Checks the picture format, which follows from the extension: .png .exr .tif .tiff .jpg .jpeg.
 /// Refuses other extensions. Refuses channels in all formats except EXR, because the others cannot
-/// store them (ErrorCode::usage). Refuses formats that need the module if it is missing.
-void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels);
+/// store them (ErrorCode::usage). Refuses JPEG for a picture with alpha (ErrorCode::usage). Refuses
+/// formats that need the module if it is missing.
+void require_picture_format(const std::filesystem::path& path, const render::ChannelSet& channels,
+                            bool has_alpha = false);
 
 /// Returns the bytes of a picture file. The format follows from the extension of `path`, which
 /// messages name.
 ///
 /// PNG and TIFF hold 8-bit sRGB, opaque, over the framebuffer's background; so does JPEG, with
-/// loss. EXR holds 32-bit floats: R, G, B (linear, without the background: 0 where nothing is hit)
-/// and A. It also holds the requested channels: Z (depth), N.x, N.y, N.z, value and error as
-/// floats; cell, roots, iterations and cost as unsigned 32-bit integers. A cell is 4294967295 where
-/// nothing is hit; an id that does not fit is refused (ErrorCode::unsupported).
+/// loss. Without a background PNG and TIFF also hold alpha (render::srgb_bytes). EXR holds 32-bit floats: R, G, B
+/// (linear, without the background: 0 where nothing is hit) and A. It also holds the requested channels: Z (depth),
+/// N.x, N.y, N.z, value and error as floats; cell, roots, iterations and cost as unsigned 32-bit integers. A cell is
+/// 4294967295 where nothing is hit; an id that does not fit is refused (ErrorCode::unsupported).
 ///
 /// OpenImageIO writes all formats but PNG. It takes longer to load than most commands run. So it is
 /// in a separate module beside the program, `rhoray-pictures.so`, which is loaded here.

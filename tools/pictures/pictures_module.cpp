@@ -24,7 +24,9 @@ struct Encoded {
 };
 
 Encoded encode_8_bit(const render::Framebuffer& picture, const std::vector<std::uint8_t>& srgb) {
-  Encoded out{OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8), srgb};
+  const int channel_count = picture.is_transparent ? 4 : 3;
+  Encoded out{OIIO::ImageSpec(picture.width, picture.height, channel_count, OIIO::TypeDesc::UINT8), srgb};
+  if (picture.is_transparent) out.spec.attribute("oiio:UnassociatedAlpha", 1);
   out.spec.attribute("oiio:ColorSpace", "sRGB");
   return out;
 }
@@ -276,7 +278,9 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_i
 extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_picture(const std::string& path,
                                                                                     StoredPicture& picture) noexcept {
   try {
-    const auto file = OIIO::ImageInput::open(path);
+    OIIO::ImageSpec as_stored;
+    as_stored.attribute("oiio:UnassociatedAlpha", 1);
+    const auto file = OIIO::ImageInput::open(path, &as_stored);
     if (!file) return OIIO::geterror();
     const OIIO::ImageSpec spec = file->spec();
     if (spec.depth != 1) return "it has several layers of pixels";

@@ -108,7 +108,8 @@ int run(RenderCommand& command) {
     drawn.output = output_of(command, asked);
     drawn.to_stdout = goes_to_stdout(command);
     require_picture_format(drawn.to_stdout ? "picture.png" : drawn.output,
-                           render::channel_set(asked.image.channels.value_or(std::vector<std::string>{})));
+                           render::channel_set(asked.image.channels.value_or(std::vector<std::string>{})),
+                           keeps_alpha(asked));
   }
   display.show(concat("opening ", asked.data[0].file.string()));
   const DataAccess access = access_for(command.common, display);

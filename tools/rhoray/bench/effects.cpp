@@ -218,6 +218,7 @@ render::SceneSpec plain_scene(const render::SceneSpec& asked) {
     render::LayerSpec matte{.type = layer.type, .data = layer.data, .isovalues = layer.isovalues};
     if (layer.type == render::LayerType::mip) matte.range = layer.range;
     matte.color = layer.color;
+    matte.opacity = 1;
     matte.accuracy = layer.accuracy, matte.method = layer.method;
     matte.specular = 0;
     scene.layers.push_back(matte);

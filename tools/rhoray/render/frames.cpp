@@ -119,8 +119,9 @@ void put_on_sheet(const render::Framebuffer& picture, std::size_t place, int col
 render::Framebuffer empty_sheet(const render::ResolvedScene& plan, int columns, int frame_count) {
   const int rows = (frame_count + columns - 1) / columns;
   render::Framebuffer sheet(plan.frame.width * columns, plan.frame.height * rows, {});
+  sheet.is_transparent = plan.scene.transparent_background;
   for (std::size_t c = 0; c < 3; ++c)
-    sheet.background[c] = static_cast<float>(plan.scene.background[static_cast<int>(c)]);
+    sheet.background[c] = sheet.is_transparent ? 0 : static_cast<float>(plan.scene.background[static_cast<int>(c)]);
   for (std::size_t pixel = 0; pixel < sheet.pixel_count(); ++pixel)
     std::copy_n(sheet.background.data(), 3, sheet.color.data() + 4 * pixel);
   return sheet;
@@ -198,7 +199,8 @@ void run_frames(const RenderCommand& command, const render::SceneSpec& scene_spe
   const bool draws = !command.explain && !command.print_scene;
   if (draws)
     require_picture_format(command.sheet ? command.common.output : frame_name(command, frame),
-                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})));
+                           render::channel_set(scene_spec.image.channels.value_or(std::vector<std::string>{})),
+                           keeps_alpha(scene_spec));
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const render::SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
   render::ResolvedScene plan = resolve_layers(of_frame, access_for(command.common, display));

@@ -82,8 +82,8 @@ void require_writable(const RenderCommand& command, const std::filesystem::path&
 }
 
 bool has_annotations(const render::ResolvedScene& plan) {
-  const auto& [axes, box, bar, caption] = plan.annotations;
-  return axes || box.value_or(false) || bar || !caption.empty();
+  const auto& [axes, box, bar, legend, caption] = plan.annotations;
+  return axes || box.value_or(false) || bar || legend.value_or(false) || !caption.empty();
 }
 
 void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
@@ -114,13 +114,14 @@ void settle_annotations(const render::SceneSpec& asked, const std::filesystem::p
     plan.has_default_annotations = false;
   };
   if (output.extension() == ".exr") return leave_out();  // its pixels are data
-  try {
-    require_pictures_module();
-    find_font(known_fonts());
-  } catch (const Error& missing) {
-    leave_out();
-    plan.notes.push_back(concat("no colour bar and no box: ", missing.what()));
-  }
+  if (can_annotate()) return;
+  leave_out();
+  plan.notes.push_back(
+      "no colour bar, legend or box: they need the module rhoray-pictures.so and the font DejaVu Sans");
+}
+
+bool keeps_alpha(const render::SceneSpec& scene_spec) {
+  return scene_spec.image.background && !scene_spec.image.background->color;
 }
 
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,

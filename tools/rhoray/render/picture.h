@@ -55,6 +55,9 @@ class Checks {
 void settle_annotations(const render::SceneSpec& asked, const std::filesystem::path& output,
                         render::ResolvedScene& plan);
 
+/// Whether the picture has no background.
+bool keeps_alpha(const render::SceneSpec& scene_spec);
+
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
                      const render::ResolvedScene& plan);

@@ -204,14 +204,18 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                  "Opacity of a mesh's boundary around its isosurface; default 0.12, or 0 with --mode "
                                  "iso",
                                  render::limits::share, layer.context)),
-            with_details(layers(value_option("--iso", "V[,V...]",
-                                             "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
-                                             "default auto",
-                                             layer.isovalues)),
-                         "Several values give several surfaces. For the field boundary_distance, auto is 1/10000 of "
-                         "its maximum"),
+            with_details(
+                layers(value_option("--iso", "V[,V...]",
+                                    "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
+                                    "default auto",
+                                    layer.isovalues)),
+                "Several values give several surfaces: coloured by viridis over their values (by coolwarm if those "
+                "below and above 0 enclose different regions), the innermost opaque, outer ones transparent. For "
+                "the field boundary_distance, auto is 1/10000 of its maximum"),
             layers(slice_option(options.slices)),
-            layers(number_option("--opacity", "O", "Opacity, 0 to 1; default 1", render::limits::share, layer.opacity)),
+            layers(number_option("--opacity", "O",
+                                 "Opacity, 0 to 1; default 1 (several isovalues: less for outer ones)",
+                                 render::limits::share, layer.opacity)),
             with_details(layers(choice_option(
                              "--normals", render::normals_words(),
                              "Surface normals: smooth, exact (grids) or flat; default flat for meshes, else smooth",
@@ -235,12 +239,29 @@ std::vector<Option> picture_options(PictureOptions& options) {
                 layers(value_option("--range", "A,B",
                                     "Values of the first and the last colour; default the field's range", layer.range)),
                 "In MIP the default is from the 1st to the 99.9th percentile"),
+            with_details(
+                layers(choice_option("--color-scale", render::scale_words(),
+                                     "log: colours follow the logarithm of the value; the range lies above 0; default "
+                                     "linear",
+                                     layer.scale)),
+                "For --color-by, --slice and MIP. Values at 0 or below get the first colour. If the field reaches 0 or "
+                "below, the default range starts at 1/10000 of its largest value; of whole numbers at 1 or above"),
+            with_details(
+                layers(number_option("--levels", "N", "Number of colours, 2 to 256; default continuous colours",
+                                     render::limits::levels, layer.levels)),
+                "For --color-by, --slice and MIP. The map is divided into equal bands; with --color-scale log "
+                "each covers the same ratio of values"),
             with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
                                              options.texture)),
                          "The texture is placed in world axes"),
-            value_option("--background", "COLOR",
-                         "Background colour, written as for --surface-color; default the style's (MIP: black)",
-                         image.background)}),
+            with_details(
+                value_option(
+                    "--background", "COLOR",
+                    "Background colour, written as for --surface-color, or none: a picture with alpha; default "
+                    "the style's (MIP: black)",
+                    image.background),
+                "With none, PNG and TIFF store colours that are not multiplied by alpha, to be composited in linear "
+                "light; JPEG has no alpha")}),
        in_group(
            "Light",
            {with_details(choice_option("--style", render::style_words(),
@@ -305,6 +326,12 @@ std::vector<Option> picture_options(PictureOptions& options) {
             with_details(
                 constant_option("--colorbar", "Draw a colour bar", render::ColorBarSpec{}, scene.annotations.color_bar),
                 "For --color-by, a slice, a MIP or a heat map"),
+            with_details(
+                choice_option("--legend", {"on", "off"},
+                              "List colours and values of isosurfaces; default on if several isovalues have "
+                              "no --surface-color",
+                              [&legend = scene.annotations.legend](const std::string& text) { legend = text == "on"; }),
+                "Isosurfaces coloured by a field or a texture are left out"),
             value_option("--caption", "TEXT", "Write a caption below the picture", scene.annotations.caption)}),
        in_group(
            "Accuracy",
@@ -365,10 +392,10 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   std::vector<render::LayerSpec> slices = options.slices;
   const bool has_range = layer.color_by.empty() && layer.type != render::LayerType::mip;
   for (render::LayerSpec& slice : slices) {
-    slice.colormap = layer.colormap;
+    slice.colormap = layer.colormap, slice.scale = layer.scale, slice.levels = layer.levels;
     if (has_range) slice.range = layer.range;
   }
-  if (layer.color_by.empty()) layer.colormap.clear();
+  if (layer.color_by.empty()) layer.colormap.clear(), layer.scale.clear(), layer.levels.reset();
   if (has_range) layer.range.reset();
   const std::vector<std::string>& given = options.of_the_layer;
   const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
@@ -376,7 +403,8 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
     scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
     return;
   }
-  constexpr std::array of_slices{"--slice", "--field", "--colormap", "--range", "--opacity"};
+  constexpr std::array of_slices{"--slice",  "--field", "--colormap", "--color-scale",
+                                 "--levels", "--range", "--opacity"};
   for (const std::string& name : given)
     if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
       throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
@@ -439,7 +467,8 @@ render::SceneSpec with_options(render::SceneSpec document, const PictureOptions&
   replace(document, said, &render::SceneSpec::clip);
   replace(document.image, said.image, &Image::size, &Image::background, &Image::channels, &Image::show,
           &Image::hierarchy, &Image::antialias, &Image::frames);
-  replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar);
+  replace(document.annotations, said.annotations, &Annotations::axes, &Annotations::box, &Annotations::color_bar,
+          &Annotations::legend);
   if (!said.space.empty()) document.space = said.space;
   if (!said.annotations.caption.empty()) document.annotations.caption = said.annotations.caption;
   if (!said.accuracy.empty()) {

@@ -28,7 +28,7 @@ std::vector<std::string> clip_words(const render::ClipSpec& spec) {
 
 /// Whether annotations say what no option says.
 bool needs_words(const render::AnnotationsSpec& annotations) {
-  const auto& [axes, box, bar, caption] = annotations;
+  const auto& [axes, box, bar, legend, caption] = annotations;
   return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
 }
 
@@ -56,11 +56,16 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const render::PictureSpec& image = scene_spec.image;
   words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
+  const auto add_scale = [&] {
+    if (!layer.scale.empty()) add("--color-scale", layer.scale);
+    if (layer.levels) add("--levels", concat(*layer.levels));
+  };
   const bool is_boundary = layer.type == render::LayerType::boundary;
   if (plan.datasets[0].has_fields()) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {
     add("--mode", "mip");
     add("--colormap", layer.colormap);
+    add_scale();
     add("--range", concat(layer.range->lo, ",", layer.range->hi));
   } else {
     if (is_boundary) add("--mode", "boundary");
@@ -74,6 +79,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     if (!layer.color_by.empty()) {
       add("--color-by", layer.color_by);
       add("--colormap", layer.colormap);
+      add_scale();
       if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
     }
     if (!layer.texture.empty()) add("--texture", plan.texture_data[0].file.string());
@@ -98,7 +104,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--ortho-height", concat(*camera.orthographic_height));
   else
     add("--fov", concat(*camera.fov_deg));
-  add("--background", text_of_vector(image.background->linear));
+  add("--background", image.background->color ? text_of_vector(image.background->color->linear) : "none");
   if (image.channels) add("--channels", joined(*image.channels, ","));
   if (image.show) add("--show", *image.show);
   if (image.hierarchy) words.push_back("--no-hierarchy");
@@ -106,6 +112,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   if (annotations.axes) words.push_back("--axes");
   if (annotations.box.value_or(false)) words.push_back("--box");
   if (annotations.color_bar) words.push_back("--colorbar");
+  if (annotations.legend) add("--legend", *annotations.legend ? "on" : "off");
   if (!annotations.caption.empty()) add("--caption", annotations.caption);
   return words;
 }
