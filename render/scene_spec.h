@@ -61,7 +61,8 @@ struct LayerSpec {
   std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
   std::string normals{};   ///< a word; empty = flat in meshes, else the style's
-  std::string color_by{};  ///< a field of the data; empty = color. Boundaries: see boundary_colors
+  /// A field of the data. Empty: color; on a boundary without color, the field that the data show.
+  std::string color_by{};
   std::string colormap{};  ///< a word; empty = viridis
   std::string scale{};     ///< a word, of the colours; empty = linear
   std::optional<int> levels{};
