@@ -46,9 +46,8 @@ std::string why_specular(const Scene&, const Layer& layer) {
   return concat("specular is ", layer.material.specular);
 }
 std::string why_intensity(const Scene&, const Layer& layer) {
-  return is_projection(layer)
-             ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi)
-             : "used only by MIP";
+  return is_projection(layer) ? concat("a projection shows values from ", layer.window.lo, " to ", layer.window.hi)
+                              : "used only by MIP";
 }
 std::string why_lights(const Scene& scene, const Layer&) {
   if (is_lit_from_the_eye_alone(scene)) return "one white light at the camera";
