@@ -1,11 +1,21 @@
 #include "formats/base/number_text.h"
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <string_view>
 
 #include "formats/base/text.h"
 
 namespace rhoray {
+
+namespace {
+
+double value_of(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr);
+}
+
+}  // namespace
 
 std::string grouped(std::uint64_t number) {
   std::string text = std::to_string(number);
@@ -35,6 +45,26 @@ std::string rounded(double number, int digits) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*g", digits, number);
   return text;
+}
+
+std::string rounded_up(double number, int digits) {
+  std::string text = rounded(number, digits);
+  // A step beyond half a unit of the last digit rounds to the next text.
+  const double step = std::abs(number) * 0.6 * std::pow(10, 1 - digits);
+  if (value_of(text) < number) text = rounded(number + step, digits);
+  return text;
+}
+
+int digits_for(double number, double error) {
+  int digits = 4;
+  while (digits < 17 && std::abs(value_of(rounded(number, digits)) - number) > error / 16) ++digits;
+  return digits;
+}
+
+std::string text_with_error(double number, double error, const std::string& unit) {
+  const std::string text = rounded(number, digits_for(number, error)), after = unit.empty() ? "" : " " + unit;
+  const double of_text = std::abs(value_of(text) - number);
+  return concat(text, after, ", error at most ", rounded_up(error + of_text, 2), after);
 }
 
 }  // namespace rhoray

@@ -23,12 +23,14 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 
 #include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/library_text.h"
 #include "preprocess/process/limits.h"
 #include "preprocess/process/nameless_file.h"
 #include "preprocess/process/scratch_memory.h"
@@ -264,9 +266,14 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-std::string last_words(const std::vector<std::string>& lines) {
-  constexpr std::size_t longest = 300;
-  return lines.empty() ? "it printed nothing" : concat("its last output: ", lines.back().substr(0, longest));
+/// What the worker printed beside its report is what its libraries say; the end of it is kept.
+void pass_on(std::span<const std::string> lines) {
+  constexpr std::size_t most = 100;
+  for (const std::string& line : lines.last(std::min(most, lines.size()))) note_library_text(line);
+}
+
+std::string hint_at(std::span<const std::string> lines) {
+  return lines.empty() ? "" : "-v prints what its libraries said";
 }
 
 std::optional<ErrorCode> error_code_of(int exit_code) {
@@ -287,19 +294,21 @@ std::optional<ErrorCode> error_code_of(int exit_code) {
 
 [[noreturn]] void rethrow(int exit_code, const WorkerRequest& request, const std::vector<std::string>& lines) {
   const std::optional<ErrorCode> error_code = error_code_of(exit_code);
-  if (!error_code || lines.empty())
-    throw Error(ErrorCode::internal, concat("the worker ", request.program, " ended with code ", exit_code, " while ",
-                                            request.doing, "; ", last_words(lines)));
-  std::string hint;
-  if (lines.size() > 1 && lines[lines.size() - 2].starts_with(hint_mark))
-    hint = lines[lines.size() - 2].substr(hint_mark.size());
-  throw Error(*error_code, lines.back(), hint);
+  if (!error_code || lines.empty()) {
+    pass_on(lines);
+    throw Error(ErrorCode::internal,
+                concat("the worker ", request.program, " ended with code ", exit_code, " while ", request.doing),
+                hint_at(lines));
+  }
+  const bool has_hint = lines.size() > 1 && lines[lines.size() - 2].starts_with(hint_mark);
+  pass_on(std::span(lines).first(lines.size() - (has_hint ? 2 : 1)));
+  throw Error(*error_code, lines.back(), has_hint ? lines[lines.size() - 2].substr(hint_mark.size()) : "");
 }
 
 /// The worker was ended by a signal: reports the cause and what it means.
 [[noreturn]] void report_death(const End& end, const WorkerRequest& request, const std::string& complaints) {
   const int signal = WTERMSIG(end.status);
-  const std::vector<std::string> lines = lines_of(complaints);
+  pass_on(lines_of(complaints));
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
     throw Error(ErrorCode::interrupted, concat("interrupted while ", request.doing));
   if (signal == SIGBUS)
@@ -311,12 +320,12 @@ std::optional<ErrorCode> error_code_of(int exit_code) {
   if (signal == SIGXCPU || (signal == SIGKILL && out_of_time))
     throw Error(ErrorCode::resource,
                 concat("the worker ", request.program, " was stopped after its limit of ", request.time_limit_s,
-                       " s of CPU time while ", request.doing, "; ", last_words(lines)),
+                       " s of CPU time while ", request.doing),
                 "allow more time, or reduce the work");
   const bool out_of_memory = signal == SIGKILL || complaints.find("bad_alloc") != std::string::npos;
   throw Error(out_of_memory ? ErrorCode::resource : ErrorCode::invalid,
               concat("the worker ", request.program, " was stopped by signal ", signal, " (", ::strsignal(signal),
-                     ") while ", request.doing, "; ", last_words(lines)),
+                     ") while ", request.doing),
               out_of_memory ? "it probably needs more memory; allow more with --memory"
                             : "the input is damaged, or the library that reads it has a defect");
 }
@@ -364,6 +373,7 @@ formats::PackedFile run_worker(const WorkerRequest& request) {
 
   if (WIFSIGNALED(status)) report_death(end, request, complaints);
   if (WEXITSTATUS(status) != 0) rethrow(WEXITSTATUS(status), request, lines_of(complaints));
+  pass_on(lines_of(complaints));
   freeze(output, request);
   try {
     return formats::PackedFile::from_descriptor(output.number(), "what the worker " + request.program + " handed over");
@@ -427,6 +437,7 @@ int worker_main(const std::function<void(int input, int output)>& act) {
     return report(ErrorCode::usage, "this program is started by `rhoray`, which sets RHORAY_OUTPUT_FD and RHORAY_DOING",
                   "call `rhoray`");
   is_worker = true;
+  set_library_text_sink([](const std::string& line) { std::fputs((line + "\n").c_str(), stderr); });
   try {
     use_scratch_folder();
     act(descriptor_named("RHORAY_INPUT_FD"), output);
@@ -436,7 +447,8 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   } catch (const std::bad_alloc&) {
     return report(ErrorCode::resource, concat(doing, ": out of memory"), "allow more with --memory");
   } catch (const std::exception& error) {
-    return report(ErrorCode::internal, concat(doing, ": ", error.what()), {});
+    note_library_text(error.what());
+    return report(ErrorCode::internal, concat(doing, ": failed unexpectedly"), "-v prints the reason that was given");
   }
 }
 

@@ -17,8 +17,8 @@ namespace rhoray::preprocess {
 /// and RHORAY_OUTPUT_FD. On success it exits with 0 after writing its output. On a refusal it exits
 /// with an ErrorCode's number after printing the reason as its last line of stderr; a line "hint:
 /// ..." may come before it. That refusal is rethrown here as the same Error. A worker that dies
-/// (signal, limit) or breaks this protocol is reported as an Error that says what it was doing, how
-/// it ended and what it printed last.
+/// (signal, limit) or breaks this protocol is reported as an Error that says what it was doing and
+/// how it ended. All else that it prints is passed on as the text of libraries (library_text.h).
 formats::PackedFile run_worker(const WorkerRequest& request);
 
 /// Inside a worker: reports its progress, a few times a second at most. Does nothing elsewhere.

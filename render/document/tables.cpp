@@ -398,7 +398,9 @@ const std::vector<Row<ColorBarSpec>>& color_bar_rows() {
 
 const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
   static const std::vector<Row<AnnotationsSpec>> rows{
-      switched_row("axes", &AnnotationsSpec::axes, axes_rows(), "Arrows along the world axes, in a corner"),
+      switched_row(
+          "axes", &AnnotationsSpec::axes, axes_rows(),
+          "Arrows along the world axes, in a corner; in a patient's body with the letters of their directions"),
       row("box", &AnnotationsSpec::box, yes_or_no(),
           "Box around the shown data, with ticks in world units; unless a zoom is given, it is 0.8, which leaves room "
           "for them"),

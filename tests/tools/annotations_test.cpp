@@ -260,6 +260,37 @@ TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
       }
 }
 
+/// What is drawn at the tips of the arrows and at the ends of the box's edges is the direction's letter.
+TEST(Axes, carry_letters_of_directions_in_a_body) {
+  const Box3 box{{-100, -100, -100}, {100, 100, 100}};
+  for (const auto& [space, low, high] :
+       {std::tuple(formats::Space::ras, "LPI", "RAS"), {formats::Space::lps, "RAI", "LPS"}}) {
+    const render::Camera camera = render::fit_camera(box, {.azimuth_deg = 33, .elevation_deg = 25, .zoom = 0.6}, 1.5);
+    render::Framebuffer picture = blank(600, 400);
+    const Drawing drawing = annotate({.camera = camera, .space = space, .axes = true, .box = box}, blocks, picture);
+    ASSERT_EQ(drawing.letters.size(), 9U) << "three arrows, and two ends of three edges";
+    const Projection projection(camera, 600, 400);
+    const Spot middle = projection.of({0, 0, 0}).at;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Vec3 unit(0, 0, 0);
+      unit[static_cast<int>(axis)] = 1;
+      const Spot way = projection.of(100.0 * unit).at - middle;
+      int count = 0;
+      for (const Drawing::Letter& each : drawing.letters) {
+        if (each.letter != low[axis] && each.letter != high[axis]) continue;
+        ++count;
+        const bool is_of_arrow = (each.middle - drawing.axes_origin).length() < 45;
+        const Spot from = is_of_arrow ? drawing.axes_origin : middle;
+        EXPECT_EQ((each.middle - from).dot(way) > 0, each.letter == high[axis]) << axis << each.letter;
+      }
+      EXPECT_EQ(count, 3);
+    }
+  }
+  render::Framebuffer picture = blank(600, 400);
+  const render::Camera camera = render::fit_camera(box, {}, 1.5);
+  EXPECT_TRUE(annotate({.camera = camera, .axes = true, .box = box}, blocks, picture).letters.empty());
+}
+
 TEST(Projection, sees_points_where_the_cameras_rays_pass) {
   const Workbench bench;
   bench.make_ball();
@@ -301,6 +332,7 @@ TEST(Annotations, never_put_text_over_text_or_over_a_bar) {
       render::Framebuffer picture = blank(width, height);
       const Drawing drawing = annotate(
           {.camera = camera,
+           .space = azimuth > 50 ? formats::Space::lps : formats::Space::unknown,
            .axes = true,
            .box = box,
            .length_unit = "mm",

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <string_view>
+#include <utility>
 
 #include "formats/base/text.h"
 
@@ -15,6 +17,22 @@ namespace {
 /// distinguish them for any colour vision.
 constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
 constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
+
+/// The letters of the directions in which x, y and z decrease and increase; empty without a body.
+struct DirectionLetters {
+  std::string_view low, high;
+};
+constexpr DirectionLetters letters_of(formats::Space space) {
+  switch (space) {
+    case formats::Space::ras:
+      return {"LPI", "RAS"};
+    case formats::Space::lps:
+      return {"RAI", "LPS"};
+    case formats::Space::unknown:
+      break;
+  }
+  return {};
+}
 
 double luminance(const Vec3& color) {
   return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
@@ -78,6 +96,7 @@ class Annotator {
         make_text_(make_text),
         picture_(picture),
         projection_(annotations.camera, picture.width, picture.height),
+        directions_(letters_of(annotations.space)),
         is_dark_(luminance(page_of(picture)) < 0.18),
         ink_(is_dark_ ? Vec3(1, 1, 1) : Vec3(0, 0, 0)),
         canvas_(picture, page_of(picture), std::clamp(share(0.0025), 1.0, 8.0)) {}
@@ -140,13 +159,14 @@ class Annotator {
     for (const std::size_t axis : order) {
       const Spot way{directions[axis].x, directions[axis].y};
       drawing_.axes_tips[axis] = origin + length * way;
-      draw_arrow(origin, way, length, is_dark_ ? on_dark[axis] : on_light[axis], std::string(1, "XYZ"[axis]));
+      draw_arrow(origin, way, length, is_dark_ ? on_dark[axis] : on_light[axis],
+                 directions_.high.empty() ? "XYZ"[axis] : directions_.high[axis]);
     }
     taken_.push_back({origin - Spot{space, space}, origin + Spot{space, space}});
   }
 
   /// @param way  length of at most 1
-  void draw_arrow(const Spot& origin, const Spot& way, double length, const Vec3& color, const std::string& letter) {
+  void draw_arrow(const Spot& origin, const Spot& way, double length, const Vec3& color, char letter) {
     const double head = 0.3 * length, width = 0.055 * length, seen = way.length();
     const Spot tip = origin + length * way;
     // An arrow that points straight to or from the eye is a dot.
@@ -158,9 +178,11 @@ class Annotator {
       canvas_.triangle(tip, neck + across, neck - across, color);
     else
       canvas_.line(origin, origin, 3 * width, color);
-    Placed text = placed(letter, static_cast<int>(std::lround(0.28 * length)));
-    center(text, origin + (length * seen + 0.24 * length) * along);
+    Placed text = placed(std::string(1, letter), static_cast<int>(std::lround(0.28 * length)));
+    const Spot middle = origin + (length * seen + 0.24 * length) * along;
+    center(text, middle);
     put(text, color);
+    if (!directions_.high.empty()) drawing_.letters.push_back({letter, middle});
   }
 
   /// A column of bars, one below the other, each with title, colours, ticks and numbers.
@@ -359,6 +381,7 @@ class Annotator {
   /// Draws ticks along one edge of the box's outline for each axis: the lowest edge, or the
   /// leftmost if the edges are steep.
   void draw_box_ticks() {
+    std::vector<Edge> shown;
     for (int axis = 0; axis < 3; ++axis) {
       std::optional<Edge> best;
       double best_place = 0;
@@ -369,7 +392,28 @@ class Annotator {
         const double place = lies ? a.y + b.y : -(a.x + b.x);
         if (!best || place > best_place) best = edge, best_place = place;
       }
-      if (best) draw_ticks(*best);
+      if (best) shown.push_back(*best);
+    }
+    if (!directions_.low.empty())
+      for (const Edge& edge : shown) draw_end_letters(edge);
+    for (const Edge& edge : shown) draw_ticks(edge);
+  }
+
+  /// Draws the letters of an edge's directions beyond its ends.
+  void draw_end_letters(const Edge& edge) {
+    const int pixels = letters();
+    const Spot from = projection_.of(corner(edge.from)).at, to = projection_.of(corner(edge.to)).at;
+    const double length = (to - from).length();
+    if (length < 3 * pixels) return;
+    const Spot beyond = (1.1 * pixels / length) * (to - from);
+    const auto axis = static_cast<std::size_t>(edge.axis);
+    for (const auto& [letter, middle] :
+         {std::pair(directions_.low[axis], from - beyond), {directions_.high[axis], to + beyond}}) {
+      Placed text = placed(std::string(1, letter), pixels);
+      center(text, middle);
+      if (!is_free(text.area())) continue;
+      put(text, is_dark_ ? on_dark[axis] : on_light[axis]);
+      drawing_.letters.push_back({letter, middle});
     }
   }
 
@@ -425,6 +469,7 @@ class Annotator {
   const MakeText& make_text_;
   render::Framebuffer& picture_;
   Projection projection_;
+  DirectionLetters directions_;
   bool is_dark_;
   Vec3 ink_;
   Canvas canvas_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/space.h"
 #include "render/camera.h"
 #include "render/color_map.h"
 #include "tools/pictures/canvas.h"
@@ -40,6 +41,9 @@ enum class Side { left, right };
 /// picture's height.
 struct Annotations {
   render::Camera camera{};
+  /// Of the world. In a patient's body, the arrows and the ends of the box's edges carry the letters
+  /// of their directions: R and L, A and P, S and I.
+  formats::Space space = formats::Space::unknown;
   /// Arrows in a corner along the world's axes, as the camera sees them.
   bool axes = false;
   Side axes_side = Side::left;  ///< left or right lower corner
@@ -69,7 +73,12 @@ struct Drawing {
   std::vector<Area> swatches;  ///< colours of legends
   Spot axes_origin{};
   std::array<Spot, 3> axes_tips{};  ///< for x, y and z
-  std::vector<Area> texts;          ///< bounding box of each line
+  struct Letter {
+    char letter;
+    Spot middle;
+  };
+  std::vector<Letter> letters;  ///< of directions in a body: of arrows, and at ends of the box's edges
+  std::vector<Area> texts;      ///< bounding box of each line
 };
 
 /// Draws the annotations over the picture's colours; other channels are unchanged.

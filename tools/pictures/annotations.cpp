@@ -74,12 +74,19 @@ Side side_of(const std::string& word, Side otherwise) {
   return word.empty() ? otherwise : word == "left" ? Side::left : Side::right;
 }
 
+/// The space in which all layers lie; unknown where a file does not say its own.
+formats::Space space_of(const render::ResolvedScene& plan) {
+  for (const render::Layer& layer : plan.scene.layers)
+    if (plan.datasets[layer.dataset].space() != plan.space) return formats::Space::unknown;
+  return plan.space;
+}
+
 }  // namespace
 
 Annotations annotations_of(const render::ResolvedScene& plan, const Interval<double>& heat) {
   const render::AnnotationsSpec& spec = plan.annotations;
   const std::vector<render::Layer>& layers = plan.scene.layers;
-  Annotations annotations{.camera = plan.scene.camera};
+  Annotations annotations{.camera = plan.scene.camera, .space = space_of(plan)};
   if (spec.axes) {
     annotations.axes = true;
     annotations.axes_side = side_of(spec.axes->corner, Side::left);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/word_list.h"
 #include "preprocess/input_file.h"
@@ -104,8 +105,12 @@ std::vector<std::byte> encode_picture(const render::Framebuffer& picture, const 
   const std::vector<std::uint8_t> srgb =
       format == "openexr" ? std::vector<std::uint8_t>() : render::srgb_bytes(picture);
   std::vector<std::byte> bytes;
-  const std::string error_code = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
-  if (!error_code.empty()) throw Error(ErrorCode::resource, concat(path.string(), ": ", error_code));
+  const std::string reason = load<EncodePicture>(encode_picture_symbol)(picture, srgb, texts, format, bytes);
+  if (!reason.empty()) {
+    note_library_text(reason);
+    throw Error(ErrorCode::resource, concat(path.string(), ": OpenImageIO cannot write the picture"),
+                "-v prints the reason that it gives");
+  }
   return bytes;
 }
 
@@ -135,17 +140,20 @@ std::filesystem::path find_font(const std::vector<std::filesystem::path>& known_
 TextImage make_text_image(const std::string& text, int pixels, const std::filesystem::path& font) {
   static const auto make = load<MakeTextImage>(make_text_image_symbol);
   TextImage image;
-  const std::string error_code = make(text, pixels, font.string(), image);
-  if (!error_code.empty()) throw Error(ErrorCode::unsupported, concat(font.string(), ": ", error_code));
+  const std::string reason = make(text, pixels, font.string(), image);
+  if (!reason.empty()) throw Error(ErrorCode::unsupported, concat(font.string(), ": ", reason));
   return image;
 }
 
 StoredPicture read_picture(const std::filesystem::path& path) {
   preprocess::require_input(path);
   StoredPicture picture;
-  const std::string error_code = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
-  if (!error_code.empty())
-    throw Error(ErrorCode::invalid, concat(path.string(), ": is not a readable picture: ", error_code));
+  const std::string reason = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
+  if (!reason.empty()) {
+    note_library_text(reason);
+    throw Error(ErrorCode::invalid,
+                concat(path.string(), ": found no picture, or a damaged one; expected ", joined(picture_extensions())));
+  }
   return picture;
 }
 

@@ -270,8 +270,8 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_i
         }
     });
     return {};
-  } catch (const std::exception& error) {
-    return error.what();
+  } catch (const std::exception&) {
+    return "cannot be used";
   }
 }
 

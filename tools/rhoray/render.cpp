@@ -197,10 +197,12 @@ Subcommand render_subcommand() {
                      value_option("--sheet", "COLUMNS",
                                   "Draw all frames of a scene in one picture with this many columns", command->sheet),
                      with_details(
-                         value_option("--pick", "X,Y",
+                         value_option("--pick", "X,Y...",
                                       "Print what a pixel shows: position, cell, value and, if proven, the error",
                                       command->picks),
-                         "Several pixels: X,Y:X,Y"),
+                         "Several pixels: X,Y:X,Y, or the option again. Between consecutive ones the distance is "
+                         "printed, a straight line; its error is that of both positions, proven at certified and "
+                         "exact"),
                      flag_option("--stats", "Print statistics of rays, cells and times to stdout", command->statistics),
                      flag_option("--explain", "Print what the scene needs, and why; render nothing", command->explain),
                      flag_option("--print-scene", "Print the complete scene document; render nothing",

@@ -391,7 +391,8 @@ Subcommand tetrahedralize_subcommand() {
                                           "Largest ratio of circumradius to shortest edge; 0 adds no points; default "
                                           "1.4 where the surface allows it",
                                           command->fill.quality),
-                             "A note reports the ratio reached"),
+                             "A note reports the ratio reached. Without this option and without sizes, there are at "
+                             "most 20 tetrahedra per triangle"),
                 value_option("--max-volume", "V",
                              "Largest volume of a tetrahedron: V, or REGION:V,... for single regions; default 0, no "
                              "limit",

@@ -1,18 +1,18 @@
 #include <teem/nrrd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "formats/base/library_text.h"
 #include "formats/base/regular_file.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/volume/nrrd_header.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
@@ -30,70 +30,23 @@ struct IoNix {
   void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
 };
 
-/// Teem's own error text, most general part first, in one line.
-std::string teem_reason() {
-  std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
-  std::string reason = text ? text.get() : "no reason given";
-  while (reason.ends_with('\n')) reason.pop_back();
-  for (std::size_t at = 0; (at = reason.find('\n', at)) != std::string::npos;) reason.replace(at, 1, "; ");
-  return reason;
-}
-
 struct Loaded {
   OwnedNrrd nrrd;
   std::unique_ptr<NrrdIoState, IoNix> io;
 };
 
+/// Refuses the file by what its header says and what Teem said about it.
 [[noreturn]] void refuse_by_teem(const std::filesystem::path& path) {
-  throw Error(ErrorCode::invalid, concat(path.string(), ": Teem cannot read it: ", teem_reason()));
-}
-
-/// End of the header that precedes its samples: after the first empty line.
-std::size_t end_of_header(std::string_view text) {
-  const std::size_t plain = text.find("\n\n"), with_returns = text.find("\n\r\n");
-  if (plain == text.npos && with_returns == text.npos) return text.size();
-  return plain < with_returns ? plain + 2 : with_returns + 3;
-}
-
-/// The sample files that a header names: one file, a list, or a numbered series.
-std::vector<std::string> named_files(std::string_view header) {
-  std::istringstream lines{std::string(header)};
-  std::vector<std::string> names;
-  bool in_list = false;
-  for (std::string line; std::getline(lines, line);) {
-    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
-    if (in_list) names.push_back(line);
-    std::string key = line.substr(0, line.find(':'));
-    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char letter) { return std::tolower(letter); });
-    if (in_list || (key != "data file" && key != "datafile") || key.size() == line.size()) continue;
-    const std::size_t begin = line.find_first_not_of(" \t", key.size() + 1);
-    if (begin == line.npos) continue;
-    const std::string value = line.substr(begin);
-    if (value.starts_with("LIST")) {
-      in_list = true;
-      continue;
-    }
-    std::istringstream words(value);
-    std::string pattern;
-    std::int64_t first = 0, last = 0, step = 0;
-    constexpr std::int64_t most_files = 1 << 16;
-    if (value.find('%') == value.npos || !(words >> pattern >> first >> last >> step) || step == 0 ||
-        std::abs(first) > most_files || std::abs(last) > most_files) {
-      names.push_back(value);
-      continue;
-    }
-    for (std::int64_t number = first; step > 0 ? number <= last : number >= last; number += step)
-      if (const auto name = numbered_name(pattern, number)) names.push_back(*name);
-  }
-  return names;
+  const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
+  const std::string_view reason = text ? text.get() : "";
+  note_library_text(reason);
+  refuse_nrrd(path, reason);
 }
 
 /// Refuses special files: Teem opens every file that a header names, and would wait for a pipe.
 void require_regular_data_files(const std::filesystem::path& path) {
-  constexpr std::size_t longest_header = std::size_t{16} << 20;
   const ForeignFile file(path);
-  const std::string_view text = file.text().substr(0, longest_header);
-  for (const std::string& name : named_files(text.substr(0, end_of_header(text))))
+  for (const std::string& name : files_named_by(nrrd_header(file.text())))
     if (is_there(path.parent_path() / name)) require_regular_file(path.parent_path() / name);
 }
 
@@ -126,7 +79,7 @@ bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, cons
   if (!is_raw || io.dataFNArr->len > 1 || !is_native(volume.type, io.endian == airEndianBig)) return false;
   const bool attached = io.dataFNArr->len == 0;
   const ForeignFile file(attached ? path : path.parent_path() / io.dataFN[0]);
-  const std::size_t begin = attached ? end_of_header(file.text()) : 0;
+  const std::size_t begin = attached ? nrrd_header(file.text()).size() : 0;
   const std::uint64_t held = file.bytes().size() - begin;
   if (held < bytes || io.byteSkip < -1) return false;  // Teem will refuse it
   const std::uint64_t skipped = io.byteSkip == -1 ? held - bytes : static_cast<std::uint64_t>(io.byteSkip);
@@ -314,8 +267,7 @@ void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
 
 /// @param colors  true: read only samples with 3 or 4 components of 8 bits
 NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
-  // Teem would also accept PNG, PNM and text here
-  if (!ForeignFile(path).text().starts_with("NRRD000")) refuse_input(path, "byte 0", "another beginning", "NRRD000");
+  check_nrrd_magic(path);
   // Read the header alone, so that nothing is allocated for sizes that are refused.
   const auto [header, io] = load_header(path);
   if (colors) check_colors(path, *header);

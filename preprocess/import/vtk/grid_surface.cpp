@@ -88,7 +88,9 @@ std::uint64_t write_grid_surface(const std::filesystem::path& packed, const std:
     contour->ComputeNormalsOff();
     contour->ComputeScalarsOff();
     contour->Update();
-    errors.check(packed);
+    if (errors.any())
+      throw Error(ErrorCode::internal, concat(packed.string(), ": VTK made no surface at the isovalue ", isovalue),
+                  "-v prints the reason that VTK gives");
     return write_triangles(samples, grid.description().world_from_grid, *contour->GetOutput(), output);
   });
 }

@@ -4,9 +4,7 @@
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 
-#include <algorithm>
-
-#include "formats/base/error.h"
+#include "formats/base/library_text.h"
 
 namespace rhoray::preprocess {
 
@@ -15,25 +13,19 @@ class VtkErrors::Window : public vtkOutputWindow {
   static Window* New();
   vtkTypeMacro(Window, vtkOutputWindow);
 
-  void DisplayErrorText(const char* text) override { keep(text); }
+  void DisplayErrorText(const char* text) override {
+    note_library_text(text);
+    if (any_ != nullptr) *any_ = true;
+  }
   void DisplayText(const char*) override {}
   void DisplayWarningText(const char*) override {}
   void DisplayGenericWarningText(const char*) override {}
   void DisplayDebugText(const char*) override {}
 
-  void keep_in(std::string* first) { first_ = first; }
+  void notice_in(bool* any) { any_ = any; }
 
  private:
-  /// Converts "ERROR: In FILE, line N\nCLASS (ADDRESS): message" to "message", in one line.
-  void keep(std::string text) {
-    if (first_ == nullptr || !first_->empty()) return;
-    if (const std::size_t begin = text.find("): "); begin != std::string::npos) text.erase(0, begin + 3);
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    while (text.ends_with(' ')) text.pop_back();
-    *first_ = text.empty() ? "no reason given" : text;
-  }
-
-  std::string* first_ = nullptr;
+  bool* any_ = nullptr;
 };
 vtkStandardNewMacro(VtkErrors::Window);
 
@@ -41,16 +33,12 @@ VtkErrors::VtkErrors() : before_(vtkOutputWindow::GetInstance()) {
   // otherwise VTK prints each error a second time
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   const auto window = vtkSmartPointer<Window>::New();
-  window->keep_in(&first_);
+  window->notice_in(&any_);
   vtkOutputWindow::SetInstance(window);
 }
 
 VtkErrors::~VtkErrors() {
   vtkOutputWindow::SetInstance(before_);
-}
-
-void VtkErrors::check(const std::filesystem::path& path) const {
-  if (!first_.empty()) throw Error(ErrorCode::invalid, concat(path.string(), ": VTK cannot read it: ", first_));
 }
 
 }  // namespace rhoray::preprocess

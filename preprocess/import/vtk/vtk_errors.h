@@ -2,16 +2,13 @@
 
 #include <vtkSmartPointer.h>
 
-#include <filesystem>
-#include <string>
-
 class vtkOutputWindow;
 
 namespace rhoray::preprocess {
 
-/// While it lives, collects everything that VTK would print as an error. Only one may exist at a
-/// time in a process. Querying VTK's objects is not enough: errors of their helpers do not reach
-/// them.
+/// While it lives, notices everything that VTK would print as an error, and passes it on as a
+/// library's text (library_text.h). Only one may exist at a time in a process. Querying VTK's objects
+/// is not enough: errors of their helpers do not reach them.
 class VtkErrors {
  public:
   VtkErrors();
@@ -19,14 +16,11 @@ class VtkErrors {
   VtkErrors(const VtkErrors&) = delete;
   VtkErrors& operator=(const VtkErrors&) = delete;
 
-  const std::string& first() const { return first_; }  ///< first error; empty: none
-
-  /// Refuses the file when there was an error.
-  void check(const std::filesystem::path& path) const;
+  bool any() const { return any_; }
 
  private:
   class Window;
-  std::string first_;
+  bool any_ = false;
   vtkSmartPointer<vtkOutputWindow> before_;
 };
 

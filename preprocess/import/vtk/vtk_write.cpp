@@ -104,10 +104,9 @@ void write_vtu(const NeutralMesh& mesh, const std::filesystem::path& path) {
   const bool is_written = writer->Write() == 1;
   writer->SetStream(nullptr);
   file.check();
-  if (!is_written || !errors.first().empty())
-    throw Error(
-        ErrorCode::resource,
-        concat(path.string(), ": VTK cannot write it: ", errors.first().empty() ? "no reason given" : errors.first()));
+  if (!is_written || errors.any())
+    throw Error(ErrorCode::resource, concat(path.string(), ": VTK cannot write it"),
+                "-v prints the reason that VTK gives");
   file.finish();
 }
 

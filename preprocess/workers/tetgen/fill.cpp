@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 #include "preprocess/workers/tetgen/enclosed_regions.h"
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/sizes.h"
@@ -299,6 +300,7 @@ void run_tetgen(const NeutralSurface& surface, const Run& wanted, tetgenio& out)
     }
     facets = named_facets(surface, printed.so_far());
   }
+  note_library_text(printed.so_far());
   refuse(code, facets);
 }
 

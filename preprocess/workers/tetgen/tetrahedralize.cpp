@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -105,6 +106,7 @@ NeutralMesh fill_once(const NeutralSurface& surface, const TetrahedralizeOptions
 struct Filling {
   NeutralMesh mesh;
   BadShare bad;
+  bool is_short = false;  ///< more points would have made better cells, and too many of them
 };
 
 std::string percent(double share) {
@@ -113,46 +115,64 @@ std::string percent(double share) {
 
 NeutralMesh noted(Filling filling, const std::string& how) {
   const BadShare& bad = filling.bad;
-  filling.mesh.notes.push_back(concat(how, "; ", percent(bad.of_cells), " of the cells, ", percent(bad.of_volume),
-                                      " of the volume, do not reach a quality of ", usual_quality));
+  filling.mesh.notes.push_back(concat(
+      how, "; ", percent(bad.of_cells), " of the cells, ", percent(bad.of_volume),
+      " of the volume, do not reach a quality of ", usual_quality,
+      filling.is_short ? concat(", for which there would be more than ", most_cells_per_triangle, " cells per triangle")
+                       : ""));
   return std::move(filling.mesh);
 }
 
-Filling judged(NeutralMesh mesh) {
+Filling judged(NeutralMesh mesh, bool is_short) {
   const BadShare bad = share_above(mesh, usual_quality);
-  return {std::move(mesh), bad};
+  return {std::move(mesh), bad, is_short};
 }
 
-/// Splitting the surface's triangles took this many new points for the coarse CAD parts that it serves (Cray_left of
-/// the manifold project 167 000); around the needles of a scanned surface it goes on without end. About 20 s of TetGen.
-constexpr std::uint64_t most_new_points = 250'000;
+/// How many triangles the facets make; one of n corners makes n - 2.
+std::uint64_t triangle_count(const NeutralSurface& surface) {
+  std::uint64_t count = 0;
+  for (std::size_t f = 1; f < surface.facet_offsets.size(); ++f) {
+    const std::uint64_t corners = surface.facet_offsets[f] - surface.facet_offsets[f - 1];
+    count += corners > 2 ? corners - 2 : 0;
+  }
+  return count;
+}
 
-/// With the surface's triangles split; refused when that takes too many points.
-Filling split_within_reason(const NeutralSurface& surface, const TetrahedralizeOptions& options) {
-  NeutralMesh mesh = fill_once(surface, with_switch(options, concat("S", most_new_points)));
-  if (mesh.points.size() >= surface.points.size() + most_new_points)
-    throw Error(ErrorCode::resource,
-                concat("surface: splitting its triangles for a quality of ", usual_quality, " took more than ",
-                       most_new_points, " new points"),
-                "--quality 0 adds no points; a given --quality has no such limit");
-  return judged(std::move(mesh));
+/// Adds points for quality only as long as there are at most `most_cells`.
+Filling fill_within(const NeutralSurface& surface, const TetrahedralizeOptions& options, std::uint64_t most_cells) {
+  constexpr std::uint64_t cells_per_point = 2;  // where all points lie on the surface; 5 to 7 inside
+  constexpr int most_attempts = 4;
+  std::uint64_t most_points = most_cells / cells_per_point;
+  for (int attempt = 0; attempt < (has_switch(options, 'S') ? 1 : most_attempts) && most_points > 0; ++attempt) {
+    NeutralMesh mesh = fill_once(surface, with_switch(options, concat("S", most_points)));
+    const std::uint64_t new_points = mesh.points.size() - std::min(mesh.points.size(), surface.points.size());
+    if (mesh.cells.size() <= most_cells) return judged(std::move(mesh), new_points >= most_points);
+    const double fewer = 0.9 * static_cast<double>(most_cells) / static_cast<double>(mesh.cells.size());
+    most_points = static_cast<std::uint64_t>(fewer * static_cast<double>(std::min(new_points, most_points)));
+  }
+  TetrahedralizeOptions without_points = options;
+  without_points.quality = 0;
+  return judged(fill_once(surface, without_points), true);
 }
 
 /// As the header says of a surface for which neither quality nor size is wanted.
 NeutralMesh fill_to_an_end(const NeutralSurface& surface, const TetrahedralizeOptions& options) {
+  const std::uint64_t most_cells = most_cells_per_triangle * triangle_count(surface);
   std::optional<Filling> kept;
   try {
-    kept = judged(fill_once(surface, with_switch(options, "Y")));
+    kept = fill_within(surface, with_switch(options, "Y"), most_cells);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid) throw;
-    return noted(split_within_reason(surface, options), "the surface's triangles were split");
+    return noted(fill_within(surface, options, most_cells), "the surface's triangles were split");
   }
   if (kept->bad.of_volume <= 0.1 && kept->bad.of_cells <= 0.5)
     return noted(std::move(*kept), "the surface's triangles were kept as they are");
   std::string why = "splitting them is not better";
   try {
-    Filling split = split_within_reason(surface, options);
+    Filling split = fill_within(surface, options, most_cells);
     if (split.bad.of_volume < kept->bad.of_volume) return noted(std::move(split), "the surface's triangles were split");
+    if (split.is_short)
+      why = concat("splitting them would make more than ", most_cells_per_triangle, " cells per triangle");
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid && error.code() != ErrorCode::resource) throw;
     why = concat("splitting them failed: ", error.what());

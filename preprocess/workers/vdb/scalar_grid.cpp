@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
+#include "formats/base/library_text.h"
 #include "formats/base/nearest_name.h"
 #include "preprocess/process/foreign_file.h"
 
@@ -18,13 +21,33 @@ namespace {
 
 using formats::ElementType;
 
-/// What a library says, without its class name in front.
-std::string reason_of(const std::exception& error) {
-  return error.what();
+[[noreturn]] void refuse_part(const std::filesystem::path& path, const std::string& place, const std::exception& why) {
+  note_library_text(why.what());
+  refuse_input(path, place, "damaged data", "what OpenVDB can read");
 }
 
-[[noreturn]] void refuse_file(const std::filesystem::path& path, const std::string& place, const std::exception& why) {
-  refuse_input(path, place, concat("what OpenVDB cannot read (", reason_of(why), ")"), "an OpenVDB file");
+/// Calls act() and returns its result. Where OpenVDB throws, the file is damaged at this place.
+auto read_part(const std::filesystem::path& path, const std::string& place, const auto& act) -> decltype(act()) {
+  try {
+    return act();
+  } catch (const openvdb::Exception& error) {
+    refuse_part(path, place, error);
+  } catch (const std::length_error& error) {  // a size that no memory has
+    refuse_part(path, place, error);
+  } catch (const std::ios_base::failure&) {
+    refuse_input(path, place, "its end", "an OpenVDB file with all its grids");
+  }
+}
+
+/// The first bytes of a file: a magic number and the version of its format.
+void check_beginning(const ForeignFile& file) {
+  std::uint32_t words[3] = {};  // on disk in little-endian order
+  std::memcpy(words, file.bytes().data(), std::min(sizeof words, file.bytes().size()));
+  if (words[0] != static_cast<std::uint32_t>(openvdb::OPENVDB_MAGIC))
+    refuse_input(file.path(), "byte 0", "another beginning", "that of OpenVDB files");
+  if (words[2] > openvdb::OPENVDB_FILE_VERSION)
+    refuse_input(file.path(), "byte 8", concat("version ", words[2], " of the format"),
+                 concat("at most ", std::uint32_t{openvdb::OPENVDB_FILE_VERSION}), ErrorCode::unsupported);
 }
 
 template <class Source, class Target>
@@ -76,7 +99,7 @@ class EndCheck : public openvdb::io::Archive {
  private:
   void check_grids(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
-    try {
+    read_part(path, "header", [&] {
       file.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
       readHeader(file);
       setFormatVersion(file);
@@ -90,11 +113,7 @@ class EndCheck : public openvdb::io::Archive {
                        concat("at most ", file_bytes, ", where the file ends"));
         grid.seekToEnd(file);
       }
-    } catch (const std::ios_base::failure&) {
-      refuse_input(path, "header", "its end", "an OpenVDB file with all its grids");
-    } catch (const openvdb::Exception& error) {
-      refuse_file(path, "header", error);
-    }
+    });
   }
 };
 
@@ -266,14 +285,10 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
 }  // namespace
 
 VdbFile::VdbFile(const std::filesystem::path& path) : path_(path), file_(path.string()) {
-  const ForeignFile is_there(path);
+  check_beginning(ForeignFile(path));
   openvdb::initialize();
   EndCheck::check(path);
-  try {
-    file_.open(false);
-  } catch (const openvdb::Exception& error) {
-    refuse_file(path_, "header", error);
-  }
+  read_part(path_, "header", [&] { file_.open(false); });
 }
 
 std::vector<VdbFile::Entry> VdbFile::entries() {
@@ -281,23 +296,18 @@ std::vector<VdbFile::Entry> VdbFile::entries() {
   for (auto name = file_.beginName(); name != file_.endName(); ++name) {
     Entry& entry = list.emplace_back();
     entry.name = name.gridName();
-    try {
-      entry.grid = file_.readGridMetadata(entry.name);
-    } catch (const openvdb::LookupError&) {  // a type that nobody has registered
-      continue;
-    } catch (const openvdb::Exception& error) {
-      refuse_file(path_, concat("grid '", entry.name, "'"), error);
-    }
+    read_part(path_, concat("grid '", entry.name, "'"), [&] {
+      try {
+        entry.grid = file_.readGridMetadata(entry.name);
+      } catch (const openvdb::LookupError&) {  // a type that nobody has registered
+      }
+    });
   }
   return list;
 }
 
 openvdb::GridBase::Ptr VdbFile::read(const std::string& name) {
-  try {
-    return file_.readGrid(name);
-  } catch (const openvdb::Exception& error) {
-    refuse_file(path_, concat("grid '", name, "'"), error);
-  }
+  return read_part(path_, concat("grid '", name, "'"), [&] { return file_.readGrid(name); });
 }
 
 std::string value_type_of(const VdbFile::Entry& entry) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 #include "preprocess/export/grid_samples.h"
 #include "preprocess/export/output_stream.h"
 #include "preprocess/workers/vdb/hand_out.h"
@@ -85,6 +86,12 @@ typename GridFor<T>::Ptr grid_of(const GridSamples<T>& samples, const formats::G
               concat(output.string(), ": found ", found, " when reading it back; expected what was written"));
 }
 
+[[noreturn]] void refuse_to_write(const std::filesystem::path& output, const char* library, const std::exception& why) {
+  note_library_text(why.what());
+  throw Error(ErrorCode::resource, concat(output.string(), ": ", library, " cannot write it"),
+              concat("-v prints the reason that ", library, " gives"));
+}
+
 openvdb::GridBase::Ptr read_back(const std::filesystem::path& output, const std::string& field) {
   try {
     return VdbFile(output).read(field);
@@ -123,7 +130,7 @@ void write_openvdb(const typename GridFor<T>::Ptr& grid, const GridSamples<T>& s
     file.finish();
   } catch (const openvdb::Exception& error) {
     file.check();
-    throw Error(ErrorCode::resource, concat(output.string(), ": OpenVDB cannot write it: ", error.what()));
+    refuse_to_write(output, "OpenVDB", error);
   }
   const auto read = openvdb::gridPtrCast<GridFor<T>>(read_back(output, samples.field().name));
   if (!read || affine_of(read->transform()) != affine_of(grid->transform())) refuse_written(output, "another grid");
@@ -144,7 +151,7 @@ void write_nanovdb(const typename GridFor<T>::Ptr& grid, const std::filesystem::
     throw;
   } catch (const std::exception& error) {
     file.check();
-    throw Error(ErrorCode::resource, concat(output.string(), ": NanoVDB cannot write it: ", error.what()));
+    refuse_to_write(output, "NanoVDB", error);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 #include <thread>
 
+#include "formats/base/library_text.h"
 #include "preprocess/process/limits.h"
 #include "tests/preprocess/import/support.h"
 
@@ -79,19 +80,49 @@ TEST_F(Worker, passes_a_refusal_on_as_the_same_error) {
   }
 }
 
+/// Collects what libraries say while it lives.
+class LibraryText {
+ public:
+  LibraryText() {
+    set_library_text_sink([this](const std::string& line) { lines_.push_back(line); });
+  }
+  LibraryText(const LibraryText&) = delete;
+  LibraryText& operator=(const LibraryText&) = delete;
+  ~LibraryText() { set_library_text_sink({}); }
+
+  const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
 TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
-  expect_refusal([] { run_worker(request("throw")); }, ErrorCode::internal,
-                 {"reading bone.vtu", "a library's exception"});
+  const LibraryText said;
+  expect_refusal([] { run_worker(request("throw")); }, ErrorCode::internal, {"reading bone.vtu: failed unexpectedly"});
+  EXPECT_THAT(said.lines(), testing::ElementsAre("a library's exception"));
+}
+
+TEST_F(Worker, keeps_what_libraries_say_out_of_its_refusals) {
+  const LibraryText said;
+  for (const char* verb : {"refuse", "segfault", "exit-99"}) try {
+      run_worker(request(verb));
+      FAIL() << "nothing was refused";
+    } catch (const Error& error) {
+      for (const char* text : {"a library's chatter", "about to fall", "unexpected"}) {
+        EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr(text)));
+        EXPECT_THAT(error.hint(), testing::Not(testing::HasSubstr(text)));
+      }
+    }
+  EXPECT_THAT(said.lines(), testing::ElementsAre("a library's chatter", "about to fall", "unexpected"));
 }
 
 TEST_F(Worker, turns_a_crash_into_a_sentence) {
   expect_refusal([] { run_worker(request("segfault")); }, ErrorCode::invalid,
-                 {"signal 11 (Segmentation fault)", "reading bone.vtu", "its last output: about to fall"});
+                 {"signal 11 (Segmentation fault)", "while reading bone.vtu"});
 }
 
 TEST_F(Worker, turns_an_abort_into_a_sentence) {
-  expect_refusal([] { run_worker(request("abort")); }, ErrorCode::invalid,
-                 {"signal 6", "reading bone.vtu", "printed nothing"});
+  expect_refusal([] { run_worker(request("abort")); }, ErrorCode::invalid, {"signal 6", "while reading bone.vtu"});
 }
 
 TEST_F(Worker, is_stopped_at_its_time_limit) {
@@ -223,8 +254,7 @@ TEST_F(Worker, may_complain_without_end) {
 }
 
 TEST_F(Worker, is_reported_when_it_breaks_its_promise) {
-  expect_refusal([] { run_worker(request("exit-99")); }, ErrorCode::internal,
-                 {"code 99", "its last output: unexpected"});
+  expect_refusal([] { run_worker(request("exit-99")); }, ErrorCode::internal, {"code 99 while reading bone.vtu"});
   expect_refusal([] { run_worker(request("nothing")); }, ErrorCode::internal, {"reading bone.vtu", "handed over"});
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/word_list.h"
 
@@ -118,7 +119,13 @@ Option worker_memory_option(CommonOptions& common, const std::string& worker) {
 std::vector<Option> message_options(CommonOptions& common, const std::string& json_help,
                                     const std::string& verbose_help) {
   return {flag_option("-q,--quiet", "Print errors only", common.quiet),
-          flag_option("-v,--verbose", verbose_help, common.verbose),
+          with_details({Option::Kind::flag, "-v,--verbose", "", verbose_help,
+                        [&common](const std::string&) {
+                          common.verbose = true;
+                          set_library_text_sink(
+                              [&common](const std::string& line) { tell(common, concat("library: ", line)); });
+                        }},
+                       "Texts of the libraries that read and write files begin with `library:`"),
           for_experts(choice_option("--progress", {"auto", "bar", "plain", "json", "none"},
                                     "Progress on stderr; auto: a bar on a terminal, else none; default auto",
                                     common.progress)),

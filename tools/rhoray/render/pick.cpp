@@ -10,8 +10,40 @@
 
 namespace rhoray::tools {
 
+namespace {
+
+bool is_projection(const render::Layer& layer) {
+  return layer.mode == render::Mode::mip;
+}
+
+/// The bound of a picked depth. The channels are floats: half a step of each is added. So is what
+/// the arithmetic from a depth to a position in the world rounds.
+double depth_error(double bound, double depth, const Vec3& eye, const Vec3& position) {
+  return 0x1.01p0 * bound + 0x1.01p-24 * depth + 0x1p-46 * (eye.length() + depth + position.length());
+}
+
+std::string pixel_text(const Json& pick) {
+  return concat("pixel ", pick["pixel"][0].get<int>(), ",", pick["pixel"][1].get<int>());
+}
+
+/// A number of a pick with its unit.
+std::string with_unit(const std::string& number, const std::string& unit) {
+  return unit.empty() ? number : concat(number, " ", unit);
+}
+
+std::string position_text(const Json& pick) {
+  const double error = pick.value("error", HUGE_VAL);
+  std::string text;
+  for (const Json& number : pick["position"]) {
+    const auto coordinate = number.get<double>();
+    text += concat(text.empty() ? "" : " ", rounded(coordinate, digits_for(coordinate, error)));
+  }
+  return text;
+}
+
+}  // namespace
+
 void read_value(const std::string& text, std::vector<PixelPlace>& out) {
-  out.clear();
   const char* at = text.data();
   const char* const end = at + text.size();
   const auto refuse = [&] {
@@ -35,8 +67,11 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out) {
 
 render::ChannelSet channels_of_picks(const render::Scene& scene) {
   render::ChannelSet channels{.depth = true, .cell = true, .value = true};
-  channels.error = std::all_of(scene.layers.begin(), scene.layers.end(),
-                               [](const render::Layer& layer) { return render::proves(layer.method); });
+  const std::vector<render::Layer>& layers = scene.layers;
+  const auto all = [&](const auto& holds) { return std::all_of(layers.begin(), layers.end(), holds); };
+  // Beside a projection a bound may be that of a depth or of a value.
+  const bool bounds_one_quantity = all(is_projection) || std::none_of(layers.begin(), layers.end(), is_projection);
+  channels.error = bounds_one_quantity && all([](const render::Layer& layer) { return render::proves(layer.method); });
   return channels;
 }
 
@@ -70,7 +105,9 @@ Json picked(const render::ResolvedScene& plan, const render::Framebuffer& frameb
   const std::vector<std::uint32_t> pixels{static_cast<std::uint32_t>(at)};
   const render::Ray ray =
       pixel_rays(dataset, plan.scene.camera, {framebuffer.width, framebuffer.height}, pixels).front();
-  json["position"] = json_of(world_from_ray_frame(dataset).point(ray.origin + depth * ray.direction));
+  const Affine& world_from_ray = world_from_ray_frame(dataset);
+  const Vec3 position = world_from_ray.point(ray.origin + depth * ray.direction);
+  json["position"] = json_of(position);
   json["depth"] = depth;
   json["length_unit"] = dataset.length_unit();
   json["cell"] = framebuffer.cell[at];
@@ -78,23 +115,59 @@ Json picked(const render::ResolvedScene& plan, const render::Framebuffer& frameb
     json["value"] = framebuffer.value[at];
     json["unit"] = common_unit(plan);
   }
-  if (!framebuffer.error.empty()) json["error"] = framebuffer.error[at];
+  if (channels_of_picks(plan.scene).error) {
+    const double bound = framebuffer.error[at];
+    if (!std::isfinite(bound)) return json;
+    if (is_projection(plan.scene.layers.front()))
+      json["value_error"] = 0x1.01p0 * bound;
+    else
+      json["error"] = depth_error(bound, depth, world_from_ray.point(ray.origin), position);
+  }
   return json;
 }
 
 std::string picked_text(const Json& pick) {
-  const std::string pixel = concat("pixel ", pick["pixel"][0].get<int>(), ",", pick["pixel"][1].get<int>(), ": ");
-  if (pick["cell"].is_null()) return pixel + "no hit";
-  const auto with_unit = [&](const char* number, const char* unit) {
+  if (pick["cell"].is_null()) return pixel_text(pick) + ": no hit";
+  const auto number_text = [&](const char* number, const char* error, const char* unit) {
+    const auto value = pick[number].get<double>();
     const auto word = pick[unit].get<std::string>();
-    return concat(rounded(pick[number].get<double>()), word.empty() ? "" : " ", word);
+    if (!pick.contains(error)) return with_unit(rounded(value), word);
+    return text_with_error(value, pick[error].get<double>(), word);
   };
-  const Json& place = pick["position"];
-  return concat(pixel, "position (", rounded(place[0].get<double>()), " ", rounded(place[1].get<double>()), " ",
-                rounded(place[2].get<double>()), "), cell ", pick["cell"].get<std::uint64_t>(),
-                pick.contains("value") ? concat(", value ", with_unit("value", "unit")) : "", ", depth ",
-                with_unit("depth", "length_unit"),
-                pick.contains("error") ? concat(", error at most ", with_unit("error", "length_unit")) : "");
+  return concat(pixel_text(pick), ": position (", position_text(pick), "), cell ", pick["cell"].get<std::uint64_t>(),
+                pick.contains("value") ? concat(", value ", number_text("value", "value_error", "unit")) : "",
+                ", depth ", number_text("depth", "error", "length_unit"));
+}
+
+Json picked_distance(const Json& from, const Json& to) {
+  Json json{{"from", from["pixel"]}, {"to", to["pixel"]}, {"distance", nullptr}, {"error", nullptr}};
+  if (from["cell"].is_null() || to["cell"].is_null()) return json;
+  Vec3 between;
+  for (int axis = 0; axis < 3; ++axis)
+    between[axis] = to["position"][axis].get<double>() - from["position"][axis].get<double>();
+  const double distance = between.length();
+  json["distance"] = distance;
+  json["length_unit"] = from["length_unit"];
+  // Each end may move by its error; the sum's own rounding is far below the bounds of the ends.
+  if (from.contains("error") && to.contains("error"))
+    json["error"] = from["error"].get<double>() + to["error"].get<double>() + 0x1p-50 * distance;
+  return json;
+}
+
+std::string picked_distance_text(const Json& from, const Json& to) {
+  const Json json = picked_distance(from, to);
+  const std::string start = concat("distance from ", pixel_text(from), " to ", pixel_text(to), ": ");
+  const auto which = [&](const auto& lacks) {
+    if (lacks(from) && lacks(to)) return std::string("both pixels");
+    return pixel_text(lacks(from) ? from : to);
+  };
+  if (json["distance"].is_null())
+    return concat(start, "none, no hit at ", which([](const Json& pick) { return pick["cell"].is_null(); }));
+  const auto distance = json["distance"].get<double>();
+  const auto unit = json["length_unit"].get<std::string>();
+  if (!json["error"].is_null()) return start + text_with_error(distance, json["error"].get<double>(), unit);
+  return concat(start, with_unit(rounded(distance), unit), ", no proven error at ",
+                which([](const Json& pick) { return !pick.contains("error"); }));
 }
 
 }  // namespace rhoray::tools

@@ -320,7 +320,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
        in_group("Clipping", clip_options(scene.clip)),
        in_group(
            "Annotation",
-           {constant_option("--axes", "Draw arrows along the world axes", render::AxesSpec{}, scene.annotations.axes),
+           {with_details(constant_option("--axes", "Draw arrows along the world axes", render::AxesSpec{},
+                                         scene.annotations.axes),
+                         "In a patient's body they carry the letters of their directions, as the edges of --box do"),
             constant_option("--box", "Draw a box around the data, with ticks in world units", true,
                             scene.annotations.box),
             with_details(

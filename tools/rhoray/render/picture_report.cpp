@@ -63,6 +63,8 @@ void report_json(const Drawn& drawn) {
                      {"wait_for_checks", stations.wait_for_checks_s},
                      {"write", stations.write_s}};
   if (!drawn.picks.empty()) json["picks"] = drawn.picks;
+  for (std::size_t i = 1; i < drawn.picks.size(); ++i)
+    json["distances"].push_back(picked_distance(drawn.picks[i - 1], drawn.picks[i]));
   if (drawn.self_check) json["verify"] = json_of(*drawn.self_check);
   json["reproduce"] = drawn.reproduce;
   std::puts(dump(json).c_str());
@@ -143,7 +145,10 @@ void report(const RenderCommand& command, const Drawn& drawn) {
                      .c_str(),
                  stdout);
     if (drawn.self_check) std::fputs(text_of(*drawn.self_check).c_str(), stdout);
-    for (const Json& pick : drawn.picks) std::puts(picked_text(pick).c_str());
+    for (std::size_t i = 0; i < drawn.picks.size(); ++i) {
+      std::puts(picked_text(drawn.picks[i]).c_str());
+      if (i > 0) std::puts(picked_distance_text(drawn.picks[i - 1], drawn.picks[i]).c_str());
+    }
   }
   say_choices(common, plan);
   for (const render::Choice& choice : drawn.choices) say(common, choice.sentence);

@@ -67,6 +67,34 @@ TEST(Quality, needles_of_a_scanned_surface_are_kept_and_the_inside_is_made_well_
   EXPECT_EQ(again.cells, mesh.cells);
 }
 
+/// A sphere of triangles close to another one inside it: a thin shell, which quality fills with very many cells.
+NeutralSurface thin_shell() {
+  NeutralSurface shell;
+  add_sphere(shell, 1, 3);
+  add_sphere(shell, 0.995, 3);
+  return shell;
+}
+
+TEST(Quality, without_options_there_are_at_most_20_cells_for_each_triangle) {
+  for (const NeutralSurface& surface :
+       {box({0, 0, 0}, {1, 1, 1}), box({0, 0, 0}, {1, 1, 300}), box({0, 0, 0}, {1, 50, 0.01}), thin_shell(),
+        sphere_with_needles(40), sphere_with_needles(1000)}) {
+    const std::size_t triangles = surface.facet_offsets.size() - 1;
+    const NeutralMesh mesh = tetrahedralize(surface, {.time_limit_s = 60});
+    EXPECT_LE(mesh.cells.size(), 20 * triangles) << triangles;
+    EXPECT_GT(mesh.cells.size(), triangles / 3);
+    EXPECT_THAT(mesh.notes, Contains(HasSubstr("do not reach a quality of 1.4")));
+  }
+}
+
+TEST(Quality, a_note_says_that_more_cells_would_be_better) {
+  const NeutralSurface bar = box({0, 0, 0}, {1, 1, 300});
+  EXPECT_THAT(tetrahedralize(bar).notes, Contains(HasSubstr("more than 20 cells per triangle")));
+  const NeutralMesh good = tetrahedralize(bar, {.quality = 1.4});
+  EXPECT_GT(good.cells.size(), 240U) << "a quality that is asked for has no such limit";
+  EXPECT_LT(share_above(good, preprocess::usual_quality).of_volume, 0.1);
+}
+
 TEST(Quality, the_coarse_triangles_of_a_slender_part_are_split) {
   const NeutralSurface bar = box({0, 0, 0}, {1, 1, 20});
   const NeutralMesh mesh = tetrahedralize(bar);

@@ -9,6 +9,7 @@
 
 #include "formats/base/error.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/preprocess/workers/tetgen/surfaces.h"
 
@@ -74,6 +75,28 @@ TEST_F(SharedSurfaces, the_rabbit_heart_is_filled) {
       EXPECT_GT(too_large, mesh.cells.size() / 100) << "the limit limits nothing";
     }
   }
+}
+
+/// All surfaces that can be filled as they are; those with faults are refused before TetGen runs.
+TEST_F(SharedSurfaces, are_filled_with_at_most_20_cells_for_each_triangle) {
+  std::size_t filled = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(surfaces_)) {
+    if (!entry.is_regular_file() || preprocess::foreign_kind(entry.path()) != preprocess::ForeignKind::surface)
+      continue;
+    const NeutralSurface surface = preprocess::import_surface(entry.path());
+    const bool asks_for_volumes = std::any_of(surface.regions.begin(), surface.regions.end(),
+                                              [](const auto& region) { return region.max_volume > 0; });
+    if (asks_for_volumes) continue;
+    try {
+      const NeutralMesh mesh = preprocess::tetrahedralize(surface);
+      const std::size_t triangles = surface.facet_corners.size() - 2 * (surface.facet_offsets.size() - 1);
+      EXPECT_LE(mesh.cells.size(), 20 * triangles) << entry.path();
+      ++filled;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid) << entry.path() << ": " << error.what();
+    }
+  }
+  EXPECT_GE(filled, 7U);
 }
 
 // CGAL's own search on the mesh (PMP::self_intersections) counts the same pairs here and in the gears.
