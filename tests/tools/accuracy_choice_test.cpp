@@ -117,11 +117,11 @@ TEST(SelfCheck, finds_the_levels_as_good_as_they_promise) {
   const Workbench bench;
   bench.make_ball();
   bench.make_box();
-  for (const std::string words :
-       {"ball.rho --iso 60 --accuracy float", "ball.rho --iso 60 --accuracy double",
-        "ball.rho --iso 60 --accuracy certified", "ball.rho --iso 60 --accuracy exact",
-        "ball.rho --iso 60,120 --accuracy certified", "ball.rho --mode mip", "ball.rho --mode mip --accuracy certified",
-        "box.rho --field length --iso 0.8", "box.rho --field length --iso 0.8 --accuracy certified"}) {
+  for (const std::string words : {"ball.rho --iso 60 --accuracy float", "ball.rho --iso 60 --accuracy double",
+                                  "ball.rho --iso 60 --accuracy certified", "ball.rho --iso 60 --accuracy exact",
+                                  "ball.rho --iso 60,120 --opacity 1 --accuracy certified", "ball.rho --mode mip",
+                                  "ball.rho --mode mip --accuracy certified", "box.rho --field length --iso 0.8",
+                                  "box.rho --field length --iso 0.8 --accuracy certified"}) {
     const json check = rendered(bench, words + " --verify 200 --verify-seed 3")["verify"];
     EXPECT_EQ(check["seed"], 3);
     EXPECT_EQ(check["random"]["pixels"], 200) << words;
