@@ -60,7 +60,7 @@ struct LayerSpec {
   std::vector<std::string> isovalues{"auto"};  ///< numbers, p95 (percentile), or auto; one surface each
   std::optional<Interval<double>> range{};     ///< of MIP, or of color_by
   std::optional<Color> color{};
-  std::string normals{};   ///< a word; empty = flat in meshes, else the style's
+  std::string normals{};  ///< a word; empty = flat in meshes, else the style's
   /// A field of the data. Empty: color; on a boundary without color, the field that the data show.
   std::string color_by{};
   std::string colormap{};  ///< a word; empty = viridis

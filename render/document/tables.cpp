@@ -246,7 +246,7 @@ std::span<const LayerKind> layer_kinds() {
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
       {LayerType::boundary, "boundary",
        "Boundary of a mesh: the faces that belong to one cell only. Its fields are exact",
-       rows_of_every_layer() + rows_of_boundaries() + rows_of_lit_surfaces()},
+       rows_of_every_layer() + rows_of_boundaries() + scale_rows() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
        rows_of_data() + slice_rows() + scale_rows()}};
   return kinds;

@@ -128,7 +128,7 @@ TEST_F(SeveralIsovalues, are_drawn_without_legend_where_annotations_cannot_be_dr
   std::filesystem::copy_file(RHORAY_PROGRAM, bench_ / "alone/rhoray");
   const RunResult drawn = bench_.shell("alone/rhoray render ball.rho --iso 40,80 --size 32x32 -o p.png");
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_THAT(drawn.err, HasSubstr("note: no legend: it needs the module rhoray-pictures.so"));
+  EXPECT_THAT(drawn.err, HasSubstr("note: no colour bar, legend or box: they need the module rhoray-pictures.so"));
   const RunResult refused = bench_.shell("alone/rhoray render ball.rho --iso 40,80 --legend on --size 32x32 -o q.png");
   EXPECT_EQ(refused.exit_code, 7);
 }

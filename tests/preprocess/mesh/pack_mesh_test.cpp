@@ -237,7 +237,7 @@ TEST(PackMesh, packs_several_fields_of_both_precisions_in_the_order_asked) {
   ASSERT_EQ(opened.find_cell_field("region"), 0u);
   EXPECT_EQ(opened.description().cell_fields[0].range, (Interval<double>{0, 2}));
   for (std::uint64_t c = 0; c < opened.description().cell_count; ++c)
-    ASSERT_EQ(opened.cell_values<double>(0)[c], static_cast<double>(opened.cell_id(c) % 3));
+    ASSERT_EQ(opened.cell_values<float>(0)[c], static_cast<float>(opened.cell_id(c) % 3));
 }
 
 TEST(PackMesh, keeps_the_boundary_in_at_most_5_percent_of_the_file) {
