@@ -28,9 +28,9 @@ Normals choose_normals(const LayerSpec& spec, const Style& style, const Dataset&
       throw refusal(layer, "normals", "--normals",
                     concat("'", row.name, "' applies only to ", row.of_meshes ? "meshes" : "grids", ", and ",
                            dataset.file().name(), " is ",
-                           dataset.is_mesh()      ? "a mesh"
-                           : dataset.is_surface() ? "a surface"
-                                                  : "a grid"),
+                           !dataset.is_surface()  ? dataset.is_mesh() ? "a mesh" : "a grid"
+                           : dataset.has_fields() ? "a mesh"
+                                                  : "a surface"),
                     row.of_grids ? "use flat or smooth" : "use exact, the gradient of the trilinear field, or smooth");
     return row.normals;
   }

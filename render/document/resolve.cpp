@@ -1,7 +1,6 @@
 #include "render/document/resolve.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -12,7 +11,7 @@
 #include "render/document/clip.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
-#include "render/document/several_isovalues.h"
+#include "render/document/several_surfaces.h"
 #include "render/document/slices.h"
 #include "render/document/styles.h"
 #include "render/document/tables.h"
@@ -24,11 +23,6 @@
 namespace rhoray::render {
 
 namespace {
-
-/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note
-/// SRON/EPS/TN/09-002), made to be told apart with any colour vision; they are light enough that
-/// shading still shows.
-constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
 
 /// Of the boundary around isosurfaces: a neutral grey.
 constexpr Vec3 context_color{0.5, 0.5, 0.5};
@@ -149,7 +143,7 @@ std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
 LayerType type_of(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
   if (layer.type != LayerType::automatic) return layer.type;
   const std::string accuracy = accuracy_of(scene_spec, layer);
-  const bool asks_for_isosurface = layer.isovalues != LayerSpec{}.isovalues || !layer.method.empty() || layer.context ||
+  const bool asks_for_isosurface = layer.isovalues != LayerSpec{}.isovalues || !layer.method.empty() || layer.context.value_or(0) > 0 ||
                                    (!accuracy.empty() && !is_level_of_triangles(accuracy));
   return dataset.is_mesh() && !asks_for_isosurface ? LayerType::boundary : LayerType::isosurface;
 }
@@ -199,7 +193,7 @@ void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer,
 void refuse_words_of_isosurfaces(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& boundary) {
   for (const auto& [given, option] : {std::pair{layer.isovalues != LayerSpec{}.isovalues, "--iso"},
                                       {!layer.method.empty(), "--method"},
-                                      {layer.context.has_value(), "--context"}})
+                                      {layer.context.value_or(0) > 0, "--context"}})
     if (given)
       throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a boundary has none"),
                   "leave it out, or use --mode iso");
@@ -367,7 +361,7 @@ class LayerPlanner {
 
   /// Refuses a context of data that have no boundary.
   void require_context(std::size_t index, const Dataset& dataset) const {
-    if (!scene_spec_.layers[index].context || dataset.is_mesh()) return;
+    if (!(scene_spec_.layers[index].context.value_or(0) > 0) || dataset.is_mesh()) return;
     throw Error(ErrorCode::usage, concat("--context: needs a mesh, and ", dataset.file().name(), " is a ",
                                          dataset.is_surface() ? "surface" : "grid"));
   }
@@ -475,9 +469,7 @@ class LayerPlanner {
     if (surfaces.size() < 2) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (scene_spec_.layers[plan_.origins[surfaces[i]].spec].color) continue;
-      Color color;
-      read_value(palette[i % palette.size()], color);
-      plan_.scene.layers[surfaces[i]].material.color = color.linear;
+      plan_.scene.layers[surfaces[i]].material.color = color_of_surface(i, surfaces.size());
     }
   }
 

@@ -53,6 +53,24 @@ TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
   EXPECT_THAT(bench.rhoray({"render", "labels.nrrd", "--force"}).err, HasSubstr("holds labels: 1, 5, 9"));
 }
 
+TEST(LabelLayers, many_labels_have_different_colours) {
+  const Workbench bench;
+  std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 150 6 6\nencoding: raw\n\n";
+  for (int row = 0; row < 36; ++row)
+    for (int i = 0; i < 150; ++i) text += static_cast<char>(i / 5);
+  write_file(bench / "many.nrrd", text);
+  const Json shown = drawn(bench, {"many.nrrd"});
+  const Json& layers = shown["scene"]["layers"];
+  ASSERT_EQ(layers.size(), 29U);
+  for (std::size_t a = 0; a < layers.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      double distance = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        distance += std::abs(layers[a]["color"][c].get<double>() - layers[b]["color"][c].get<double>());
+      EXPECT_GT(distance, 0.1) << a << ' ' << b;
+    }
+}
+
 TEST(LabelLayers, an_isovalue_or_a_mode_shows_the_numbers) {
   const Workbench bench;
   make_labels(bench);

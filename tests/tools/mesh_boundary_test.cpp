@@ -71,6 +71,9 @@ TEST(MeshBoundaryCommand, an_isosurface_of_a_mesh_has_the_boundary_around_it) {
                                       "again.png --fail 0");
   EXPECT_EQ(again.exit_code, 0) << shown["reproduce"] << again.out << again.err;
 
+  for (const auto& [option, value] : {std::pair("--pick", "48,36"), {"--channels", "depth"}})
+    EXPECT_EQ(drawn(bench, {"box.vtu", "--iso", "0.5", option, value, "-o", "box.exr"})["scene"]["layers"].size(), 1U)
+        << option << " tells of the isosurface";
   EXPECT_EQ(drawn(bench, {"box.vtu", "--iso", "0.5", "--context", "0"})["scene"]["layers"].size(), 1U);
   EXPECT_EQ(drawn(bench, {"box.vtu", "--mode", "iso"})["scene"]["layers"].size(), 1U);
   EXPECT_EQ(drawn(bench, {"box.vtu", "--accuracy", "certified"})["scene"]["layers"][0]["type"], "isosurface");

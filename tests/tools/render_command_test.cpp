@@ -58,7 +58,7 @@ TEST(RenderCommand, shows_the_first_field_that_is_not_the_same_everywhere) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("field 'flat' is constant; showing field 'height'"));
   EXPECT_THAT(line_after(result.err, "reproduce: "), HasSubstr("--field height"));
-  EXPECT_EQ(bench.rhoray({"render", "box.rho", "--field", "flat", "-o", "flat.png"}).exit_code, 2);
+  EXPECT_EQ(bench.rhoray({"render", "box.rho", "--mode", "iso", "--field", "flat", "-o", "flat.png"}).exit_code, 2);
 }
 
 TEST(RenderCommand, says_which_cell_a_pixel_shows) {
@@ -302,8 +302,8 @@ TEST(RenderCommand, has_y_up_in_surfaces_from_ply_and_z_in_others) {
 TEST(RenderCommand, colours_and_smooths_a_mesh_when_asked_and_reproduces_it) {
   const Workbench bench;
   bench.make_box();
-  const std::vector<std::string> plain{"render", "box.rho", "--field", "length", "--iso",
-                                       "0.9",    "--size",  "48x48",   "--json"};
+  const std::vector<std::string> plain{"render", "box.rho", "--field", "length", "--mode", "iso",
+                                       "--iso",  "0.9",     "--size",  "48x48",  "--json"};
   const auto with = [&](const std::vector<std::string>& words) {
     std::vector<std::string> all = plain;
     all.insert(all.end(), words.begin(), words.end());
@@ -344,7 +344,8 @@ TEST(RenderCommand, refuses_looks_that_do_not_apply) {
   refused({"box.rho", "--normals", "exact"}, "'exact' applies only to grids, and box.rho is a mesh");
   refused({"box.rho", "--normals", "round"}, "flat");
   refused({"box.rho", "--color-by", "heigth"}, "did you mean height?");
-  refused({"box.rho", "--colormap", "gray"}, "needs --color-by");
+  refused({"box.rho", "--mode", "iso", "--colormap", "gray"}, "needs --color-by");
+  refused({"box.rho", "--surface-color", "red", "--colormap", "gray"}, "needs --color-by");
   refused({"box.rho", "--mode", "mip", "--normals", "flat"}, "--normals: needs an isosurface");
   refused({"box.rho", "--mode", "mip", "--color-by", "height"}, "--color-by: needs an isosurface");
 }

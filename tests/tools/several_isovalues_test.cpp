@@ -123,6 +123,11 @@ TEST_F(SeveralIsovalues, are_drawn_again_by_the_printed_command) {
   }
 }
 
+TEST_F(SeveralIsovalues, are_opaque_where_they_are_checked) {
+  const RunResult drawn = bench_.rhoray({"render", "ball.rho", "--iso", "40,80", "--verify", "50", "--size", "32x32"});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+}
+
 TEST_F(SeveralIsovalues, are_drawn_without_legend_where_annotations_cannot_be_drawn) {
   std::filesystem::create_directory(bench_ / "alone");
   std::filesystem::copy_file(RHORAY_PROGRAM, bench_ / "alone/rhoray");

@@ -53,6 +53,14 @@ render::SceneSpec spec_of(const RenderCommand& command) {
   if (!document) {
     PictureOptions picture = command.picture;
     if (picture.mode.empty() && needs_isosurface(command)) picture.mode = "iso";
+    // Picks and channels tell of the surface, not of what is around it.
+    if (!command.picks.empty() || picture.scene_spec.image.channels) {
+      std::optional<double>& context = picture.scene_spec.layers[0].context;
+      context = context.value_or(0);
+    }
+    // Only opaque surfaces are checked; several would be transparent by default.
+    std::optional<double>& opacity = picture.scene_spec.layers[0].opacity;
+    if (command.self_check.pixels > 0 && picture.mode == "iso") opacity = opacity.value_or(1);
     return spec_of(picture, command.inputs);
   }
   if (command.inputs.size() > 1)

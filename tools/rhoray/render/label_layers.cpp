@@ -16,6 +16,14 @@ bool is_open(const render::LayerSpec& layer) {
          layer.method.empty() && layer.color_by.empty() && layer.texture.empty() && !layer.context;
 }
 
+/// The data of a layer; null where they are refused later, or are those of one label already.
+const render::DataSpec* data_of(const render::LayerSpec& layer, const render::SceneSpec& scene_spec) {
+  for (const render::DataSpec& each : scene_spec.data)
+    if (each.name == layer.data || (layer.data.empty() && scene_spec.data.size() == 1))
+      return each.label ? nullptr : &each;
+  return nullptr;
+}
+
 std::string text_of(const Segmentation& segmentation) {
   std::vector<std::string> values;
   for (const preprocess::Label& label : segmentation.labels) values.push_back(concat(label.value));
@@ -30,11 +38,8 @@ render::SceneSpec with_label_layers(render::SceneSpec scene_spec, const DataAcce
   std::vector<render::LayerSpec> layers;
   std::vector<render::DataSpec> data;
   for (const render::LayerSpec& layer : scene_spec.layers) {
-    const auto of_layer = std::find_if(scene_spec.data.begin(), scene_spec.data.end(),
-                                       [&](const render::DataSpec& each) { return each.name == layer.data; });
-    const auto segmentation = is_open(layer) && of_layer != scene_spec.data.end() && !of_layer->label
-                                  ? segmentation_in(*of_layer, access)
-                                  : std::nullopt;
+    const render::DataSpec* of_layer = is_open(layer) ? data_of(layer, scene_spec) : nullptr;
+    const auto segmentation = of_layer != nullptr ? segmentation_in(*of_layer, access) : std::nullopt;
     if (!segmentation) {
       layers.push_back(layer);
       continue;
@@ -52,6 +57,7 @@ render::SceneSpec with_label_layers(render::SceneSpec scene_spec, const DataAcce
       layers.push_back(std::move(surface));
     }
   }
+  if (data.empty()) return scene_spec;
   for (const render::DataSpec& each : scene_spec.data)
     if (std::any_of(layers.begin(), layers.end(),
                     [&](const auto& layer) { return layer.data == each.name || layer.texture == each.name; }))

@@ -9,6 +9,10 @@
 
 namespace rhoray::render {
 
+/// The colour of one of several surfaces. If there are more than the palette has, hues are evenly
+/// spaced, and three pairs of saturation and brightness (HSV, as sRGB) take turns.
+Vec3 color_of_surface(std::size_t index, std::size_t count);
+
 /// True if so many isosurfaces of a layer get colours by their values: there are several, and the
 /// layer names no colours.
 bool are_colored_by_isovalue(const LayerSpec& spec, std::size_t count);

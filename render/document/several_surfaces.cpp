@@ -1,7 +1,9 @@
-#include "render/document/several_isovalues.h"
+#include "render/document/several_surfaces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "formats/base/interval.h"
@@ -9,6 +11,11 @@
 namespace rhoray::render {
 
 namespace {
+
+/// Colours of several isosurfaces, in order: Paul Tol's scheme "light" (technical note
+/// SRON/EPS/TN/09-002), made to be told apart with any colour vision; they are light enough that
+/// shading still shows.
+constexpr std::array palette{"#77aadd", "#ee8866", "#eedd88", "#44bb99", "#ffaabb", "#bbcc33", "#99ddff", "#aaaa00"};
 
 bool contains(const Box3& outer, const Box3& inner) {
   return outer.intersects(inner.min) && outer.intersects(inner.max);
@@ -42,6 +49,29 @@ void fade_outer(const Dataset& dataset, const std::vector<Layer*>& surfaces) {
 }
 
 }  // namespace
+
+Vec3 color_of_surface(std::size_t index, std::size_t count) {
+  Color color;
+  if (count <= palette.size()) {
+    read_value(palette[index], color);
+    return color.linear;
+  }
+  constexpr std::array<std::array<double, 2>, 3> tones{{{0.5, 0.9}, {0.75, 0.75}, {0.35, 1}}};
+  const auto& [saturation, brightness] = tones[index % tones.size()];
+  const std::size_t rounds = (count + tones.size() - 1) / tones.size();
+  const double hue = 6 * static_cast<double>(index) / static_cast<double>(rounds * tones.size());
+  std::string text = "#";
+  for (const double from : {5.0, 3.0, 1.0}) {
+    const double k = std::fmod(from + hue, 6);
+    const double part = brightness * (1 - saturation * std::max(0.0, std::min({k, 4 - k, 1.0})));
+    constexpr const char* digits = "0123456789abcdef";
+    const auto code = static_cast<std::size_t>(std::lround(255 * part));
+    text += digits[code / 16];
+    text += digits[code % 16];
+  }
+  read_value(text, color);
+  return color.linear;
+}
 
 bool are_colored_by_isovalue(const LayerSpec& spec, std::size_t count) {
   const bool may_be_isosurface = spec.type == LayerType::isosurface || spec.type == LayerType::automatic;
