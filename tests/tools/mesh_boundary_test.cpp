@@ -117,7 +117,7 @@ TEST(MeshBoundaryCommand, fields_of_cells_are_kept_shown_flat_listed_and_exporte
   const RunResult packed = bench.rhoray({"pack", "cells.vtu"});
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
   EXPECT_THAT(packed.out + packed.err, HasSubstr("1 field of cells"));
-  EXPECT_THAT(bench.rhoray({"info", "cells.rho"}).out, HasSubstr("cells        'layer'"));
+  EXPECT_THAT(bench.rhoray({"info", "cells.rho"}).out, HasSubstr("cells       'layer'"));
   const Json shown = drawn(bench, {"cells.rho", "--color-by", "layer", "--pick", "48,36"});
   EXPECT_EQ(shown["scene"]["layers"][0]["color_by"], "layer");
   const Json pick = shown["picks"][0];
