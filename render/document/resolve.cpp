@@ -134,7 +134,9 @@ bool is_level_of_triangles(const std::string& accuracy) {
 /// triangles is ignored for them.
 std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
   if (!layer.accuracy.empty()) return layer.accuracy;
-  const bool is_of_triangles = layer.type == LayerType::triangles || layer.type == LayerType::boundary;
+  // On a command line a boundary is the layer that the level was asked for.
+  const bool is_of_triangles =
+      layer.type == LayerType::triangles || (layer.type == LayerType::boundary && !scene_spec.document.empty());
   return !is_of_triangles || is_level_of_triangles(scene_spec.accuracy) ? scene_spec.accuracy : "";
 }
 
@@ -143,7 +145,8 @@ std::string accuracy_of(const SceneSpec& scene_spec, const LayerSpec& layer) {
 LayerType type_of(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
   if (layer.type != LayerType::automatic) return layer.type;
   const std::string accuracy = accuracy_of(scene_spec, layer);
-  const bool asks_for_isosurface = layer.isovalues != LayerSpec{}.isovalues || !layer.method.empty() || layer.context.value_or(0) > 0 ||
+  const bool asks_for_isosurface = layer.isovalues != LayerSpec{}.isovalues || !layer.method.empty() ||
+                                   layer.context.value_or(0) > 0 ||
                                    (!accuracy.empty() && !is_level_of_triangles(accuracy));
   return dataset.is_mesh() && !asks_for_isosurface ? LayerType::boundary : LayerType::isosurface;
 }
@@ -370,7 +373,11 @@ class LayerPlanner {
   void add_context(std::size_t index, std::size_t mesh) {
     constexpr double default_opacity = 0.12;
     const LayerSpec& spec = scene_spec_.layers[index];
-    const bool is_default = spec.type == LayerType::automatic && plan_.datasets[mesh].is_mesh();
+    const std::string accuracy = accuracy_of(scene_spec_, spec);
+    // A method or a level of isosurfaces is asked for to be examined: nothing is added then.
+    const bool is_default = spec.type == LayerType::automatic && plan_.datasets[mesh].is_mesh() &&
+                            spec.isovalues != LayerSpec{}.isovalues && spec.method.empty() &&
+                            (accuracy.empty() || is_level_of_triangles(accuracy));
     const double opacity = spec.context.value_or(is_default ? default_opacity : 0);
     const bool has_isosurface = !plan_.origins.empty() && plan_.origins.back().spec == index;
     if (!(opacity > 0) || !has_isosurface) return;

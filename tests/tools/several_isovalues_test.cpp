@@ -59,14 +59,14 @@ TEST_F(SeveralIsovalues, have_viridis_over_their_values_and_grow_opaque_inwards)
 
 TEST_F(SeveralIsovalues, are_ordered_by_size_where_the_field_grows_outwards) {
   make_mesh([](const Vec3& p) { return (p - Vec3(0.5)).length(); });
-  EXPECT_THAT(opacities(scene_of({"field.vtu", "--iso", "0.2,0.3,0.4"})), ElementsAre(1, 0.33, 0.25));
+  EXPECT_THAT(opacities(scene_of({"field.vtu", "--iso", "0.2,0.3,0.4", "--context", "0"})), ElementsAre(1, 0.33, 0.25));
 }
 
 TEST_F(SeveralIsovalues, of_both_signs_are_blue_and_red_around_0_and_each_sign_has_its_innermost) {
   make_mesh([](const Vec3& p) {
     return 1 / (0.2 + (p - Vec3(0.2, 0.5, 0.5)).length()) - 1 / (0.2 + (p - Vec3(0.8, 0.5, 0.5)).length());
   });
-  const nlohmann::json scene = scene_of({"field.vtu", "--iso", "-2,-1,1,2"});
+  const nlohmann::json scene = scene_of({"field.vtu", "--iso", "-2,-1,1,2", "--context", "0"});
   EXPECT_THAT(opacities(scene), ElementsAre(1, 0.33, 0.33, 1));
   expect_color(scene["layers"][0], color_of(render::ColorMap::coolwarm, 0));
   expect_color(scene["layers"][2], color_of(render::ColorMap::coolwarm, 0.75));
@@ -74,7 +74,7 @@ TEST_F(SeveralIsovalues, of_both_signs_are_blue_and_red_around_0_and_each_sign_h
 
 TEST_F(SeveralIsovalues, of_both_signs_are_one_set_where_one_encloses_the_other) {
   make_mesh([](const Vec3& p) { return 0.3 - (p - Vec3(0.5)).length(); });
-  const nlohmann::json scene = scene_of({"field.vtu", "--iso", "-0.1,0.1"});
+  const nlohmann::json scene = scene_of({"field.vtu", "--iso", "-0.1,0.1", "--context", "0"});
   EXPECT_THAT(opacities(scene), ElementsAre(0.33, 1));
   expect_color(scene["layers"][0], color_of(render::ColorMap::viridis, 0));
 }

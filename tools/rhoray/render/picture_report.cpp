@@ -11,6 +11,7 @@
 #include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/pick.h"
+#include "tools/rhoray/render/reproduce.h"
 
 namespace rhoray::tools {
 
@@ -25,7 +26,7 @@ Json camera_json(const render::Camera& camera) {
   return json;
 }
 
-/// The quantity shown by a scene of one layer.
+/// The quantity shown by a scene of one layer (is_of_one_layer).
 Json shown_json(const render::ResolvedScene& plan) {
   const render::Layer& layer = plan.scene.layers[0];
   const bool iso = layer.mode == render::Mode::isosurface;
@@ -51,7 +52,7 @@ void report_json(const Drawn& drawn) {
   const render::ResolvedScene& plan = drawn.plan;
   const StageTimes& stations = drawn.stations;
   Json json{{"picture", drawn.output.string()}};
-  if (plan.scene.layers.size() == 1) json.update(shown_json(plan));
+  if (is_of_one_layer(plan)) json.update(shown_json(plan));
   json["method"] = method_text(plan);
   json["size"] = {plan.frame.width, plan.frame.height};
   json["camera"] = camera_json(plan.scene.camera);

@@ -32,12 +32,11 @@ bool needs_words(const render::AnnotationsSpec& annotations) {
   return (axes && !axes->corner.empty()) || (bar && !(bar->title.empty() && bar->position.empty()));
 }
 
-/// Whether options say all layers: there is one, or an isosurface and the boundary around it.
+}  // namespace
+
 bool is_of_one_layer(const render::ResolvedScene& plan) {
   return plan.scene.layers.size() == 1 || (plan.scene.layers.size() == 2 && plan.origins[1].is_context);
 }
-
-}  // namespace
 
 std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output) {
   const render::SceneSpec scene_spec = to_spec(plan);

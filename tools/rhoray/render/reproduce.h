@@ -12,4 +12,7 @@ namespace rhoray::tools {
 /// one layer under the lights of a style, else in a document on the command line.
 std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, const std::filesystem::path& output);
 
+/// Whether options can say all layers: there is one, or an isosurface and the boundary around it.
+bool is_of_one_layer(const render::ResolvedScene& plan);
+
 }  // namespace rhoray::tools
