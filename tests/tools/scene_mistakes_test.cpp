@@ -86,9 +86,11 @@ std::vector<Mistake> mistakes() {
       {with("layers", "{}"), "s.json: /layers: found an object; expected an array of 1 to 254 layers"},
       {with("layers", "[7]"), "s.json: /layers/0: found 7; expected an object"},
       {with("layers", "[{}]"),
-       "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\", \"triangles\", \"boundary\", \"slice\""},
+       "s.json: /layers/0: has no \"type\"; expected one of \"isosurface\", \"mip\", \"triangles\", \"boundary\", "
+       "\"slice\""},
       {with("layers", R"([{"type": "isosurfce"}])"),
-       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\", \"triangles\", \"boundary\", \"slice\"",
+       "s.json: /layers/0/type: found \"isosurfce\"; expected one of \"isosurface\", \"mip\", \"triangles\", "
+       "\"boundary\", \"slice\"",
        "did you mean isosurface?"},
       {with("layers", R"([{"type": "isosurface", "visible": false}])"),
        "s.json: /layers: no layer is visible; expected at least one"},
