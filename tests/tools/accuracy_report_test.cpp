@@ -65,6 +65,34 @@ void run_well(const Workbench& bench, const std::string& words) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
 }
 
+TEST(AccuracyReport, opens_with_the_picture_a_verdict_and_the_tables_and_says_why_the_paper_misses_pixels) {
+  const Workbench bench;
+  bench.make_ball();
+  // Coefficients so small that the paper's method takes them for 0.
+  std::string tiny = "NRRD0004\ntype: float\ndimension: 3\nsizes: 24 24 24\nendian: little\nencoding: raw\n\n";
+  for (const char byte : read_file(bench / "ball.raw")) {
+    const float value = 1e-14F * static_cast<float>(static_cast<unsigned char>(byte));
+    tiny.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write_file(bench / "tiny.nrrd", tiny);
+  run_well(bench, "ball.rho --iso 60 -o usual" + small);
+  run_well(bench, "tiny.nrrd --iso 6e-13 -o tiny" + small);
+  for (const std::string folder : {"usual", "tiny"}) {
+    const std::string page = read_file(bench / (folder + "/report.html"));
+    const std::size_t picture = page.find("<figure class=\"reference\">"), verdict = page.find("class=\"verdict\"");
+    EXPECT_LT(page.find("href=\"results.csv\""), picture);
+    EXPECT_LT(picture, verdict);
+    EXPECT_LT(verdict, page.find("All variants"));
+    EXPECT_THAT(page, HasSubstr("of the isovalue where the surface is drawn"));
+    const json paper = row_named(results_of(bench, folder), "paper:double");
+    const bool is_wrong = paper.at("missed").get<int>() + paper.at("false_hits").get<int>() > 0;
+    EXPECT_EQ(page.find("It expands the cubic of a cell around the eye") != std::string::npos, is_wrong) << folder;
+    if (folder == "tiny") {
+      EXPECT_TRUE(is_wrong);
+    }
+  }
+}
+
 TEST(AccuracyReport, measures_a_method_that_is_worse_on_purpose_as_worse) {
   const Workbench bench;
   bench.make_ball();

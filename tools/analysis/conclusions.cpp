@@ -66,20 +66,19 @@ const ResultRow* default_row(const Rows& rows) {
   return row != nullptr ? row : named(rows, group_levels, "double");
 }
 
-/// Says why the paper's method misses pixels, where it does.
+/// Says what makes the paper's method miss pixels, where it does (render/cell/crossing_methods.h,
+/// tet_methods.h).
 void say_paper(const LayerStudy& layer, const Rows& rows, std::vector<std::string>& out) {
-  const ResultRow* paper = named(rows, group_published, "paper");
-  if (paper == nullptr || !paper->measured->errors || layer.is_projection()) return;
+  const ResultRow* paper = named(rows, group_published, "paper:double");
+  if (paper == nullptr || !paper->measured->errors) return;
   const render::ErrorCounts& errors = *paper->measured->errors;
   if (errors.missed + errors.false_hits == 0) return;
-  out.push_back(concat(
-      "The paper's method (`paper`): ", wrong_text(*paper), ". ",
-      layer.dataset().is_mesh()
-          ? "It tests each tetrahedron alone: rounding can put a ray that passes a shared face, edge or point outside "
-            "all tetrahedra there, and the ray goes through the surface."
-          : "It expands the cubic of a cell around the eye: the farther away the eye is, the more digits its "
-            "coefficients lose, until roots appear or vanish. A cubic whose first coefficient is nearly 0 loses "
-            "more."));
+  out.push_back(concat("The paper's method (`paper:double`): ", wrong_text(*paper), ". ",
+                       layer.dataset().is_mesh()
+                           ? "It tests each tetrahedron alone: rounding can put a ray that passes a shared face, edge "
+                             "or point outside all tetrahedra there, and the ray goes through the surface."
+                           : "It expands the cubic of a cell around the eye, where the coefficients lose digits, and "
+                             "takes coefficients below a fixed size for 0: roots then appear or vanish."));
 }
 
 /// Says which method is sufficient for which error.
