@@ -101,11 +101,11 @@ class MeshCheck {
   void check_boundary() {
     if (mesh_.boundary().empty()) return;
     const FaceNumbers computed = computed_boundary_faces(mesh_);
-    const auto [stored, expected] =
-        std::mismatch(mesh_.boundary().begin(), mesh_.boundary().end(), computed.begin(), computed.end());
-    if (stored != mesh_.boundary().end() || expected != computed.end())
-      findings_.add("a wrong face of the boundary", stored - mesh_.boundary().begin(),
-                    [&] { return concat("element ", stored - mesh_.boundary().begin()); });
+    const std::span<const std::uint64_t> stored = mesh_.boundary();
+    const auto differ = std::mismatch(stored.begin(), stored.end(), computed.begin(), computed.end());
+    const auto element = static_cast<std::uint64_t>(differ.first - stored.begin());
+    if (element != stored.size() || differ.second != computed.end())
+      findings_.add("a wrong face of the boundary", element, [&] { return concat("element ", element); });
   }
 
   template <class T>

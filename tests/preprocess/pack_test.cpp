@@ -51,7 +51,7 @@ TEST_F(Pack, takes_every_kind_of_input_and_describes_what_it_wrote) {
   EXPECT_EQ(tets.cell_count, 2U);
   ASSERT_EQ(tets.fields.size(), 1U);
   EXPECT_EQ(tets.fields[0].name, "pressure");
-  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("averaged to the points")));
+  EXPECT_THAT(mesh.notes, ElementsAre(HasSubstr("averaged to the points"), HasSubstr("1 to 2 in cells")));
   for (const PackReport* report : {&volume, &colors, &surface, &mesh}) EXPECT_GT(report->file_bytes, 0U);
   EXPECT_EQ(std::filesystem::file_size(folder_ / "a.vtu.rho"), mesh.file_bytes);
 }
