@@ -143,8 +143,8 @@ Json picked_distance(const Json& from, const Json& to) {
   Json json{{"from", from["pixel"]}, {"to", to["pixel"]}, {"distance", nullptr}, {"error", nullptr}};
   if (from["cell"].is_null() || to["cell"].is_null()) return json;
   Vec3 between;
-  for (int axis = 0; axis < 3; ++axis)
-    between[axis] = to["position"][axis].get<double>() - from["position"][axis].get<double>();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    between[static_cast<int>(axis)] = to["position"][axis].get<double>() - from["position"][axis].get<double>();
   const double distance = between.length();
   json["distance"] = distance;
   json["length_unit"] = from["length_unit"];
