@@ -211,7 +211,7 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
   writer.write<std::array<double, 3>>("points", clean.points);
   writer.write<std::uint32_t>("cell_ids", ids);
   writer.write<std::uint32_t>("point_ranks", point_ranks);
-  writer.write<std::uint64_t>("boundary", boundary);
+  if (!boundary.empty()) writer.write<std::uint64_t>("boundary", boundary);
   write_structure(writer, structure, clean);
   for (std::size_t f = 0; f < fields.of_points.size(); ++f)
     std::visit([&](const auto& values) { write_field(writer, f, values, clean, structure, packed.lattice.macro); },

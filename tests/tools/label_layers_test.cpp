@@ -24,18 +24,10 @@ void make_labels(const Workbench& bench) {
   write_file(bench / "labels.nrrd", text);
 }
 
-Json drawn(const Workbench& bench, std::vector<std::string> words) {
-  words.insert(words.begin(), "render");
-  words.insert(words.end(), {"--json", "--force", "--size", "96x72"});
-  const RunResult run = bench.rhoray(words);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  return Json::parse(run.out);
-}
-
 TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
   const Workbench bench;
   make_labels(bench);
-  const Json shown = drawn(bench, {"labels.nrrd"});
+  const Json shown = bench.drawn({"labels.nrrd"});
   const Json& layers = shown["scene"]["layers"];
   ASSERT_EQ(layers.size(), 3U);
   std::vector<Json> colors;
@@ -59,7 +51,7 @@ TEST(LabelLayers, many_labels_have_different_colours) {
   for (int row = 0; row < 36; ++row)
     for (int i = 0; i < 150; ++i) text += static_cast<char>(i / 5);
   write_file(bench / "many.nrrd", text);
-  const Json shown = drawn(bench, {"many.nrrd"});
+  const Json shown = bench.drawn({"many.nrrd"});
   const Json& layers = shown["scene"]["layers"];
   ASSERT_EQ(layers.size(), 29U);
   for (std::size_t a = 0; a < layers.size(); ++a)
@@ -74,11 +66,11 @@ TEST(LabelLayers, many_labels_have_different_colours) {
 TEST(LabelLayers, an_isovalue_or_a_mode_shows_the_numbers) {
   const Workbench bench;
   make_labels(bench);
-  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--iso", "3"})["scene"]["layers"].size(), 1U);
-  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--mode", "iso"})["scene"]["layers"].size(), 1U);
-  EXPECT_EQ(drawn(bench, {"labels.nrrd", "--mode", "mip"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"labels.nrrd", "--iso", "3"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"labels.nrrd", "--mode", "iso"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"labels.nrrd", "--mode", "mip"})["scene"]["layers"].size(), 1U);
   bench.make_ball();
-  EXPECT_EQ(drawn(bench, {"ball.rho"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"ball.rho"})["scene"]["layers"].size(), 1U);
 }
 
 TEST(LabelLayers, labels_that_are_not_there_are_refused) {

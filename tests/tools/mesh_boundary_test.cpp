@@ -13,7 +13,8 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-/// cells.vtu: the unit cube with the point field 'height' and the cell field 'layer', 0 to 3 upward.
+/// cells.vtu: the unit cube with the point field 'height' and the cell field 'layer', 0 to 3
+/// upward.
 void make_cells_vtu(const Workbench& bench) {
   preprocess::NeutralMesh mesh = box_mesh({});
   add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
@@ -27,18 +28,10 @@ void make_cells_vtu(const Workbench& bench) {
   preprocess::export_mesh(mesh, bench / "cells.vtu", false);
 }
 
-Json drawn(const Workbench& bench, std::vector<std::string> words) {
-  words.insert(words.begin(), "render");
-  words.insert(words.end(), {"--json", "--force", "--size", "96x72"});
-  const RunResult run = bench.rhoray(words);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  return Json::parse(run.out);
-}
-
 TEST(MeshBoundaryCommand, a_mesh_is_shown_from_outside_in_colours_with_a_bar_and_a_box) {
   const Workbench bench;
   bench.make_box_vtu();
-  const Json shown = drawn(bench, {"box.vtu"});
+  const Json shown = bench.drawn({"box.vtu"});
   EXPECT_EQ(shown["mode"], "boundary");
   EXPECT_EQ(shown["field"], "height");
   const Json& scene = shown["scene"];
@@ -57,7 +50,7 @@ TEST(MeshBoundaryCommand, a_mesh_is_shown_from_outside_in_colours_with_a_bar_and
 TEST(MeshBoundaryCommand, an_isosurface_of_a_mesh_has_the_boundary_around_it) {
   const Workbench bench;
   bench.make_box_vtu();
-  const Json shown = drawn(bench, {"box.vtu", "--iso", "0.5"});
+  const Json shown = bench.drawn({"box.vtu", "--iso", "0.5"});
   const Json& layers = shown["scene"]["layers"];
   ASSERT_EQ(layers.size(), 2U);
   EXPECT_EQ(layers[0]["type"], "isosurface");
@@ -72,21 +65,21 @@ TEST(MeshBoundaryCommand, an_isosurface_of_a_mesh_has_the_boundary_around_it) {
   EXPECT_EQ(again.exit_code, 0) << shown["reproduce"] << again.out << again.err;
 
   for (const auto& [option, value] : {std::pair("--pick", "48,36"), {"--channels", "depth"}})
-    EXPECT_EQ(drawn(bench, {"box.vtu", "--iso", "0.5", option, value, "-o", "box.exr"})["scene"]["layers"].size(), 1U)
+    EXPECT_EQ(bench.drawn({"box.vtu", "--iso", "0.5", option, value, "-o", "box.exr"})["scene"]["layers"].size(), 1U)
         << option << " tells of the isosurface";
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--iso", "0.5", "--context", "0"})["scene"]["layers"].size(), 1U);
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--mode", "iso"})["scene"]["layers"].size(), 1U);
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--accuracy", "certified"})["scene"]["layers"][0]["type"], "isosurface");
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--accuracy", "double"})["scene"]["layers"][0]["type"], "boundary");
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--show", "cost"})["scene"]["layers"][0]["type"], "isosurface");
-  EXPECT_EQ(drawn(bench, {"box.vtu", "--verify", "50"})["scene"]["layers"][0]["type"], "isosurface");
+  EXPECT_EQ(bench.drawn({"box.vtu", "--iso", "0.5", "--context", "0"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"box.vtu", "--mode", "iso"})["scene"]["layers"].size(), 1U);
+  EXPECT_EQ(bench.drawn({"box.vtu", "--accuracy", "certified"})["scene"]["layers"][0]["type"], "isosurface");
+  EXPECT_EQ(bench.drawn({"box.vtu", "--accuracy", "double"})["scene"]["layers"][0]["type"], "boundary");
+  EXPECT_EQ(bench.drawn({"box.vtu", "--show", "cost"})["scene"]["layers"][0]["type"], "isosurface");
+  EXPECT_EQ(bench.drawn({"box.vtu", "--verify", "50"})["scene"]["layers"][0]["type"], "isosurface");
 }
 
 TEST(MeshBoundaryCommand, exr_files_hold_data_and_no_annotations_unasked) {
   const Workbench bench;
   bench.make_box_vtu();
-  EXPECT_FALSE(drawn(bench, {"box.vtu", "-o", "box.exr"})["scene"].contains("annotations"));
-  const Json asked = drawn(bench, {"box.vtu", "-o", "box.exr", "--box"})["scene"]["annotations"];
+  EXPECT_FALSE(bench.drawn({"box.vtu", "-o", "box.exr"})["scene"].contains("annotations"));
+  const Json asked = bench.drawn({"box.vtu", "-o", "box.exr", "--box"})["scene"]["annotations"];
   EXPECT_EQ(asked["box"], true);
   EXPECT_FALSE(asked.contains("colorbar"));
 }
@@ -94,10 +87,10 @@ TEST(MeshBoundaryCommand, exr_files_hold_data_and_no_annotations_unasked) {
 TEST(MeshBoundaryCommand, a_plain_boundary_has_no_bar) {
   const Workbench bench;
   bench.make_box_vtu();
-  const Json plain = drawn(bench, {"box.vtu", "--surface-color", "teal"});
+  const Json plain = bench.drawn({"box.vtu", "--surface-color", "teal"});
   EXPECT_FALSE(plain["scene"]["layers"][0].contains("color_by"));
   EXPECT_FALSE(plain["scene"].contains("annotations"));
-  const Json other = drawn(bench, {"box.vtu", "--mode", "boundary", "--color-by", "length"});
+  const Json other = bench.drawn({"box.vtu", "--mode", "boundary", "--color-by", "length"});
   EXPECT_EQ(other["scene"]["layers"][0]["color_by"], "length");
   EXPECT_FALSE(other["scene"].contains("annotations")) << "--mode says what is wanted";
 }
@@ -105,7 +98,7 @@ TEST(MeshBoundaryCommand, a_plain_boundary_has_no_bar) {
 TEST(MeshBoundaryCommand, a_mesh_without_fields_is_a_plain_solid) {
   const Workbench bench;
   preprocess::export_mesh(box_mesh({}), bench / "bare.vtu", false);
-  const Json shown = drawn(bench, {"bare.vtu"});
+  const Json shown = bench.drawn({"bare.vtu"});
   EXPECT_EQ(shown["scene"]["layers"][0]["type"], "boundary");
   EXPECT_FALSE(shown["scene"]["layers"][0].contains("color_by"));
   EXPECT_FALSE(shown["scene"].contains("annotations"));
@@ -118,7 +111,7 @@ TEST(MeshBoundaryCommand, fields_of_cells_are_kept_shown_flat_listed_and_exporte
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
   EXPECT_THAT(packed.out + packed.err, HasSubstr("1 field of cells"));
   EXPECT_THAT(bench.rhoray({"info", "cells.rho"}).out, HasSubstr("cells       'layer'"));
-  const Json shown = drawn(bench, {"cells.rho", "--color-by", "layer", "--pick", "48,36"});
+  const Json shown = bench.drawn({"cells.rho", "--color-by", "layer", "--pick", "48,36"});
   EXPECT_EQ(shown["scene"]["layers"][0]["color_by"], "layer");
   const Json pick = shown["picks"][0];
   ASSERT_TRUE(pick.contains("value")) << pick;
@@ -131,7 +124,7 @@ TEST(MeshBoundaryCommand, fields_of_cells_are_kept_shown_flat_listed_and_exporte
 TEST(MeshBoundaryCommand, picks_have_the_values_of_the_field) {
   const Workbench bench;
   bench.make_box_vtu();
-  const Json shown = drawn(bench, {"box.vtu", "--pick", "48,36:40,30:60,40"});
+  const Json shown = bench.drawn({"box.vtu", "--pick", "48,36:40,30:60,40"});
   for (const Json& pick : shown["picks"]) {
     ASSERT_TRUE(pick.contains("value")) << pick;
     // The field is linear, and the depth a float.
@@ -173,7 +166,7 @@ TEST(MeshBoundaryCommand, scenes_have_boundaries) {
   write_file(bench / "s.json", R"({"data": {"m": {"file": "box.rho"}}, "layers": [
     {"type": "boundary", "opacity": 0.3, "color": "#808080"},
     {"type": "isosurface", "isovalue": 0.5, "color_by": "length"}]})");
-  const Json shown = drawn(bench, {"s.json"});
+  const Json shown = bench.drawn({"s.json"});
   EXPECT_EQ(shown["scene"]["layers"].size(), 2U);
   EXPECT_EQ(shown["scene"]["data"].size(), 1U);
   write_file(bench / "bad.json", R"({"data": {"m": {"file": "box.rho"}}, "layers": [

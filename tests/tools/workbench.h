@@ -1,10 +1,13 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -37,6 +40,15 @@ class Workbench {
   RunResult shell(const std::string& line) const {
     const std::string bin = std::filesystem::path(RHORAY_PROGRAM).parent_path().string();
     return run_program({"sh", "-c", "PATH='" + bin + "':$PATH; " + line}, path());
+  }
+
+  /// The report of `rhoray render WORDS`, which succeeds and draws a small picture.
+  nlohmann::json drawn(std::vector<std::string> words) const {
+    words.insert(words.begin(), "render");
+    words.insert(words.end(), {"--json", "--force", "--size", "96x72"});
+    const RunResult run = rhoray(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out);
   }
 
   /// Every file of the folder with its content.

@@ -79,6 +79,7 @@ class FirstTriangle {
   };
 
   void walk() {
+    if (facets_.count() == 0) return;  // the boundary of a closed mesh has no tree
     const BoxPassage passage(ray_, facets_);
     Entry stack[(BoxNode::size - 1) * SurfaceBoxes::largest_level_count + 1];
     std::size_t top = 0;

@@ -11,6 +11,8 @@
 #include "render/dataset/loaded_dataset.h"
 #include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
+#include "tests/render/support/ask.h"
+#include "tests/render/support/wide_machines.h"
 #include "tests/support/expect_error.h"
 
 /// The boundary of a mesh as a surface with the fields of its cells.
@@ -93,7 +95,7 @@ TEST(MeshBoundary, is_seen_where_the_same_triangles_are_seen) {
       for (std::size_t p = 0; p < found.pixel_count(); ++p) {
         ASSERT_EQ(std::isfinite(found.depth[p]), std::isfinite(expected.depth[p])) << p;
         if (!std::isfinite(found.depth[p])) continue;
-        // The frames differ by the mesh's origin, and single precision moves points by 2^-25 of the box.
+        // The frames differ by the mesh's origin, and float moves points by 2^-25 of the box.
         EXPECT_NEAR(found.depth[p], expected.depth[p], 1e-5) << p;
         for (std::size_t c = 0; c < 3; ++c)
           others += std::abs(found.color[4 * p + c] - expected.color[4 * p + c]) > 1e-3F ? 1 : 0;
@@ -206,6 +208,39 @@ TEST(MeshBoundary, of_a_file_without_it_is_the_same) {
   const formats::FaceNumbers computed = formats::computed_boundary_faces(packed_mesh);
   EXPECT_TRUE(
       std::equal(computed.begin(), computed.end(), packed_mesh.boundary().begin(), packed_mesh.boundary().end()));
+}
+
+TEST(MeshBoundary, of_a_closed_mesh_is_empty_and_never_hit) {
+  // The five tetrahedra between five points: each face belongs to two of them.
+  preprocess::NeutralMesh closed;
+  closed.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.2, 0.1}};
+  for (std::uint64_t absent = 0; absent < 5; ++absent) {
+    std::vector<std::uint64_t> cell;
+    for (std::uint64_t point = 0; point < 5; ++point)
+      if (point != absent) cell.push_back(point);
+    closed.cells.push_back({cell[0], cell[1], cell[2], cell[3]});
+  }
+  add_point_field(closed, "linear", linear);
+  const TemporaryFolder folder;
+  const render::Dataset boundary = packed(folder, "closed.rho", closed).boundary();
+  EXPECT_EQ(formats::TetMesh(formats::PackedFile::open(folder / "closed.rho")).boundary().size(), 0U);
+  const Scene scene = scene_of(boundary);
+  EXPECT_EQ(hit_count(picture(boundary, scene)), 0U);
+
+  const render::LoadedDataset& dataset = boundary.implementation();
+  const std::vector<render::Ray> rays = camera_rays(boundary, scene.camera, 16, 16);
+  std::vector<render::Machine> machines = wide_machines();
+  machines.push_back(render::Machine::scalar);
+  for (const render::Machine machine : machines)
+    for (const render::Accuracy accuracy : {render::Accuracy::float32, render::Accuracy::float64})
+      for (const bool use_hierarchy : {false, true}) {
+        const render::Method method = render::method_of(accuracy);
+        render::KernelScratch scratch;
+        std::vector<render::Hit> hits(rays.size());
+        ask(render::choose_intersectors(dataset, {.method = method}, machine).first_hit, dataset,
+            {.method = method, .use_hierarchy = use_hierarchy}, rays, hits, scratch);
+        for (const render::Hit& hit : hits) EXPECT_TRUE(hit.is_miss()) << name_of(machine);
+      }
 }
 
 TEST(MeshBoundary, surfaces_without_fields_are_not_coloured) {
