@@ -80,7 +80,7 @@ TEST_F(Worker, passes_a_refusal_on_as_the_same_error) {
   }
 }
 
-/// Collects what libraries say while it lives.
+/// Collects the lines that libraries print while it lives.
 class LibraryText {
  public:
   LibraryText() {

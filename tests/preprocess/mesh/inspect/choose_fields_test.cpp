@@ -54,7 +54,7 @@ ChosenFields all_chosen(const NeutralMesh& mesh, const std::vector<std::string>&
   return choose_fields(mesh, clean_mesh(mesh, "mesh"), wanted, cells_to_points, "torso.vtu", notes);
 }
 
-/// At points.
+/// The chosen fields of points.
 std::vector<ScalarField> chosen(const NeutralMesh& mesh, const std::vector<std::string>& wanted,
                                 bool cells_to_points = false) {
   return all_chosen(mesh, wanted, cells_to_points).of_points;

@@ -67,7 +67,8 @@ TEST(Quality, needles_of_a_scanned_surface_are_kept_and_the_inside_is_made_well_
   EXPECT_EQ(again.cells, mesh.cells);
 }
 
-/// A sphere of triangles close to another one inside it: a thin shell, which quality fills with very many cells.
+/// A sphere of triangles close to another one inside it: a thin shell, which a mesh of good quality
+/// fills with very many cells.
 NeutralSurface thin_shell() {
   NeutralSurface shell;
   add_sphere(shell, 1, 3);
