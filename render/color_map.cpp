@@ -21,15 +21,6 @@ constexpr NamedColorMap named_maps[] = {
     {"turbo", ColorMap::turbo},         {"turbo_r", {ColorMap::turbo, true}},
     {"coolwarm", ColorMap::coolwarm},   {"coolwarm_r", {ColorMap::coolwarm, true}}};
 
-/// IEC 61966-2-1.
-double linear_from_srgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-Vec3 linear_from_srgb(const Vec3& encoded) {
-  return {linear_from_srgb(encoded.x), linear_from_srgb(encoded.y), linear_from_srgb(encoded.z)};
-}
-
 Vec3 within_unit(const Vec3& color) {
   return {std::clamp(color.x, 0.0, 1.0), std::clamp(color.y, 0.0, 1.0), std::clamp(color.z, 0.0, 1.0)};
 }
@@ -119,6 +110,13 @@ std::span<const NamedColorMap> color_maps() {
   return named_maps;
 }
 
+Vec3 linear_from_srgb(const Vec3& encoded) {
+  const auto linear = [](double part) {
+    return part <= 0.04045 ? part / 12.92 : std::pow((part + 0.055) / 1.055, 2.4);
+  };
+  return {linear(encoded.x), linear(encoded.y), linear(encoded.z)};
+}
+
 Vec3 color_of(ColorMap map, double share) {
   share = std::clamp(share, 0.0, 1.0);
   if (map.is_reversed) share = 1 - share;
@@ -142,7 +140,7 @@ Vec3 color_of(ColorMap map, double share) {
     case ColorMap::gray:
       break;
   }
-  return Vec3(linear_from_srgb(share));
+  return linear_from_srgb(Vec3(share));
 }
 
 double position_of(const ColorScale& scale, const Interval<double>& range, double value) {

@@ -45,6 +45,9 @@ std::span<const NamedColorMap> color_maps();
 /// colour of the nearer end.
 Vec3 color_of(ColorMap map, double share);
 
+/// Returns the linear form of a colour that is encoded as sRGB (IEC 61966-2-1); both in [0, 1].
+Vec3 linear_from_srgb(const Vec3& encoded);
+
 /// How the values of a range are spread over a colour map.
 struct ColorScale {
   bool is_logarithmic = false;  ///< by their logarithms; the range lies above 0

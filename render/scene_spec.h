@@ -29,9 +29,9 @@ struct Color {
 /// (ErrorCode::usage).
 void read_value(const std::string& text, Color& out);
 
-/// What is behind all that is shown.
+/// The background of a picture.
 struct Background {
-  std::optional<Color> color{};  ///< nothing: the picture keeps its alpha
+  std::optional<Color> color{};  ///< nothing: there is none, and the picture keeps its alpha
 };
 /// Reads none, or a colour as above. Refuses other texts (ErrorCode::usage).
 void read_value(const std::string& text, Background& out);
@@ -41,7 +41,7 @@ struct DataSpec {
   std::string name{};  ///< by which layers ask for it
   std::filesystem::path file{};
   std::string field{};  ///< empty = the first that is not the same everywhere
-  /// Of a segmentation: the data are the indicator of this label, 1 at its samples and 0 at others.
+  /// A label of a segmentation. The data are then 1 at the samples with this label and 0 at others.
   std::optional<int> label{};
 };
 
@@ -77,8 +77,8 @@ struct LayerSpec {
   std::optional<Vec3> point{}, normal{};
   std::optional<Interval<double>> threshold{};
   std::optional<bool> lit{};
-  /// Of isosurfaces of a mesh: opacity of its boundary, which is shown around them. Without a value
-  /// it is shown around automatic ones only.
+  /// Opacity of the mesh's boundary around the layer's isosurfaces. Without a value, only automatic
+  /// layers show the boundary.
   std::optional<double> context{};
 };
 

@@ -7,6 +7,7 @@
 #include "render/document/lights.h"
 #include "render/document/resolve.h"
 #include "render/document/styles.h"
+#include "render/document/values.h"
 
 namespace rhoray::render {
 

@@ -21,16 +21,20 @@ Error refusal(const Place& layer, const std::string& key, const std::string& opt
           hint};
 }
 
+/// What the dataset's file holds.
+const char* kind_of(const Dataset& dataset) {
+  if (dataset.is_mesh()) return "mesh";
+  if (!dataset.is_surface()) return "grid";
+  return dataset.has_fields() ? "mesh" : "surface";  // a boundary has the mesh's fields
+}
+
 Normals choose_normals(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer) {
   for (const NamedNormals& row : named_normals()) {
     if (spec.normals != row.name) continue;
     if (!(has_flat_normals(dataset) ? row.of_meshes : row.of_grids))
       throw refusal(layer, "normals", "--normals",
                     concat("'", row.name, "' applies only to ", row.of_meshes ? "meshes" : "grids", ", and ",
-                           dataset.file().name(), " is ",
-                           !dataset.is_surface()  ? dataset.is_mesh() ? "a mesh" : "a grid"
-                           : dataset.has_fields() ? "a mesh"
-                                                  : "a surface"),
+                           dataset.file().name(), " is a ", kind_of(dataset)),
                     row.of_grids ? "use flat or smooth" : "use exact, the gradient of the trilinear field, or smooth");
     return row.normals;
   }
@@ -84,9 +88,9 @@ Interval<double> color_range(const LayerSpec& spec, const formats::FieldSummary&
   if (!(range.hi > 0))
     throw refusal(layer, "scale", "--color-scale",
                   concat("field '", field.name, "' has no values above 0, which a logarithmic scale needs"));
-  // Of values of both signs the smallest above 0 is often noise.
-  constexpr double decades = 1e-4;
-  const double least = decades * range.hi;
+  // The smallest value above 0 of a field that also has values below 0 is often noise.
+  constexpr double least_share = 1e-4;
+  const double least = least_share * range.hi;
   return {holds_floats(field) || range.hi <= 1 ? least : std::max(least, 1.0), range.hi};
 }
 

@@ -16,8 +16,8 @@ ColorScale color_scale(const LayerSpec& spec);
 /// Writes a scale into a specification.
 void say_scale(const ColorScale& scale, LayerSpec& spec);
 
-/// The range of a layer's colours: the one that it names, or `otherwise`. A logarithmic scale needs a
-/// range above 0: it refuses another one, and replaces an end of `otherwise` at 0 or below.
+/// The range of a layer's colours: the one that it names, or `otherwise`. A logarithmic scale needs
+/// a range above 0: it refuses another one, and replaces an end of `otherwise` at 0 or below.
 /// @param layer  as for choose_material
 Interval<double> color_range(const LayerSpec& spec, const formats::FieldSummary& field,
                              const Interval<double>& otherwise, const Place& layer);
@@ -29,8 +29,8 @@ FieldColors field_colors(const LayerSpec& spec, const formats::FieldSummary& fie
 
 /// Colours, light, normals and opacity of an isosurface of this dataset, or of its triangles.
 /// Refuses normals that the dataset has not, colours by a field that is not there, and a range or
-/// colour map or scale without such a field: of a document with the place (ErrorCode::invalid), of a command
-/// line with the option (ErrorCode::usage).
+/// colour map or scale without such a field: of a document with the place (ErrorCode::invalid), of
+/// a command line with the option (ErrorCode::usage).
 /// @param layer  its place in its document; of a command line without a document
 Material choose_material(const LayerSpec& spec, const Style& style, const Dataset& dataset, const Place& layer);
 

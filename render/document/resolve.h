@@ -4,29 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "formats/base/error.h"
 #include "render/document.h"
 #include "render/document/lights.h"
-#include "render/document/values.h"
 
 namespace rhoray::render {
-
-/// The place of the whole document.
-inline Place root(const SceneSpec& scene_spec) {
-  return {scene_spec.document, {}};
-}
-
-/// Adds the place in the document to errors. On the command line the messages name the options.
-template <class Act>
-auto at_place(const Place& place, const Act& act) {
-  try {
-    return act();
-  } catch (const Error& error) {
-    if (place.document.empty()) throw;
-    const ErrorCode error_code = error.code() == ErrorCode::usage ? ErrorCode::invalid : error.code();
-    throw Error(error_code, concat(place.text(), ": ", error.what()), error.hint());
-  }
-}
 
 /// All that is shown, world axes.
 struct Shown {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "formats/base/interval.h"
@@ -21,8 +20,8 @@ bool contains(const Box3& outer, const Box3& inner) {
   return outer.intersects(inner.min) && outer.intersects(inner.max);
 }
 
-/// Whether isovalues below 0 and above 0 enclose different regions, as those of a dipole do and those
-/// of skin and bone do not.
+/// Whether isovalues below 0 and above 0 enclose different regions, as those of a dipole do and
+/// those of skin and bone do not.
 bool are_two_sided(const Dataset& dataset, const Interval<double>& isovalues) {
   if (!(isovalues.lo < 0 && isovalues.hi > 0)) return false;
   const Box3 lowest = dataset.isosurface_bounds(isovalues.lo), highest = dataset.isosurface_bounds(isovalues.hi);
@@ -35,8 +34,8 @@ Interval<double> range_of(const std::vector<Layer*>& surfaces) {
   return range;
 }
 
-/// Bounds of a grid's isosurfaces may be equal although one is inside another: they are those of whole
-/// cells. Then the larger value is inside.
+/// Bounds of a grid's isosurfaces may be equal although one is inside another: they are those of
+/// whole cells. Then the larger value is inside.
 void fade_outer(const Dataset& dataset, const std::vector<Layer*>& surfaces) {
   std::vector<std::pair<double, Layer*>> by_size;
   for (Layer* surface : surfaces)
@@ -51,8 +50,8 @@ void fade_outer(const Dataset& dataset, const std::vector<Layer*>& surfaces) {
 }  // namespace
 
 Vec3 color_of_surface(std::size_t index, std::size_t count) {
-  Color color;
   if (count <= palette.size()) {
+    Color color;
     read_value(palette[index], color);
     return color.linear;
   }
@@ -60,17 +59,11 @@ Vec3 color_of_surface(std::size_t index, std::size_t count) {
   const auto& [saturation, brightness] = tones[index % tones.size()];
   const std::size_t rounds = (count + tones.size() - 1) / tones.size();
   const double hue = 6 * static_cast<double>(index) / static_cast<double>(rounds * tones.size());
-  std::string text = "#";
-  for (const double from : {5.0, 3.0, 1.0}) {
+  const auto part = [&](double from) {
     const double k = std::fmod(from + hue, 6);
-    const double part = brightness * (1 - saturation * std::max(0.0, std::min({k, 4 - k, 1.0})));
-    constexpr const char* digits = "0123456789abcdef";
-    const auto code = static_cast<std::size_t>(std::lround(255 * part));
-    text += digits[code / 16];
-    text += digits[code % 16];
-  }
-  read_value(text, color);
-  return color.linear;
+    return brightness * (1 - saturation * std::max(0.0, std::min({k, 4 - k, 1.0})));
+  };
+  return linear_from_srgb({part(5), part(3), part(1)});
 }
 
 bool are_colored_by_isovalue(const LayerSpec& spec, std::size_t count) {

@@ -23,9 +23,9 @@ bool are_colored_by_isovalue(const LayerSpec& spec, std::size_t count);
 /// below 0 and above 0 enclose different regions: neither bounds of the two extremes contain the
 /// other's.
 ///
-/// Opacity: the innermost is opaque. The k-th from inside has opacity 1/(k + 1), so that the innermost
-/// contributes twice as much as each other one to a ray that passes all of them. Of two the outer one
-/// has the larger bounds. With coolwarm, isovalues below 0 are a set of their own.
+/// Opacity: the innermost is opaque. The k-th from inside has opacity 1/(k + 1), so that the
+/// innermost contributes twice as much as each other one to a ray that passes all of them. Of two
+/// the outer one has the larger bounds. With coolwarm, isovalues below 0 are a set of their own.
 void show_several(const LayerSpec& spec, const Dataset& dataset, const std::vector<Layer*>& surfaces);
 
 }  // namespace rhoray::render

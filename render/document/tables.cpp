@@ -244,8 +244,7 @@ std::span<const LayerKind> layer_kinds() {
        rows_of_every_layer() + rows_of_every_field() + rows_of_projections() + scale_rows()},
       {LayerType::triangles, "triangles", "Triangles of a packed surface, for example a landmark",
        rows_of_every_layer() + rows_of_triangles() + rows_of_lit_surfaces()},
-      {LayerType::boundary, "boundary",
-       "Boundary of a mesh: the faces that belong to one cell only. Its fields are exact",
+      {LayerType::boundary, "boundary", "Boundary of a mesh, with exact fields",
        rows_of_every_layer() + rows_of_boundaries() + scale_rows() + rows_of_lit_surfaces()},
       {LayerType::slice, "slice", "The field on a plane, in colours; always in double precision",
        rows_of_data() + slice_rows() + scale_rows()}};
@@ -402,12 +401,13 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
           "axes", &AnnotationsSpec::axes, axes_rows(),
           "Arrows along the world axes, in a corner; in a patient's body with the letters of their directions"),
       row("box", &AnnotationsSpec::box, yes_or_no(),
-          "Box around the shown data, with ticks in world units; unless a zoom is given, it is 0.8, which leaves room "
-          "for them"),
+          "Box around the shown data, with ticks in world units; the default zoom is then 0.85, which leaves room for "
+          "them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),
       row("legend", &AnnotationsSpec::legend, yes_or_no(),
-          "Colours and values of the isosurfaces; default true if a layer with several isovalues names no colour"),
+          "Colours and values or labels of the isosurfaces; default true with labels, and if a layer with several "
+          "isovalues names no colour"),
       row("caption", &AnnotationsSpec::caption, text_value(),
           "Caption below the picture, in lines of the picture's width")};
   return rows;

@@ -19,16 +19,11 @@ namespace {
 
 constexpr int largest_side = 65'536;
 
-/// sRGB (IEC 61966-2-1) to linear, both in [0, 1].
-double linear_from_srgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-std::optional<double> srgb_byte(std::string_view two_digits) {
+std::optional<double> srgb_part(std::string_view two_digits) {
   unsigned value = 0;
   const auto [end, error_code] = std::from_chars(two_digits.data(), two_digits.data() + 2, value, 16);
   if (error_code != std::errc{} || end != two_digits.data() + 2) return std::nullopt;
-  return linear_from_srgb(value / 255.0);
+  return value / 255.0;
 }
 
 Json numbers_schema(std::size_t count) {
@@ -121,10 +116,10 @@ void read_value(const std::string& text, Color& out) {
   }
   if (text.size() == 7 && text[0] == '#') {
     const std::string_view digits(text);
-    const auto r = srgb_byte(digits.substr(1, 2)), g = srgb_byte(digits.substr(3, 2)),
-               b = srgb_byte(digits.substr(5, 2));
+    const auto r = srgb_part(digits.substr(1, 2)), g = srgb_part(digits.substr(3, 2)),
+               b = srgb_part(digits.substr(5, 2));
     if (r && g && b) {
-      out.linear = {*r, *g, *b};
+      out.linear = linear_from_srgb({*r, *g, *b});
       return;
     }
   }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/base/error.h"
 #include "formats/base/json.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
@@ -30,6 +31,23 @@ struct Place {
   /// `torso.json: /image/size: found 7; expected ...` (ErrorCode::invalid).
   [[noreturn]] void refuse(const Json& found, const std::string& expected, const std::string& hint = {}) const;
 };
+
+/// The place of the whole document.
+inline Place root(const SceneSpec& scene_spec) {
+  return {scene_spec.document, {}};
+}
+
+/// Adds the place in the document to errors. On the command line the messages name the options.
+template <class Act>
+auto at_place(const Place& place, const Act& act) {
+  try {
+    return act();
+  } catch (const Error& error) {
+    if (place.document.empty()) throw;
+    const ErrorCode error_code = error.code() == ErrorCode::usage ? ErrorCode::invalid : error.code();
+    throw Error(error_code, concat(place.text(), ": ", error.what()), error.hint());
+  }
+}
 
 /// A value as messages show it: short, and on one line.
 std::string found_text(const Json& value);

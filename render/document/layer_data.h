@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "render/document.h"
+#include "render/document/values.h"
+
+namespace rhoray::render {
+
+/// The place of a layer in the document.
+Place layer_place(const SceneSpec& scene_spec, std::size_t layer);
+
+/// Returns the index in the plan of the dataset that a layer names. Opens the dataset if the plan
+/// does not hold it yet, and adds its notes to the plan.
+std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const OpenData& open, ResolvedScene& plan);
+
+/// Returns the texture of a layer, if it names one. Opens the texture if the plan does not hold it
+/// yet.
+std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t layer, ResolvedScene& plan);
+
+/// Notes textures that do not overlap the surface they should cover.
+void note_textures_elsewhere(ResolvedScene& plan);
+
+/// Notes files that do not say in which space they lie, if other files do.
+void note_unknown_spaces(ResolvedScene& plan);
+
+}  // namespace rhoray::render
