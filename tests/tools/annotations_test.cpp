@@ -14,6 +14,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/tools/workbench.h"
 #include "tools/pictures/pictures.h"
+#include "tools/pictures/projection.h"
 
 /// Annotations drawn over finished pictures.
 namespace rhoray::tests {
@@ -260,7 +261,7 @@ TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
       }
 }
 
-/// What is drawn at the tips of the arrows and at the ends of the box's edges is the direction's letter.
+/// The tips of the arrows and the ends of the box's edges carry the letters of their directions.
 TEST(Axes, carry_letters_of_directions_in_a_body) {
   const Box3 box{{-100, -100, -100}, {100, 100, 100}};
   for (const auto& [space, low, high] :

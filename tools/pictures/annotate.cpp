@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 #include <string_view>
 #include <utility>
 
 #include "formats/base/text.h"
+#include "tools/pictures/projection.h"
 
 namespace rhoray::tools {
 
@@ -343,7 +342,8 @@ class Annotator {
            (projection_.of(corner(edge.from)).distance > 0 && projection_.of(corner(edge.to)).distance > 0);
   }
 
-  /// Beside surfaces without the edges towards the eye, which would run across what is shown.
+  /// Draws the box's edges. If surfaces hide edges, leaves out those between two sides that face
+  /// the eye: these would run across what is shown.
   void draw_box_edges() {
     for (const Edge& edge : edges()) {
       if (!is_before_the_eye(edge) || (wished_.hides_box && seen_sides(edge) == 2)) continue;
@@ -478,37 +478,6 @@ class Annotator {
 };
 
 }  // namespace
-
-Projection::Projection(const render::Camera& camera, int width, int height)
-    : camera_(camera), middle_{width / 2.0, height / 2.0} {
-  forward_ = (camera.target - camera.position).normalized();
-  right_ = forward_.cross(camera.up).normalized();
-  down_ = forward_.cross(right_);
-  const double half_height =
-      camera.orthographic ? camera.orthographic_height / 2 : std::tan(camera.vertical_fov_deg * std::numbers::pi / 360);
-  pixels_per_unit_ = height / 2.0 / half_height;
-}
-
-Seen Projection::of(const Vec3& point) const {
-  const Vec3 way = point - camera_.position;
-  const double distance = way.dot(forward_);
-  const double scale = camera_.orthographic ? pixels_per_unit_ : pixels_per_unit_ / distance;
-  return {middle_ + scale * Spot{way.dot(right_), way.dot(down_)}, distance};
-}
-
-Vec3 Projection::of_direction(const Vec3& direction) const {
-  return {direction.dot(right_), direction.dot(down_), direction.dot(forward_)};
-}
-
-bool Projection::sees_side(const Vec3& point, const Vec3& normal) const {
-  return (camera_.orthographic ? -forward_.dot(normal) : (camera_.position - point).dot(normal)) > 0;
-}
-
-double Projection::ray_length(const Spot& at) const {
-  if (camera_.orthographic) return 1;
-  const Spot from_middle = (1 / pixels_per_unit_) * (at - middle_);
-  return std::sqrt(1 + from_middle.dot(from_middle));
-}
 
 Drawing annotate(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture) {
   return Annotator(annotations, make_text, picture).draw();

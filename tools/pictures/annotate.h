@@ -41,8 +41,8 @@ enum class Side { left, right };
 /// picture's height.
 struct Annotations {
   render::Camera camera{};
-  /// Of the world. In a patient's body, the arrows and the ends of the box's edges carry the letters
-  /// of their directions: R and L, A and P, S and I.
+  /// Space of the world. If it is RAS or LPS, the arrows and the ends of the box's edges carry the
+  /// letters of their directions: R and L, A and P, S and I.
   formats::Space space = formats::Space::unknown;
   /// Arrows in a corner along the world's axes, as the camera sees them.
   bool axes = false;
@@ -83,32 +83,5 @@ struct Drawing {
 
 /// Draws the annotations over the picture's colours; other channels are unchanged.
 Drawing annotate(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture);
-
-/// A point's position in the picture.
-struct Seen {
-  Spot at;
-  double distance;  ///< in front of the eye's plane; not above 0 behind it
-};
-
-/// Projects points of the world into a picture.
-class Projection {
- public:
-  Projection(const render::Camera& camera, int width, int height);
-
-  Seen of(const Vec3& point) const;
-  /// Projects a direction: right, down, and away from the eye.
-  Vec3 of_direction(const Vec3& direction) const;
-  /// True if the eye is on this side of a plane.
-  bool sees_side(const Vec3& point, const Vec3& normal) const;
-  /// Length of the ray through a picture position for each unit of distance.
-  double ray_length(const Spot& at) const;
-  bool is_orthographic() const { return camera_.orthographic; }
-
- private:
-  render::Camera camera_;
-  Vec3 forward_, right_, down_;
-  double pixels_per_unit_;  ///< at distance 1
-  Spot middle_;
-};
 
 }  // namespace rhoray::tools

@@ -32,10 +32,11 @@ void require_picture_format(const std::filesystem::path& path, const render::Cha
 /// messages name.
 ///
 /// PNG and TIFF hold 8-bit sRGB, opaque, over the framebuffer's background; so does JPEG, with
-/// loss. Without a background PNG and TIFF also hold alpha (render::srgb_bytes). EXR holds 32-bit floats: R, G, B
-/// (linear, without the background: 0 where nothing is hit) and A. It also holds the requested channels: Z (depth),
-/// N.x, N.y, N.z, value and error as floats; cell, roots, iterations and cost as unsigned 32-bit integers. A cell is
-/// 4294967295 where nothing is hit; an id that does not fit is refused (ErrorCode::unsupported).
+/// loss. Without a background PNG and TIFF also hold alpha (render::srgb_bytes). EXR holds 32-bit
+/// floats: R, G, B (linear, without the background: 0 where nothing is hit) and A. It also holds
+/// the requested channels: Z (depth), N.x, N.y, N.z, value and error as floats; cell, roots,
+/// iterations and cost as unsigned 32-bit integers. A cell is 4294967295 where nothing is hit; an
+/// id that does not fit is refused (ErrorCode::unsupported).
 ///
 /// OpenImageIO writes all formats but PNG. It takes longer to load than most commands run. So it is
 /// in a separate module beside the program, `rhoray-pictures.so`, which is loaded here.

@@ -108,7 +108,7 @@ std::vector<Tick> log_ticks_of(const Interval<double>& range, int most) {
   const int first = static_cast<int>(std::floor(std::log10(range.lo) + slack)),
             last = static_cast<int>(std::floor(std::log10(range.hi) + slack));
   const double low = range.lo * (1 - slack), high = range.hi * (1 + slack);
-  // Of every power of ten in the range, its multiples by these digits.
+  // The multiples of every power of ten in the range by these digits.
   const auto values_of = [&](std::initializer_list<int> digits, int step) {
     std::vector<DecimalNumber> numbers;
     for (int power = first; power <= last; ++power)

@@ -22,13 +22,14 @@ struct Tick {
 /// 0.0001.
 std::vector<Tick> ticks_of(const Interval<double>& range, int most);
 
-/// The same for a logarithmic axis over a range above 0: powers of ten, or every so many of them. Over
-/// less than three decades also 2 and 5 times these; over less than one octave as above. Where there
-/// is room, the other multiples stand between them without a label.
+/// Returns the ticks of a logarithmic axis over a range above 0: powers of ten, or every nth of
+/// them. Over less than three decades it also returns 2 and 5 times these, and over less than one
+/// octave the ticks of a linear axis. Where there is room, ticks without a label mark the other
+/// multiples.
 std::vector<Tick> log_ticks_of(const Interval<double>& range, int most);
 
-/// Ticks at the borders of bands, which increase; every so many have a label. Labels are within 1/200
-/// of a band.
+/// Returns a tick for each border of bands; the borders increase. Every nth tick has a label, which
+/// differs from the border by at most 1/200 of a band.
 /// @param are_even  all bands have the same width, and labels have as many decimals
 std::vector<Tick> border_ticks(const std::vector<double>& borders, bool are_even, int most);
 
