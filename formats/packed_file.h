@@ -75,8 +75,8 @@ class PackedFile {
   std::shared_ptr<const Mapping> mapping_;
 };
 
-/// The target of a packed file: a path, or an open descriptor, such as that of a file in memory or of
-/// a file that is sent to another process.
+/// The target of a packed file: a path, or an open descriptor, such as that of a file in memory or
+/// of a file that is sent to another process.
 struct Destination {
   std::filesystem::path path{};
   int descriptor = -1;  ///< when not -1, nothing gets a name

@@ -79,8 +79,9 @@ class TetMesh {
  public:
   /// Refuses a file of another kind, shapes that differ from the description, and points that are
   /// not finite. Refuses vertex indices not below point_count, items not below cell_count, and
-  /// decreasing offsets. Refuses a face of a cell beyond the last one. Refuses a corner beyond its cluster's table, and
-  /// entries of the cluster tree beyond its last one. Reads all indices and points once.
+  /// decreasing offsets. Refuses a face of a cell beyond the last one. Refuses a corner beyond its
+  /// cluster's table, and entries of the cluster tree beyond its last one. Reads all indices and
+  /// points once.
   explicit TetMesh(PackedFile file);
 
   const TetMeshDescription& description() const { return description_; }

@@ -67,9 +67,9 @@ NeutralSurface join(std::span<const NeutralSurface> surfaces);
 /// Without a requested quality or size, the first attempt keeps the surface's triangles (TetGen -Y)
 /// and adds points only inside. That mesh is the result, unless a tenth of its volume or half of
 /// its cells miss usual_quality. Then the surface's triangles are split too, and the better mesh is
-/// the result. No more points are added than make most_cells_per_triangle cells for each triangle of
-/// the surface (a facet of n corners counts as n - 2). A note of the mesh says which one it is, how
-/// much of it misses usual_quality, and whether the number of cells is the reason.
+/// the result. No more points are added than make most_cells_per_triangle cells for each triangle
+/// of the surface (a facet of n corners counts as n - 2). A note of the mesh says which one it is,
+/// how much of it misses usual_quality, and whether the number of cells is the reason.
 ///
 /// The mesh has cell field "region" when there is more than one region or the surface has seeds,
 /// which then give the numbers. Otherwise regions are numbered from 1, from outside in: by how many

@@ -5,8 +5,9 @@
 
 namespace rhoray::preprocess {
 
-/// Converts a packed mesh into a neutral one: points in world coordinates, fields, cell ids. Points are in the source's
-/// order. Cells are ordered by their ids, so those cut from one cell are consecutive.
+/// Converts a packed mesh into a neutral one: points in world coordinates, fields, cell ids. Points
+/// are in the source's order. Cells are ordered by their ids, so those cut from one cell are
+/// consecutive.
 NeutralMesh unpack_mesh(const formats::TetMesh& packed);
 
 }  // namespace rhoray::preprocess

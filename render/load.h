@@ -49,9 +49,9 @@ class Dataset {
   static Dataset load(const formats::PackedFile& file, const std::string& field = {},
                       formats::Space world = formats::Space::unknown);
 
-  /// The boundary of a mesh: a surface of triangles, the faces that belong to one cell only. It has
-  /// the mesh's fields, which are those of the triangle's cell. Where the file does not store it, it
-  /// is computed. A dataset of another kind is refused (ErrorCode::usage).
+  /// Returns the boundary of a mesh: a surface of the triangles that belong to one cell only. A
+  /// triangle has the fields of its cell. If the file does not store the boundary, this function
+  /// computes it. Refuses a dataset of another kind (ErrorCode::usage).
   Dataset boundary() const;
 
   const formats::PackedFile& file() const;
@@ -59,9 +59,9 @@ class Dataset {
   std::vector<std::string> field_names() const;  ///< that a dataset can be loaded for
   /// Names of the fields that can colour hits: these, and fields of a mesh's cells.
   std::vector<std::string> color_names() const;
-  /// Returns the summary of a field by which hits are coloured. A field of cells has priority over a
-  /// field of points of the same name, which was averaged from it. Returns nothing when there is no
-  /// such field, or when it is another grid of an OpenVDB file.
+  /// Returns the summary of a field that can colour hits. Where a field of cells and a field of
+  /// points have one name, the second was averaged from the first, and the summary is that of the
+  /// first. Returns nothing if there is no such field, or if it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
   const std::string& length_unit() const;
   formats::Space space() const;  ///< of world coordinates

@@ -128,8 +128,8 @@ std::vector<png_text> png_texts(std::span<const PngText> texts) {
   return all;
 }
 
-/// Returns the 8-bit alpha of a pixel that is multiplied by alpha. It is at least the largest component,
-/// so that no colour divided by it exceeds 1.
+/// Returns the 8-bit alpha of a pixel that is multiplied by alpha. It is at least the largest
+/// component, so that no colour divided by it exceeds 1.
 std::uint8_t alpha_byte(std::span<const float, 4> linear) {
   const float largest = std::clamp(std::max({linear[0], linear[1], linear[2]}), 0.0F, 1.0F);
   const long least = std::lround(std::ceil(255 * largest));

@@ -6,8 +6,9 @@
 
 namespace rhoray {
 
-/// What the libraries below us print, and the reasons that they give, line by line. Our own messages
-/// never contain it. Without a sink it is dropped. The sink is set once, before any thread starts.
+/// Receives each line that a library prints, and each reason that a library gives for a refusal.
+/// Rhoray's own messages never contain these lines. Without a sink they are dropped. The sink is
+/// set once, before any thread starts.
 using LibraryTextSink = std::function<void(const std::string& line)>;
 void set_library_text_sink(LibraryTextSink sink);
 

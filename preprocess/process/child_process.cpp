@@ -266,7 +266,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// What the worker printed beside its report is what its libraries say; the end of it is kept.
+/// Passes on the last lines that the worker printed beside its report: its libraries printed them.
 void pass_on(std::span<const std::string> lines) {
   constexpr std::size_t most = 100;
   for (const std::string& line : lines.last(std::min(most, lines.size()))) note_library_text(line);

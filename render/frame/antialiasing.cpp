@@ -126,7 +126,7 @@ bool EdgeSamples::differ(const Framebuffer& picture, std::size_t a, std::size_t 
     const float of_a = picture.color[4 * a + c], of_b = picture.color[4 * b + c];
     if (of_a != of_b && std::abs(seen(of_a) - seen(of_b)) > color_threshold) return true;
   }
-  // Over the background that the picture gets later, these may differ.
+  // These may differ once the picture is composited over a background.
   if (frame_.has_transparent_background &&
       std::abs(picture.color[4 * a + 3] - picture.color[4 * b + 3]) > color_threshold)
     return true;

@@ -27,7 +27,8 @@ RHORAY_INLINE double log2_of(double number) {
   return static_cast<double>(scale) + 2.8853900817779268 * s * series;
 }
 
-/// Replaces positions in a range by those of the bands' colours in the map, as position_in_map does.
+/// Replaces each position in a range by the position in the map of its band's colour, as
+/// position_in_map does.
 RHORAY_INLINE void put_into_bands(int levels, double* positions) {
   const double count = levels, last = count - 1;
   for (std::size_t i = 0; i < RayBatch::group_size; ++i) {

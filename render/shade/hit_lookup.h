@@ -28,10 +28,14 @@ struct HitAttributes {
 /// gradient to where the dataset's own field has the hit's value. Where rounding or a cell without
 /// volume leaves the position undefined, they belong to some position in the cell where the field
 /// has that value. So the own field's value at a hit equals the hit's, up to rounding. Every other
-/// value lies between those of the cell's points; a field of cells has the hit cell's value. On the
-/// boundary of a mesh the weights belong to the position itself, in the triangle's cell, and the
-/// value becomes the hit's value, too. In a grid, fields are trilinear at the hit, which
-/// is moved into its cell where rounding has put it outside.
+/// field of points has a value between those of the cell's points, and a field of cells has the
+/// value of the hit's cell.
+///
+/// On the boundary of a mesh, the weights are those of the hit's position in the triangle's cell,
+/// and the field's value there becomes the hit's value.
+///
+/// In a grid, fields are trilinear at the hit, which is moved into its cell where rounding has put
+/// it outside.
 class HitLookup {
  public:
   /// Computes the data kept with the dataset (point_gradients.h, corner_normals.h) with `threads`

@@ -1,4 +1,4 @@
-// Broken files of every format that is read: what the program says about them is ours, line by line.
+// Broken files of every format that is read: each line of the message is the program's own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ std::string noise(std::size_t size) {
   return bytes;
 }
 
-/// Files that begin as their readers expect, and break off or go wrong behind it.
+/// Files that start as their readers expect, and then end early or hold invalid data.
 std::vector<BrokenFile> broken_files() {
   const std::string nrrd = "NRRD0004\ntype: short\nendian: little\ndimension: 3\n";
   const std::string nrrd_gzip = nrrd + "sizes: 3 4 5\nencoding: gzip\n\n",
@@ -131,7 +131,7 @@ std::vector<BrokenFile> broken_files() {
   return files;
 }
 
-/// Nothing of other libraries: a fact of ours that names the file, and a hint at most.
+/// Requires the program's own message: one line that names the file, and at most a hint.
 void expect_our_lines(const RunResult& run, const std::string& command, const std::string& name) {
   EXPECT_EQ(run.out, "") << name;
   EXPECT_TRUE(std::set({3, 4, 5, 7}).contains(run.exit_code)) << name << ": exit code " << run.exit_code;

@@ -13,8 +13,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 /// sphere.nrrd: the squared distance from the middle, in mm^2, at whole mm. Where all coordinates
-/// are whole, the trilinear field is exact: the isosurface at 81 passes through (0 0 9), (4 4 7) and
-/// (1 -4 8). A camera above looks down with one pixel per mm.
+/// are whole, the trilinear field is exact: the isosurface at 81 passes through (0 0 9), (4 4 7)
+/// and (1 -4 8). A camera above looks down with one pixel per mm.
 class Picks : public testing::Test {
  protected:
   void SetUp() override {

@@ -27,7 +27,7 @@ struct DataAccess {
   preprocess::Progress progress{};
   std::function<void(const std::string&)> say{};   ///< one line about packing
   std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
-  /// Files that were opened, by their names and the fields that were asked for; null: none are kept.
+  /// Opened files by path and requested fields; null: files are not kept open.
   using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, preprocess::OpenedData>;
   std::shared_ptr<Opened> opened{};
 };

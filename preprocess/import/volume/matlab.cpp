@@ -120,8 +120,7 @@ class ElementReader {
   ByteStream stream_;
 };
 
-/// Reads the header of an array. False for objects and functions, which have no
-/// sizes.
+/// Reads the header of an array. Returns false for objects and functions, which have no sizes.
 bool read_head(ElementReader& reader, Variable& variable, const fs::path& path) {
   const auto flags = reader.numbers<std::uint32_t>("array flags", 2);
   if (flags.empty()) refuse_input(path, "array flags", "none", "two numbers");

@@ -17,8 +17,8 @@ std::vector<std::string> files_named_by(std::string_view header);
 /// Refuses another beginning than that of NRRD files. Teem would also accept PNG, PNM and text.
 void check_nrrd_magic(const std::filesystem::path& path);
 
-/// Refuses a file that Teem does not read: names the first fault that the header shows, or a line of
-/// it that Teem quotes, else its samples.
+/// Refuses a file that Teem does not read. The message names the first fault of the header, else
+/// the header's line that Teem quotes, else the samples.
 /// @param reason  what Teem says
 [[noreturn]] void refuse_nrrd(const std::filesystem::path& path, std::string_view reason);
 

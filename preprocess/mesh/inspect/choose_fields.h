@@ -26,9 +26,10 @@ struct ChosenFields {
 /// 0; x, y, z stand for 0, 1, 2 of vectors with two or three components.
 ///
 /// With `cells_to_points` each chosen cell field is there at the points, too. Its value at a point
-/// is the mean over the source's cells around it, as vtkCellDataToPointData computes it; where none
-/// has data, it is NaN. Tetrahedra cut from one cell count once. Components and magnitudes are taken
-/// before the mean. A note says how the range changes.
+/// is the mean over the source's cells around it that have data, or NaN where none has. Where all
+/// have data, this is the mean that vtkCellDataToPointData computes. Tetrahedra cut from one cell
+/// count once. Components and magnitudes are taken before the mean. A note says how the range
+/// changes.
 ///
 /// Values are single precision where the source was (derived values, magnitudes and means, are
 /// rounded to it), else double. A cell field with the name of a point field gets ".cells" behind

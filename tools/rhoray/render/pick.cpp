@@ -69,7 +69,7 @@ render::ChannelSet channels_of_picks(const render::Scene& scene) {
   render::ChannelSet channels{.depth = true, .cell = true, .value = true};
   const std::vector<render::Layer>& layers = scene.layers;
   const auto all = [&](const auto& holds) { return std::all_of(layers.begin(), layers.end(), holds); };
-  // Beside a projection a bound may be that of a depth or of a value.
+  // In a scene with a projection, a bound may belong to a depth or to a value.
   const bool bounds_one_quantity = all(is_projection) || std::none_of(layers.begin(), layers.end(), is_projection);
   channels.error = bounds_one_quantity && all([](const render::Layer& layer) { return render::proves(layer.method); });
   return channels;

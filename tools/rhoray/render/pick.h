@@ -21,11 +21,11 @@ void read_value(const std::string& text, std::vector<PixelPlace>& out);
 /// the error.
 render::ChannelSet channels_of_picks(const render::Scene& scene);
 
-/// Reads the hit of a pixel from these channels, and adds its position in the world. Refuses a pixel
-/// outside the picture.
+/// Reads the hit of a pixel from these channels, and adds its position in the world. Refuses a
+/// pixel outside the picture.
 ///
-/// "error" is the proven bound of the depth, and thus of the position; "value_error" is that of a
-/// projection's value. Each stands only where the methods of all layers prove it.
+/// "error" is the proven bound of the depth, and thus of the position; "value_error" is the proven
+/// bound of a projection's value. Each is there only if the methods of all layers prove it.
 Json picked(const render::ResolvedScene& plan, const render::Framebuffer& framebuffer, const PixelPlace& pixel);
 std::string picked_text(const Json& pick);
 

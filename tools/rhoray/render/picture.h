@@ -50,8 +50,8 @@ class Checks {
   std::future<void> running_;
 };
 
-/// Leaves annotations out that nobody asked for: in EXR files, whose pixels are data, and with a note
-/// where they cannot be drawn.
+/// Removes default annotations from the plan if the file is an EXR, whose pixels are data, or if
+/// they cannot be drawn, which a note says.
 void settle_annotations(const render::SceneSpec& asked, const std::filesystem::path& output,
                         render::ResolvedScene& plan);
 
