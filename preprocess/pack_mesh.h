@@ -19,7 +19,7 @@ enum class MeshStructure {
 struct PackMeshOptions {
   /// Fields to keep: NAME of a scalar; NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag of a vector. The
   /// first is the one shown by default. Empty: every scalar field and the magnitude of every
-  /// vector, of points and of cells, in the file's order.
+  /// vector, of points and of cells, in the file's order, but constants, ids and masks last.
   std::vector<std::string> fields{};
   bool cells_to_points = false;  ///< keep cell fields averaged to the points, too
   MeshStructure structure = MeshStructure::clusters;

@@ -1,22 +1,14 @@
 #include "formats/base/nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
 
+#include "formats/base/lower_case.h"
 #include "formats/base/text.h"
 
 namespace rhoray {
 
-namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& letter : lower) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return lower;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   // Rows of the dynamic programme: the current one and the two before it. The exchange of

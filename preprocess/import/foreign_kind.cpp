@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/base/lower_case.h"
 #include "formats/base/regular_file.h"
 #include "preprocess/import/mesh/plot3d_layout.h"
 #include "preprocess/import/reading/foreign_names.h"
@@ -191,9 +192,7 @@ std::filesystem::path header_that_names(const std::filesystem::path& path) {
 std::string advice_on(const std::filesystem::path& path) {
   if (const std::filesystem::path header = header_that_names(path); !header.empty())
     return concat("it holds only samples; name their header, ", header.string());
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
+  const std::string name = lower_case(path.filename().string());
   for (const auto& [endings, text] : advices)
     for (const std::string_view ending : endings)
       if (name.ends_with(ending)) return std::string(text);

@@ -2,14 +2,13 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <map>
 #include <mutex>
 
 #include "formats/base/descriptor.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/regular_file.h"
 #include "formats/format_error.h"
@@ -68,10 +67,7 @@ void refuse_input(const std::filesystem::path& path, std::string_view place, std
 }
 
 std::string extension_of(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char letter) { return static_cast<char>(std::tolower(static_cast<unsigned char>(letter))); });
-  const std::filesystem::path whole(name);
+  const std::filesystem::path whole(lower_case(path.filename().string()));
   const std::string last = whole.extension().string();
   return last == ".gz" ? whole.stem().extension().string() + last : last;
 }

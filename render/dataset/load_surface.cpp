@@ -1,9 +1,9 @@
 #include "render/triangles/triangle_data.h"
 
-#include <cctype>
 #include <filesystem>
 
 #include "formats/base/error.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/text.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
@@ -16,8 +16,7 @@ namespace {
 
 /// Formats of computer graphics have +y up; those of engineering (.stl, .vtp, .off) have +z.
 bool has_y_up(const std::string& source_name) {
-  std::string extension = std::filesystem::path(source_name).extension().string();
-  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string extension = lower_case(std::filesystem::path(source_name).extension().string());
   return extension == ".obj" || extension == ".ply";
 }
 

@@ -1,11 +1,11 @@
 #include "render/document.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 #include <vector>
 
 #include "formats/base/error.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/regular_file.h"
 #include "render/document/tables.h"
 
@@ -137,9 +137,7 @@ Json read_json(const std::string& text, const std::string& name) {
 
 bool is_scene_document(const std::filesystem::path& input) {
   if (begins_with_brace(input.string())) return true;
-  std::string extension = input.extension().string();
-  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  if (extension == ".json") return true;
+  if (lower_case(input.extension().string()) == ".json") return true;
   constexpr std::size_t enough = 64;
   return begins_with_brace(first_bytes(input, enough));
 }

@@ -3,11 +3,11 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "formats/base/error.h"
 #include "formats/base/library_text.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/word_list.h"
 #include "preprocess/input_file.h"
@@ -27,8 +27,7 @@ constexpr PictureFormat picture_formats[] = {{".png", "png"},   {".exr", "openex
 
 /// OpenImageIO's name of the format, or nothing.
 std::string format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& letter : extension) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string extension = lower_case(path.extension().string());
   for (const auto& [known, name] : picture_formats)
     if (extension == known) return std::string(name);
   return {};

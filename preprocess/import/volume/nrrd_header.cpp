@@ -1,11 +1,11 @@
 #include "preprocess/import/volume/nrrd_header.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>
 
+#include "formats/base/lower_case.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/text_reading.h"
 #include "preprocess/process/foreign_file.h"
@@ -30,9 +30,7 @@ std::vector<HeaderLine> lines_of(std::string_view header) {
     HeaderLine& read = lines.emplace_back(HeaderLine{lines.size() + 1, line, {}, {}});
     const std::size_t colon = line.find(':');
     if (colon == line.npos || line.starts_with('#') || line.substr(colon).starts_with(":=")) continue;
-    read.key = line.substr(0, colon);
-    std::transform(read.key.begin(), read.key.end(), read.key.begin(),
-                   [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    read.key = lower_case(line.substr(0, colon));
     if (read.key == "datafile") read.key = "data file";
     const std::size_t begin = line.find_first_not_of(spaces, colon + 1);
     if (begin != line.npos) read.value = line.substr(begin);

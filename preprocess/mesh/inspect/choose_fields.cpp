@@ -16,6 +16,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/interval.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
 #include "preprocess/values/has_data.h"
@@ -301,6 +302,36 @@ ScalarField field_of(const Selection& selection, Array<double> values, bool is_m
   return field;
 }
 
+/// True for the names under which programs keep ids and masks: "vtkOriginalCellIds", "GlobalNodeId".
+bool is_bookkeeping(std::string_view name) {
+  static constexpr std::string_view names[] = {"avtghostnodes",          "avtghostzones",    "avtoriginalcellnumbers",
+                                               "avtoriginalnodenumbers", "iblank",           "vtkghostlevels",
+                                               "vtkghosttype",           "vtkvalidpointmask"};
+  std::string plain = lower_case(name);
+  std::erase_if(plain, [](char letter) { return letter == ' ' || letter == '_'; });
+  if (std::find(std::begin(names), std::end(names), plain) != std::end(names)) return true;
+  if (plain.ends_with('s')) plain.pop_back();
+  for (const std::string_view of : {"cell", "element", "node", "point"})
+    for (const std::string_view origin : {"", "global", "pedigree", "vtkoriginal"})
+      if (plain == concat(origin, of, "id")) return true;
+  return false;
+}
+
+bool varies(const ScalarField& field) {
+  return std::visit(
+      [](const auto& values) {
+        const auto first = std::find_if(values.begin(), values.end(), [](auto value) { return has_data(value); });
+        return std::any_of(first, values.end(), [&](auto value) { return has_data(value) && value != *first; });
+      },
+      field.values);
+}
+
+/// Puts the fields first that a picture is worth showing: they vary and are no ids or masks.
+void put_telling_fields_first(std::vector<ScalarField>& fields) {
+  std::stable_partition(fields.begin(), fields.end(),
+                        [](const ScalarField& field) { return varies(field) && !is_bookkeeping(field.name); });
+}
+
 }  // namespace
 
 ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
@@ -322,6 +353,9 @@ ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, cons
     }
     fields.of_cells.push_back(field_of(selection, std::move(values), false));
   }
+  if (!wanted.empty()) return fields;
+  put_telling_fields_first(fields.of_points);
+  put_telling_fields_first(fields.of_cells);
   return fields;
 }
 

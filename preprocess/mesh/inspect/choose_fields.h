@@ -22,8 +22,10 @@ struct ChosenFields {
 };
 
 /// Returns the scalars that `wanted` names (PackMeshOptions::fields). By default these are all
-/// scalar fields and the magnitudes of vectors, of points and of cells. Components are counted from
-/// 0; x, y, z stand for 0, 1, 2 of vectors with two or three components.
+/// scalar fields and the magnitudes of vectors, of points and of cells, in the source's order.
+/// However, fields without variation, ids and masks of programs come last: the first field is the
+/// one that pictures show. Components are counted from 0; x, y, z stand for 0, 1, 2 of vectors with
+/// two or three components.
 ///
 /// With `cells_to_points` each chosen cell field is there at the points, too. Its value at a point
 /// is the mean over the source's cells around it that have data, or NaN where none has. Where all

@@ -79,6 +79,21 @@ Error refusal(const NeutralMesh& mesh, const std::vector<std::string>& wanted, b
   return Error(ErrorCode::internal, "accepted");
 }
 
+TEST(ChooseFields, puts_constants_ids_and_masks_last) {
+  NeutralMesh mesh = two_cells();
+  for (const char* name : {"IBlank", "vtkOriginalPointIds", "Global Node_Id", "node", "even"})
+    mesh.point_fields.push_back(field_of(name, 1, {nan, 1, 2, 3, 4, 5}));
+  mesh.point_fields.push_back(field_of("constant", 1, {nan, 1, 1, 1, 1, 1}));
+  mesh.point_fields.push_back(field_of("late", 1, {0, 0, 0, 0, 1, 0}));
+  mesh.cell_fields.push_back(field_of("CellId", 1, {0, 1}));
+  mesh.cell_fields.push_back(field_of("stress", 1, {5, 7}));
+  const ChosenFields fields = all_chosen(mesh, {});
+  EXPECT_THAT(names_of(fields.of_points),
+              ElementsAre("node", "even", "late", "IBlank", "vtkOriginalPointIds", "Global Node_Id", "constant"));
+  EXPECT_THAT(names_of(fields.of_cells), ElementsAre("stress", "CellId"));
+  EXPECT_THAT(names_of(chosen(mesh, {"IBlank", "node"})), ElementsAre("IBlank", "node"));
+}
+
 TEST(ChooseFields, takes_scalars_and_magnitudes_of_vectors_by_default) {
   const auto fields = chosen(mesh_with_fields(), {});
   EXPECT_THAT(names_of(fields), ElementsAre("voltage", "Momentum.mag", "stress.max"));
