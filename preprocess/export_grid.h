@@ -41,6 +41,11 @@ ExportReport export_vti(const std::filesystem::path& packed, const std::filesyst
 ExportReport export_npy(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options = {}, const Progress& progress = {});
 
+/// Writes NIfTI-1 (.nii, little-endian): the samples of one field in the grid's type. The sform
+/// holds the geometry in RAS, rounded to single precision.
+ExportReport export_nifti(const std::filesystem::path& packed, const std::filesystem::path& output,
+                          const ExportOptions& options = {}, const Progress& progress = {});
+
 /// Writes the isosurface as triangles in world axes (binary .stl). Inside each cell these are the
 /// polygons of marching cubes (vtkFlyingEdges3D). Vertices lie on edges of the grid, where the
 /// field takes the isovalue. Cells without data have no triangles. Seen from lower values, the

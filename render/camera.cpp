@@ -117,6 +117,9 @@ void check(const View& view, bool has_points) {
   if (!(view.vertical_fov_deg > 0 && view.vertical_fov_deg < 180))
     throw Error(ErrorCode::usage,
                 concat("field of view ", view.vertical_fov_deg, " degrees; expected more than 0 and less than 180"));
+  if (!(view.free_left >= 0 && view.free_right >= 0 && view.free_left + view.free_right < 1))
+    throw Error(ErrorCode::usage, concat("margins of ", view.free_left, " and ", view.free_right,
+                                         " of the picture's width; expected at least 0, and less than 1 together"));
   if (!has_points) throw Error(ErrorCode::usage, "there is nothing to point the camera at: the box is empty");
 }
 
@@ -215,9 +218,21 @@ Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, doubl
     const Vec3 from_base = p - base;
     points.push_back({{from_base.dot(right), from_base.dot(above)}, from_base.dot(back)});
   }
-  const double tangent = fitted_share * std::tan(view.vertical_fov_deg / 2 * radians_per_degree);
-  const Fit flat = fit_orthographic(points, aspect, !view.target);
-  const Fit fit = view.orthographic ? flat : fit_perspective(points, {tangent * aspect, tangent}, !view.target);
+  const bool is_free = !view.target;
+  const double whole = std::tan(view.vertical_fov_deg / 2 * radians_per_degree);  // half the height at distance 1
+  const double share = is_free ? 1 - view.free_left - view.free_right : 1;
+  const double shift = is_free ? (view.free_right - view.free_left) * aspect / view.zoom : 0;
+  const Fit flat = fit_orthographic(points, aspect * share, is_free);
+  Fit fit = flat;
+  if (view.orthographic) {
+    fit.middle[0] += shift * flat.height / 2;
+  } else {
+    // At distance d the rest of the picture is off the axis by shift * whole * d. Sheared by this,
+    // the points are fitted as if it were not.
+    for (Seen& p : points) p.place[0] -= shift * whole * p.nearness;
+    fit = fit_perspective(points, {fitted_share * whole * aspect * share, fitted_share * whole}, is_free);
+    fit.middle[0] += shift * whole * fit.distance;
+  }
 
   Camera camera{
       .target = base + fit.middle[0] * right + fit.middle[1] * above, .up = up, .orthographic = view.orthographic};

@@ -59,8 +59,12 @@ struct View {
   double vertical_fov_deg = 30;
   bool orthographic = false;
   ViewAxes axes{};
-  /// The camera's target. Nothing: such that what is seen lies in the middle of the picture.
+  /// The camera's target. Nothing: such that what is seen lies in the middle of the picture, or of
+  /// what is left of it.
   std::optional<Vec3> target{};
+  /// Shares of the picture's width that stay free at its sides. They have no effect on a camera
+  /// with a given target.
+  double free_left = 0, free_right = 0;
 };
 
 /// Returns the view with this name: iso (three-quarter), or a word of view_direction. Refuses other
@@ -70,11 +74,11 @@ View named_view(std::string_view name, const ViewAxes& axes = {});
 /// Share of the picture's width or height that fitted points fill.
 inline constexpr double fitted_share = 0.9;
 
-/// Returns a camera that looks at points from `view`. At zoom 1 the points' bounding rectangle in
-/// the picture has 90 % of the picture's width or height, and at most that of the other. Without a
-/// given target it lies in the middle, up to rounding; with one, no point lies farther from the
-/// middle than 45 % of either. The up direction of the axes is up in the picture; for a view
-/// straight along it, their direction ahead is.
+/// Returns a camera that looks at points from `view`. At zoom 1 the points' bounding rectangle has
+/// 90 % of the width or height of the picture less its free sides, and at most that of the other.
+/// Without a given target it lies in the middle, up to rounding; with one, no point lies farther
+/// from the middle than 45 % of either. The up direction of the axes is up in the picture; for a
+/// view straight along it, their direction ahead is.
 ///
 /// Where the nearest point alone sets the distance (a line of points, a tip), the eye keeps a tenth
 /// of the depth from it. Refuses no points, or numbers out of range (ErrorCode::usage).

@@ -15,7 +15,7 @@
 namespace rhoray::render {
 
 struct FrameOptions {
-  int width = 1280;
+  int width = 960;
   int height = 720;
   ChannelSet channels{};
   /// Maximum number of samples per pixel. 1: only the ray through the pixel centre. More: pixels at

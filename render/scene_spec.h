@@ -15,7 +15,7 @@ namespace rhoray::render {
 // chosen from the data.
 
 struct PictureSize {
-  int width = 1280;
+  int width = 960;
   int height = 720;
 };
 /// Reads WxH, 720p, 1080p or 4k; sides from 1 to 65,536. Refuses other texts (ErrorCode::usage).

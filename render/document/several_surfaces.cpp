@@ -55,13 +55,16 @@ Vec3 color_of_surface(std::size_t index, std::size_t count) {
     read_value(palette[index], color);
     return color.linear;
   }
-  constexpr std::array<std::array<double, 2>, 3> tones{{{0.5, 0.9}, {0.75, 0.75}, {0.35, 1}}};
-  const auto& [saturation, brightness] = tones[index % tones.size()];
+  struct Tone {
+    double saturation, brightness;
+  };
+  constexpr std::array<Tone, 3> tones{{{0.5, 0.9}, {0.75, 0.75}, {0.35, 1}}};
+  const Tone tone = tones[index % tones.size()];
   const std::size_t rounds = (count + tones.size() - 1) / tones.size();
   const double hue = 6 * static_cast<double>(index) / static_cast<double>(rounds * tones.size());
   const auto part = [&](double from) {
     const double k = std::fmod(from + hue, 6);
-    return brightness * (1 - saturation * std::max(0.0, std::min({k, 4 - k, 1.0})));
+    return tone.brightness * (1 - tone.saturation * std::max(0.0, std::min({k, 4 - k, 1.0})));
   };
   return linear_from_srgb({part(5), part(3), part(1)});
 }

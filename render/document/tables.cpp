@@ -363,7 +363,7 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
 
 const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
-      row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [1280, 720]"),
+      row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [960, 720]"),
       row("background", &PictureSpec::background, background_value(),
           "Background colour; \"none\": a picture with alpha (not JPEG); default the style's, but black if only "
           "projections are shown"),
@@ -401,7 +401,7 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
           "axes", &AnnotationsSpec::axes, axes_rows(),
           "Arrows along the world axes, in a corner; in a patient's body with the letters of their directions"),
       row("box", &AnnotationsSpec::box, yes_or_no(),
-          "Box around the shown data, with ticks in world units; the default zoom is then 0.85, which leaves room for "
+          "Box around the shown data, with ticks in world units; the default zoom is then 0.9, which leaves room for "
           "them"),
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),

@@ -223,6 +223,7 @@ void export_to(const char* name, const Write& write) {
 /// Exports that need no separate process; the separate processes read with the same functions.
 void export_grid(const std::string& path) {
   const preprocess::ExportOptions options{.replace_existing = true};
+  export_to("a.nii", [&](const auto& output) { return preprocess::export_nifti(path, output, options); });
   export_to("a.npy", [&](const auto& output) { return preprocess::export_npy(path, output, options); });
   export_to("a.vti", [&](const auto& output) { return preprocess::export_vti(path, output, options); });
 }

@@ -84,6 +84,26 @@ TEST(FitCamera, puts_points_into_the_middle_and_fills_nine_tenths_of_the_width_o
           }
 }
 
+TEST(FitCamera, keeps_the_sides_of_the_picture_free) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 30; ++i) points.emplace_back(share(random), 2 * share(random), share(random) * share(random));
+  for (const bool orthographic : {false, true})
+    for (const double aspect : {0.5, 2.0})
+      for (const double zoom : {0.5, 1.0})
+        for (const double right : {0.0, 0.2}) {
+          View view{.zoom = zoom, .orthographic = orthographic, .free_left = 0.1, .free_right = right};
+          const Box3 seen = rectangle_around(fit_camera_to(points, view, aspect), aspect, points);
+          // In a picture of 2 by 2, what is left begins at -0.8 and ends at 1 - 2 * right.
+          const Vec3 size = seen.size(), middle = seen.center();
+          const double width = 1.8 - 2 * right;
+          EXPECT_NEAR(std::max(size.x / width, size.y / 2), 0.9 * zoom, 1e-6);
+          EXPECT_NEAR(middle.x, -0.8 + width / 2, 1e-6);
+          EXPECT_NEAR(middle.y, 0, 1e-6);
+        }
+}
+
 TEST(FitCamera, shows_all_around_a_given_target) {
   const std::array<Vec3, 4> points{Vec3(0, 0, 0), {5, 1, 0}, {0, 2, 1}, {1, 1, 4}};
   for (const bool orthographic : {false, true})
@@ -146,6 +166,8 @@ TEST(FitCamera, refuses_what_cannot_be_shown) {
     expect_usage_error([&] { fit_camera(box, {.zoom = bad}, 1); });
   for (const double bad : {0.0, -1.0, std::nan(""), 180.0})
     expect_usage_error([&] { fit_camera(box, {.vertical_fov_deg = bad}, 1); });
+  for (const double bad : {-0.1, 0.5, std::nan("")})
+    expect_usage_error([&] { fit_camera(box, {.free_left = bad, .free_right = 0.5}, 1); });
 }
 
 TEST(ViewDirection, of_words_depends_on_the_frame) {

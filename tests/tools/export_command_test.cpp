@@ -14,7 +14,7 @@ using testing::HasSubstr;
 TEST(ExportCommand, writes_every_format_and_reports_it) {
   const Workbench bench;
   bench.make_ball();
-  for (const std::string extension : {"vti", "vdb", "nvdb", "npy", "stl"}) {
+  for (const std::string extension : {"vti", "vdb", "nvdb", "npy", "nii", "stl"}) {
     SCOPED_TRACE(extension);
     std::vector<std::string> words{"export", "ball.rho", "-o", "out." + extension, "--json"};
     if (extension == "stl") words.insert(words.end(), {"--iso", "128"});
@@ -31,7 +31,7 @@ TEST(ExportCommand, writes_every_format_and_reports_it) {
   bench.make_box();
   for (const std::string name : {"out.vtu", "own.stl"})
     EXPECT_EQ(bench.rhoray({"export", "box.rho", "-o", name, "-q"}).exit_code, 0);
-  EXPECT_EQ(bench.contents().size(), 11U);
+  EXPECT_EQ(bench.contents().size(), 12U);
 }
 
 TEST(ExportCommand, gives_back_the_samples_that_were_packed) {

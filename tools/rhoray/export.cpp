@@ -94,6 +94,7 @@ preprocess::ExportReport write(const ExportCommand& command, const Content& cont
   const std::string extension = output.extension().string();
   if (extension == ".vti") return preprocess::export_vti(command.packed, output, options, display.progress());
   if (extension == ".npy") return preprocess::export_npy(command.packed, output, options, display.progress());
+  if (extension == ".nii") return preprocess::export_nifti(command.packed, output, options, display.progress());
   if (extension == ".vtu") return preprocess::export_vtu(command.packed, output, options);
   if (extension != ".stl") return preprocess::export_vdb(command.packed, output, options);
   if (content.is_mesh) return preprocess::export_tets_stl(command.packed, isovalue, output, options);
@@ -144,7 +145,7 @@ Subcommand export_subcommand() {
               {{with_details(file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input),
                              "numpy can read it without conversion; see formats/SPEC.md")},
                output_options(command->common,
-                              "Output: .vti, .vdb, .nvdb, .npy or .stl for a grid, .vtu or .stl for a mesh"),
+                              "Output: .vti, .vdb, .nvdb, .npy, .nii or .stl for a grid, .vtu or .stl for a mesh"),
                {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
                              command->field),
                 with_details(value_option("--iso", "V",

@@ -12,6 +12,7 @@ inline constexpr ExportFormat export_formats[] = {
     {".vti", "VTK image data", true, false, "export a mesh as .vtu"},
     {".vdb", "OpenVDB", true, false, "`rhoray resample` converts a mesh to a grid"},
     {".nvdb", "NanoVDB", true, false, "`rhoray resample` converts a mesh to a grid"},
+    {".nii", "NIfTI", true, false, "`rhoray resample` converts a mesh to a grid"},
     {".npy", "NumPy", true, false, "numpy reads points, cells and fields from the packed file: see formats/SPEC.md"},
     {".vtu", "VTK unstructured grid", false, true, "export a grid as .vti"},
     {".stl", "STL", true, true, ""}};

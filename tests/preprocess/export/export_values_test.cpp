@@ -113,6 +113,43 @@ TEST_F(Export, writes_npy_that_numpy_reads_in_the_order_z_y_x) {
   EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("no geometry")));
 }
 
+TEST_F(Export, writes_nifti_that_comes_back) {
+  const auto round_trip = [&]<class T>(T) {
+    const std::vector<double> expected = pack<T>(turned);
+    const ExportReport report = export_nifti(folder_ / "a.rho", folder_ / "a.nii", {.replace_existing = true});
+    EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("RAS")));
+    EXPECT_EQ(report.file_bytes, std::filesystem::file_size(folder_ / "a.nii"));
+    const NeutralVolume volume = import_volume(folder_ / "a.nii");
+    EXPECT_EQ(formats::element_name(volume.type), formats::element_name(formats::element_type_of<T>()));
+    EXPECT_EQ(volume.sample_count, Index3(7, 6, 5));
+    EXPECT_EQ(volume.space, formats::Space::ras);
+    EXPECT_EQ(values_of(volume), expected);
+    // The header holds positions up to a third of a million in single precision.
+    expect_map(volume.world_from_grid, turned, 0.02);
+  };
+  round_trip(std::uint8_t{});
+  round_trip(std::int8_t{});
+  round_trip(std::uint16_t{});
+  round_trip(std::int16_t{});
+  round_trip(std::uint32_t{});
+  round_trip(std::int32_t{});
+  round_trip(float{});
+  round_trip(double{});
+}
+
+TEST_F(Export, writes_nifti_in_ras) {
+  NeutralVolume volume = volume_of<float>({4, 3, 2}, [](const Index3& s) { return static_cast<float>(s.x); },
+                                          {{0.5, 0, 0}, {0, 0.25, 0}, {0, 0, 2}, {8, 4, -2}});
+  volume.space = formats::Space::lps;
+  volume.length_unit = "mm";
+  pack_volume(volume, folder_ / "a.rho", {});
+  EXPECT_THAT(export_nifti(folder_ / "a.rho", folder_ / "a.nii").notes, testing::IsEmpty());
+  const NeutralVolume back = import_volume(folder_ / "a.nii");
+  EXPECT_EQ(back.space, formats::Space::ras);
+  EXPECT_EQ(back.length_unit, "mm");
+  EXPECT_EQ(back.world_from_grid, (Affine{{-0.5, 0, 0}, {0, -0.25, 0}, {0, 0, 2}, {-8, -4, -2}}));
+}
+
 TEST_F(Export, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused) {
   pack<float>({}, "density");
   write_file(folder_ / "a.vti", "precious");

@@ -363,7 +363,7 @@ std::vector<Option> picture_options(PictureOptions& options) {
 std::vector<Option> image_options(PictureOptions& options) {
   render::PictureSpec& image = options.scene_spec.image;
   return {
-      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 1280x720", image.size),
+      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 960x720", image.size),
       with_details(number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 8 (MIP: 1)",
                                  render::limits::pixel_samples, image.antialias),
                    "Only pixels at edges get more than one"),
