@@ -83,6 +83,19 @@ FaceNumbers computed_boundary_faces(const TetMesh& mesh) {
   return boundary_faces(cells, mesh.description().point_count);
 }
 
+FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part) {
+  std::pmr::vector<Cell> cells;
+  cells.reserve(part.size());
+  for (const std::uint64_t cell : part) cells.push_back(mesh.cell(cell));
+  FaceNumbers faces = boundary_faces(cells, mesh.description().point_count);
+  for (std::uint64_t& number : faces) {
+    const CellFace face = face_of_number(number);
+    number = face_number({part[face.cell], face.opposite});
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
 FaceNumbers boundary_faces(const TetMesh& mesh) {
   const std::span<const std::uint64_t> stored = mesh.boundary();
   if (!stored.empty()) return {stored.begin(), stored.end()};

@@ -42,6 +42,11 @@ FaceNumbers boundary_faces(std::span<const std::array<std::uint32_t, 4>> cells, 
 /// The same for a packed mesh: the stored boundary, or else the computed one.
 FaceNumbers boundary_faces(const TetMesh& mesh);
 
+/// The boundary of a part of a packed mesh: the numbers of the faces that belong to one cell of the
+/// part only, ascending. On the other side of each is no cell, or one outside the part.
+/// @param part  indices of cells, all different
+FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part);
+
 /// The boundary, computed from the cells even where it is stored.
 FaceNumbers computed_boundary_faces(const TetMesh& mesh);
 

@@ -129,6 +129,11 @@ Dataset Dataset::boundary() const {
   return Dataset(load_boundary(*implementation_));
 }
 
+Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without) const {
+  const DefaultFloatingPoint default_floating_point;
+  return Dataset(load_boundary(*implementation_, cell_field, label, without));
+}
+
 RangeProof Dataset::prove_ranges(unsigned threads) const {
   const std::lock_guard lock(proof_->guard);
   if (proof_->is_done) return {};

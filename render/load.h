@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,12 @@ class Dataset {
   /// triangle has the fields of its cell. If the file does not store the boundary, this function
   /// computes it. Refuses a dataset of another kind (ErrorCode::usage).
   Dataset boundary() const;
+  /// Returns the boundary of the cells of a mesh that have this label in a field of cells: a closed
+  /// surface, unless a face belongs to three cells. A face between two labels is part of both
+  /// surfaces. Refuses a dataset of another kind, an unknown field (ErrorCode::usage) and a label
+  /// that no cell has (ErrorCode::invalid).
+  /// @param without  labels; the faces to their cells are left out
+  Dataset boundary(const std::string& cell_field, int label, std::span<const int> without = {}) const;
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;    ///< of a surface: without a name and values

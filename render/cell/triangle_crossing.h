@@ -32,10 +32,11 @@ RHORAY_INLINE std::optional<double> cross_triangle(const RayShear& shear, const 
   const bool side = left(0, 1);
   if (left(1, 2) != side || left(2, 0) != side) return std::nullopt;
   double weight[3] = {edge_weight(seen[1], seen[2]), edge_weight(seen[2], seen[0]), edge_weight(seen[0], seen[1])};
-  double sum = weight[0] + weight[1] + weight[2];
+  // Added so that exchanging the second and the third corner does not change t.
+  double sum = weight[0] + (weight[1] + weight[2]);
   // Weights so small that the products vanish.
   if (!(sum > 0)) weight[0] = weight[1] = weight[2] = 1, sum = 3;
-  const double t = (weight[0] * seen[0].t + weight[1] * seen[1].t + weight[2] * seen[2].t) / sum;
+  const double t = (weight[0] * seen[0].t + (weight[1] * seen[1].t + weight[2] * seen[2].t)) / sum;
   const auto [least, most] = std::minmax({seen[0].t, seen[1].t, seen[2].t});
   return std::clamp(t, least, most);
 }

@@ -1,5 +1,9 @@
+#include <optional>
+#include <utility>
+
 #include "formats/base/error.h"
 #include "formats/base/text.h"
+#include "formats/base/word_list.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
 #include "render/triangles/corner_normals.h"
@@ -34,21 +38,52 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
                     .point_gradients = std::make_shared<PointGradientsCache>()});
 }
 
+namespace {
+
+const TetData& mesh_of(const LoadedDataset& dataset) {
+  const auto* view = std::get_if<TetData>(&dataset.view);
+  if (view == nullptr)
+    throw Error(ErrorCode::usage, concat(dataset.file.name(), ": is not a mesh and has no boundary"));
+  return *view;
+}
+
+/// Keeps the bounds of the mesh. Kernels round points in a frame that depends on them, and round a
+/// face between two labels alike for both.
+std::shared_ptr<const LoadedDataset> with_boundary(const LoadedDataset& mesh,
+                                                   std::shared_ptr<const MeshBoundary> boundary) {
+  return std::make_shared<LoadedDataset>(LoadedDataset{.file = mesh.file,
+                                                       .field = mesh.field,
+                                                       .fields = mesh.fields,
+                                                       .cell_fields = mesh.cell_fields,
+                                                       .field_names = mesh.field_names,
+                                                       .length_unit = mesh.length_unit,
+                                                       .world_from_data = mesh.world_from_data,
+                                                       .bounds_data = mesh.bounds_data,
+                                                       .view = TriangleData(std::move(boundary)),
+                                                       .facets = std::make_shared<FacetsCache>(),
+                                                       .corner_normals = std::make_shared<CornerNormalsCache>()});
+}
+
+}  // namespace
+
 std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh) {
-  const auto* view = std::get_if<TetData>(&mesh.view);
-  if (view == nullptr) throw Error(ErrorCode::usage, concat(mesh.file.name(), ": is not a mesh and has no boundary"));
-  return std::make_shared<LoadedDataset>(
-      LoadedDataset{.file = mesh.file,
-                    .field = mesh.field,
-                    .fields = mesh.fields,
-                    .cell_fields = mesh.cell_fields,
-                    .field_names = mesh.field_names,
-                    .length_unit = mesh.length_unit,
-                    .world_from_data = mesh.world_from_data,
-                    .bounds_data = mesh.bounds_data,
-                    .view = TriangleData(std::make_shared<const MeshBoundary>(*view)),
-                    .facets = std::make_shared<FacetsCache>(),
-                    .corner_normals = std::make_shared<CornerNormalsCache>()});
+  return with_boundary(mesh, std::make_shared<const MeshBoundary>(mesh_of(mesh)));
+}
+
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::string& cell_field, int label,
+                                                   std::span<const int> without) {
+  const TetData& view = mesh_of(mesh);
+  const std::optional<std::size_t> field = view.mesh().find_cell_field(cell_field);
+  if (!field) {
+    const std::vector<std::string> known = names_in(mesh.cell_fields, &formats::FieldSummary::name);
+    throw Error(ErrorCode::usage, concat(mesh.file.name(), ": no field '", cell_field, "' of cells; it has ",
+                                         known.empty() ? "none" : joined(known, ", ", "'")));
+  }
+  auto boundary = std::make_shared<const MeshBoundary>(view, *field, label, without);
+  if (boundary->cells.empty() && without.empty())
+    throw Error(ErrorCode::invalid,
+                concat(mesh.file.name(), ": no cell has label ", label, " in field '", cell_field, "'"));
+  return with_boundary(mesh, std::move(boundary));
 }
 
 }  // namespace rhoray::render

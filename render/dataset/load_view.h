@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,10 @@ std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, c
 std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
                                                   formats::Space world);
 
-/// The boundary of a mesh (Dataset::boundary).
+/// The boundary of a mesh, or of a label of it (Dataset::boundary).
 std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh);
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::string& cell_field, int label,
+                                                   std::span<const int> without);
 
 /// By the loader of the file's kind; null where the kind cannot be rendered.
 /// @param world  as for Dataset::load; only grids know their space

@@ -27,17 +27,6 @@ const DataSpec& data_named(const SceneSpec& scene_spec, const std::string& name,
   return scene_spec.data[static_cast<std::size_t>(found - names.begin())];
 }
 
-/// The data of a layer.
-const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t index) {
-  const LayerSpec& layer = scene_spec.layers[index];
-  const std::vector<std::string> names = names_in(scene_spec.data, &DataSpec::name);
-  if (layer.data.empty() && scene_spec.data.size() == 1) return scene_spec.data[0];
-  if (layer.data.empty())
-    throw Error(ErrorCode::invalid, concat(layer_place(scene_spec, index).text(), ": has no \"data\"; expected one of ",
-                                           joined(names, ", ", "\"")));
-  return data_named(scene_spec, layer.data, layer_place(scene_spec, index).at("data"));
-}
-
 /// Opens a packed file of colours; refuses others and names the command that packs colours
 /// (ErrorCode::invalid).
 Texture load_texture(const std::filesystem::path& path, formats::Space world) {
@@ -59,6 +48,16 @@ Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
 }
 
+const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t index) {
+  const LayerSpec& layer = scene_spec.layers[index];
+  const std::vector<std::string> names = names_in(scene_spec.data, &DataSpec::name);
+  if (layer.data.empty() && scene_spec.data.size() == 1) return scene_spec.data[0];
+  if (layer.data.empty())
+    throw Error(ErrorCode::invalid, concat(layer_place(scene_spec, index).text(), ": has no \"data\"; expected one of ",
+                                           joined(names, ", ", "\"")));
+  return data_named(scene_spec, layer.data, layer_place(scene_spec, index).at("data"));
+}
+
 std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const OpenData& open, ResolvedScene& plan) {
   const DataSpec& data = data_of(scene_spec, layer);
   const std::vector<std::string> names = names_in(plan.data, &DataSpec::name);
@@ -68,7 +67,7 @@ std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const Ope
   plan.datasets.push_back(at_place(place, [&] { return open(data, plan.space); }));
   const Dataset& dataset = plan.datasets.back();
   plan.data.push_back(data);
-  if (!data.label) plan.data.back().field = dataset.field().name;
+  if (!data.label || (dataset.is_mesh() && data.field.empty())) plan.data.back().field = dataset.field().name;
   for (const std::string& note : dataset.notes()) plan.notes.push_back(note);
   if (!dataset.is_surface() && data.field.empty() && dataset.field().name != dataset.field_names().front())
     plan.notes.push_back(

@@ -11,6 +11,9 @@ namespace rhoray::render {
 /// The place of a layer in the document.
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer);
 
+/// The data that a layer names. Refuses a name that is not there (ErrorCode::invalid).
+const DataSpec& data_of(const SceneSpec& scene_spec, std::size_t layer);
+
 /// Returns the index in the plan of the dataset that a layer names. Opens the dataset if the plan
 /// does not hold it yet, and adds its notes to the plan.
 std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const OpenData& open, ResolvedScene& plan);

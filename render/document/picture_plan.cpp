@@ -20,8 +20,10 @@ bool shows_values(const ResolvedScene& plan) {
          });
 }
 
-bool has_own_color(const Layer& layer) {
-  return layer.mode == Mode::isosurface && !layer.material.color_by && !layer.material.texture;
+/// Whether the colour of a layer stands for an isovalue or a label.
+bool has_own_color(const ResolvedScene& plan, const Layer& layer) {
+  const bool is_named = layer.mode == Mode::isosurface || plan.data[layer.dataset].label;
+  return is_named && !layer.material.color_by && !layer.material.texture;
 }
 
 }  // namespace
@@ -70,9 +72,11 @@ void plan_annotations(const SceneSpec& scene_spec, ResolvedScene& plan) {
     });
   };
   if (plan.annotations.color_bar && !shows_values(plan)) refuse("colorbar", "nothing here is coloured by a field");
-  const bool can_have_legend = !plan.page && std::any_of(layers.begin(), layers.end(), has_own_color);
+  const bool can_have_legend = !plan.page && std::any_of(layers.begin(), layers.end(), [&](const Layer& layer) {
+    return has_own_color(plan, layer);
+  });
   if (plan.annotations.legend.value_or(false) && !can_have_legend)
-    refuse("legend", "no isosurface here has a colour of its own");
+    refuse("legend", "no isosurface or label here has a colour of its own");
   if (plan.page) return;  // a heat map shows none of these colours
   const auto take = [&](auto AnnotationsSpec::*member, bool has_use) {
     if (plan.annotations.*member || !(needed.*member) || !has_use) return;

@@ -65,6 +65,7 @@ class LayerPlanner {
     const LayerType type = type_of(scene_spec_, spec, dataset);
     if (type == LayerType::triangles) refuse_fields(index, dataset);
     if (type == LayerType::boundary) return add_boundary(index, layer);
+    if (dataset.is_mesh() && plan_.data[layer.dataset].label) refuse_label(index, dataset);
     if (type == LayerType::slice) {
       choose_slice(spec, dataset, layer_place(scene_spec_, index), layer);
       return put(index, layer, {});
@@ -100,6 +101,13 @@ class LayerPlanner {
     put(index, layer, {});
   }
 
+  /// Refuses to show a label of a mesh by anything but its boundary.
+  [[noreturn]] void refuse_label(std::size_t index, const Dataset& mesh) const {
+    const std::string fact = concat(mesh.file().name(), ": a label of a mesh has a boundary only");
+    throw Error(ErrorCode::invalid, concat(layer_place(scene_spec_, index).at("type").text(), ": ", fact),
+                "show it with a layer of type \"boundary\"");
+  }
+
   /// Returns the index of a mesh's boundary among the datasets. Adds it, behind the mesh and with
   /// the same data, if it is not there yet.
   std::size_t boundary_of(std::size_t mesh) {
@@ -107,6 +115,37 @@ class LayerPlanner {
       if (plan_.datasets[i].is_surface() && plan_.data[i].name == plan_.data[mesh].name) return i;
     plan_.datasets.push_back(plan_.datasets[mesh].boundary());
     plan_.data.push_back(DataSpec(plan_.data[mesh]));
+    return plan_.datasets.size() - 1;
+  }
+
+  /// The labels whose surfaces show the faces that they share with a layer's label: a transparent
+  /// layer leaves these to a more opaque one, or of equal ones to the first.
+  std::vector<int> labels_instead(std::size_t index) const {
+    std::vector<int> labels;
+    const LayerSpec& own = scene_spec_.layers[index];
+    const DataSpec& data = data_of(scene_spec_, index);
+    const double opacity = own.opacity.value_or(1);
+    if (opacity >= 1) return labels;
+    for (std::size_t i = 0; i < scene_spec_.layers.size(); ++i) {
+      const LayerSpec& layer = scene_spec_.layers[i];
+      const double other_opacity = layer.opacity.value_or(1);
+      const bool is_first = other_opacity > opacity || (other_opacity == opacity && i < index);
+      if (!is_first || !layer.visible || layer.type != own.type || layer.clip.value_or(true) != own.clip.value_or(true))
+        continue;
+      const DataSpec& other = data_of(scene_spec_, i);
+      if (other.label && other.label != data.label && other.file == data.file && other.field == data.field)
+        labels.push_back(*other.label);
+    }
+    return labels;
+  }
+
+  /// Adds the boundary of a mesh's label to the datasets and returns its index.
+  std::size_t boundary_of_label(std::size_t index, std::size_t mesh) {
+    const DataSpec data = plan_.data[mesh];
+    plan_.datasets.push_back(at_place(root(scene_spec_).at("data").at(data.name).at("label"), [&] {
+      return plan_.datasets[mesh].boundary(data.field, *data.label, labels_instead(index));
+    }));
+    plan_.data.push_back(data);
     return plan_.datasets.size() - 1;
   }
 
@@ -121,12 +160,15 @@ class LayerPlanner {
     const LayerSpec& spec = scene_spec_.layers[index];
     const Place place = layer_place(scene_spec_, index);
     if (!plan_.datasets[layer.dataset].is_mesh()) refuse_grid(index, plan_.datasets[layer.dataset]);
-    layer.dataset = boundary_of(layer.dataset);
+    layer.dataset =
+        plan_.data[layer.dataset].label ? boundary_of_label(index, layer.dataset) : boundary_of(layer.dataset);
     const Dataset& dataset = plan_.datasets[layer.dataset];
     at_place(place, [&] { refuse_words_of_isosurfaces(scene_spec_, spec, dataset); });
     layer.mode = Mode::triangles;
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
-    layer.material = choose_boundary_material(spec, style_named(scene_spec_.style), dataset, place);
+    const Style& style = style_named(scene_spec_.style);
+    layer.material = plan_.data[layer.dataset].label ? choose_material(spec, style, dataset, place)
+                                                     : choose_boundary_material(spec, style, dataset, place);
     layer.material.texture = texture_of(scene_spec_, index, plan_);
     put(index, layer, {});
     if (spec.type != LayerType::automatic || !layer.material.color_by) return;

@@ -289,8 +289,9 @@ const std::vector<Row<DataSpec>>& data_rows() {
       row("field", &DataSpec::field, text_value(), "Field to show; default the first that is not constant"),
       row("label", &DataSpec::label,
           whole_number_within({std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}),
-          "A label of a segmentation: the data are 1 at its samples and 0 at others, and its surface is the isosurface "
-          "at 0.5")};
+          "A label of a segmentation. Of a volume: the data are 1 at its samples and 0 at others, and its surface is "
+          "the isosurface at 0.5. Of a mesh: \"field\" is a field of cells, and a layer of type \"boundary\" shows the "
+          "boundary of the cells with the label")};
   return rows;
 }
 
@@ -406,7 +407,7 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
       switched_row("colorbar", &AnnotationsSpec::color_bar, color_bar_rows(),
                    "Colour bar of \"color_by\", slices, projections or a heat map"),
       row("legend", &AnnotationsSpec::legend, yes_or_no(),
-          "Colours and values or labels of the isosurfaces; default true with labels, and if a layer with several "
+          "Colours and values or labels of the surfaces; default true with labels, and if a layer with several "
           "isovalues names no colour"),
       row("caption", &AnnotationsSpec::caption, text_value(),
           "Caption below the picture, in lines of the picture's width")};

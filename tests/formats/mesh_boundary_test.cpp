@@ -93,6 +93,24 @@ TEST(MeshBoundary, is_the_same_in_any_order_and_with_little_memory) {
   }
 }
 
+TEST(MeshBoundary, of_a_part_are_the_faces_of_one_of_its_cells) {
+  const TetSample sample = box(3);
+  const Cells cells = cells_of(sample);
+  const TemporaryFolder folder;
+  const TetMesh mesh = packed(sample, folder / "m.rho");
+  std::vector<std::uint64_t> part;
+  for (std::uint64_t c = cells.size(); c-- > 0;)
+    if (c % 7 < 3) part.push_back(c);
+  Cells alone;
+  for (const std::uint64_t c : part) alone.push_back(cells[c]);
+  FaceNumbers expected = faces_of_one_cell(alone);
+  for (std::uint64_t& number : expected) number = 4 * part[number / 4] + number % 4;
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(boundary_faces(mesh, part), expected);
+  EXPECT_GT(expected.size(), 100U);
+  EXPECT_THAT(boundary_faces(mesh, std::vector<std::uint64_t>{}), testing::IsEmpty());
+}
+
 TEST(MeshBoundary, is_kept_in_the_file_and_computed_without_it) {
   TetSample sample = box(2);
   const TemporaryFolder folder;

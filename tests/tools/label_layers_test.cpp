@@ -24,6 +24,24 @@ void make_labels(const Workbench& bench) {
   write_file(bench / "labels.nrrd", text);
 }
 
+/// parts.vtu: the unit cube in 4 x 4 x 4 cubes with the cell field 'part', which is 7 in the inner 8
+/// of them, 4 in other cells below x = 1/4, and 0 elsewhere.
+/// @param name  of the cell field
+void make_parts(const Workbench& bench, bool has_point_field, const std::string& name = "part") {
+  preprocess::NeutralMesh mesh = box_mesh({});
+  if (has_point_field) add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  preprocess::NeutralField part{.name = name, .unit = {}, .values = {}};
+  for (const auto& cell : mesh.cells) {
+    Vec3 middle(0, 0, 0);
+    for (const std::uint64_t v : cell) middle += 0.25 * to_vec3(mesh.points[v]);
+    const Vec3 off = middle - Vec3(0.5, 0.5, 0.5);
+    const bool is_inner = std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < 0.25;
+    part.values.push_back(is_inner ? 7 : middle.x < 0.25 ? 4 : 0);
+  }
+  mesh.cell_fields.push_back(part);
+  preprocess::export_mesh(mesh, bench / "parts.vtu", true);
+}
+
 TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
   const Workbench bench;
   make_labels(bench);
@@ -88,6 +106,81 @@ TEST(LabelLayers, labels_that_are_not_there_are_refused) {
   EXPECT_THAT(refusal("labels.nrrd", "4"), HasSubstr("holds the labels 1, 5, 9; expected label 4"));
   EXPECT_THAT(refusal("ball.rho", "4"), HasSubstr("is not a segmentation; expected label 4"));
   EXPECT_THAT(refusal("labels.nrrd", "1.5"), HasSubstr("/data/d/label"));
+}
+
+TEST(LabelLayers, every_label_of_a_mesh_gets_its_boundary) {
+  const Workbench bench;
+  make_parts(bench, true);
+  const Json shown = bench.drawn({"parts.vtu", "--field", "part"});
+  const Json &scene = shown["scene"], &layers = scene["layers"];
+  ASSERT_EQ(layers.size(), 3U);
+  std::vector<Json> colors;
+  for (const Json& layer : layers) {
+    EXPECT_EQ(layer["type"], "boundary");
+    EXPECT_FALSE(layer.contains("color_by"));
+    EXPECT_THAT(colors, Not(testing::Contains(layer["color"])));
+    colors.push_back(layer["color"]);
+  }
+  EXPECT_EQ(layers[0]["data"], "label 0");
+  EXPECT_EQ(layers[0]["opacity"], 0.33) << "hides 7";
+  EXPECT_EQ(layers[1]["opacity"], 0.33) << "4 hides 7, too";
+  EXPECT_EQ(layers[2]["opacity"], 1);
+  EXPECT_EQ(scene["data"].size(), 3U);
+  EXPECT_EQ(scene["data"]["label 7"]["label"], 7);
+  EXPECT_EQ(scene["data"]["label 7"]["field"], "part");
+  EXPECT_EQ(scene["annotations"]["legend"], true);
+  const RunResult again = bench.shell(shown["reproduce"].get<std::string>() +
+                                      " -o again.png && rhoray compare parts.png again.png --fail 0");
+  EXPECT_EQ(again.exit_code, 0) << shown["reproduce"] << again.out << again.err;
+  EXPECT_THAT(bench.rhoray({"render", "parts.vtu", "--field", "part", "--force"}).err,
+              HasSubstr("'part' holds labels: 0, 4, 7"));
+}
+
+TEST(LabelLayers, of_a_mesh_are_shown_where_no_other_field_varies) {
+  const Workbench bench;
+  make_parts(bench, false);
+  EXPECT_EQ(bench.drawn({"parts.vtu"})["scene"]["layers"].size(), 3U) << "the only field";
+  make_parts(bench, false, "region");
+  EXPECT_EQ(bench.drawn({"parts.vtu"})["scene"]["layers"].size(), 3U) << "beside a distance made by packing";
+  make_parts(bench, true);
+  const Json height = bench.drawn({"parts.vtu"})["scene"]["layers"];
+  ASSERT_EQ(height.size(), 1U);
+  EXPECT_EQ(height[0]["color_by"], "height");
+}
+
+TEST(LabelLayers, of_a_mesh_give_way_to_other_wishes) {
+  const Workbench bench;
+  make_parts(bench, false);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--color-by", "part"},
+                                                                                     {"--mode", "boundary"},
+                                                                                     {"--iso", "3"},
+                                                                                     {"--mode", "mip"},
+                                                                                     {"--accuracy", "exact"}}) {
+    std::vector<std::string> all{"parts.vtu", "--context", "0"};
+    if (words[0] == "--mode" || words[0] == "--color-by") all = {"parts.vtu"};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(bench.drawn(all)["scene"]["layers"].size(), 1U) << words[0];
+  }
+}
+
+TEST(LabelLayers, of_a_mesh_that_are_not_there_are_refused) {
+  const Workbench bench;
+  make_parts(bench, true);
+  ASSERT_EQ(bench.rhoray({"pack", "parts.vtu"}).exit_code, 0);
+  const auto refusal = [&](const std::string& data, const std::string& type) {
+    write_file(bench / "s.json",
+               R"({"data": {"d": {"file": "parts.rho", )" + data + R"(}}, "layers": [{"type": ")" + type + R"("}]})");
+    const RunResult run = bench.rhoray({"render", "s.json"});
+    EXPECT_NE(run.exit_code, 0);
+    EXPECT_FALSE(std::filesystem::exists(bench / "s.png"));
+    return run.err;
+  };
+  EXPECT_THAT(refusal(R"("field": "part", "label": 5)", "boundary"),
+              HasSubstr("/data/d/label: parts.rho: no cell has label 5 in field 'part'"));
+  EXPECT_THAT(refusal(R"("label": 4)", "boundary"), HasSubstr("no field 'height' of cells; it has 'part'"));
+  EXPECT_THAT(refusal(R"("field": "part", "label": 4)", "isosurface"), HasSubstr("/layers/0/type"));
+  EXPECT_THAT(bench.rhoray({"render", "parts.vtu", "--field", "part", "--mode", "boundary"}).err,
+              HasSubstr("it is a field of cells: --color-by part shows it"));
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST_F(SeveralIsovalues, have_a_legend_that_an_option_switches) {
   EXPECT_EQ(scene_of({"s.json", "--legend", "on"})["annotations"]["legend"], true);
   const RunResult refused = bench_.rhoray({"render", "ball.rho", "--mode", "mip", "--legend", "on", "-o", "p.png"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--legend: no isosurface here has a colour of its own"));
+  EXPECT_THAT(refused.err, HasSubstr("--legend: no isosurface or label here has a colour of its own"));
 }
 
 TEST_F(SeveralIsovalues, are_drawn_again_by_the_printed_command) {

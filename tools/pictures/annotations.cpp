@@ -36,7 +36,7 @@ std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
   std::vector<Legend> legends;
   for (const render::Layer& layer : plan.scene.layers) {
     const render::DataSpec& data = plan.data[layer.dataset];
-    if (!data.label) continue;
+    if (!data.label || layer.material.color_by || layer.material.texture) continue;
     const std::string title = data.field.empty() ? "labels" : data.field;
     auto legend = std::find_if(legends.begin(), legends.end(), [&](const Legend& each) { return each.title == title; });
     if (legend == legends.end()) legend = legends.insert(legends.end(), {.title = title, .entries = {}});

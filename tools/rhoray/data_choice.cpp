@@ -1,6 +1,8 @@
 #include "tools/rhoray/data_choice.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -8,6 +10,8 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
 #include "formats/base/word_list.h"
+#include "formats/shape_field.h"
+#include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
 #include "tools/analysis/measure.h"
@@ -115,7 +119,9 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
     return render::Dataset::load(file, field, world);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::usage) throw;
-    const std::string hint = did_you_mean(field, render::Dataset::load(file).field_names());
+    const render::Dataset other = render::Dataset::load(file);
+    const std::string hint = other.field(field) ? concat("it is a field of cells: --color-by ", field, " shows it")
+                                                : did_you_mean(field, other.field_names());
     throw Error(error.code(), error.what(), hint.empty() ? error.hint() : hint);
   }
 }
@@ -159,6 +165,28 @@ std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const 
   return Segmentation{std::move(grid), *field, std::move(*labels)};
 }
 
+std::optional<Regions> regions_in(const render::DataSpec& data, const DataAccess& access) {
+  const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+  if (file.description().kind != "tets" || !file.has("cell_field.0")) return std::nullopt;
+  const formats::TetMesh mesh(file);
+  const formats::TetMeshDescription& description = mesh.description();
+  const auto regions_of = [&](std::size_t field) -> std::optional<Regions> {
+    std::optional<std::vector<preprocess::CellLabel>> labels = preprocess::find_labels(mesh, field);
+    if (!labels) return std::nullopt;
+    return Regions{description.cell_fields[field].name, std::move(*labels)};
+  };
+  std::string name = data.field;
+  if (name.empty()) {
+    const auto first = std::find_if(description.fields.begin(), description.fields.end(), varies);
+    name = first == description.fields.end() ? description.fields.front().name : first->name;
+  }
+  if (const std::optional<std::size_t> field = mesh.find_cell_field(name)) return regions_of(*field);
+  if (!data.field.empty() || name != formats::boundary_distance) return std::nullopt;
+  for (std::size_t field = 0; field < description.cell_fields.size(); ++field)
+    if (auto regions = regions_of(field)) return regions;
+  return std::nullopt;
+}
+
 namespace {
 
 render::Dataset load_label(const render::DataSpec& data, formats::Space world, const DataAccess& access) {
@@ -180,8 +208,15 @@ render::Dataset load_label(const render::DataSpec& data, formats::Space world, c
 }  // namespace
 
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access) {
+  std::map<std::filesystem::path, render::Dataset> meshes;  // with labels
   return render::resolve_layers(scene_spec, [&](const render::DataSpec& data, formats::Space world) {
-    if (data.label) return load_label(data, world, access);
+    if (data.label) {
+      const auto known = meshes.find(data.file);
+      if (known != meshes.end()) return known->second;
+      const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+      if (file.description().kind != "tets") return load_label(data, world, access);
+      return meshes.emplace(data.file, load_field_that_varies(file, world)).first->second;
+    }
     std::vector<std::string> others;
     for (const render::LayerSpec& layer : scene_spec.layers)
       if (layer.data == data.name) others.push_back(layer.color_by);

@@ -55,7 +55,7 @@ std::filesystem::path packed_path(const std::filesystem::path& path, const std::
 std::filesystem::path packed_data_path(const std::filesystem::path& path, const std::string& field,
                                        const DataAccess& access = {});
 
-/// A field of labels.
+/// A field of labels of a grid.
 struct Segmentation {
   formats::BrickGrid grid;
   std::size_t field;
@@ -64,8 +64,17 @@ struct Segmentation {
 /// The labels of data (preprocess/labels.h); nothing where they hold none.
 std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const DataAccess& access);
 
-/// Opens the data of a scene by load_shown (render/document.h), and labels as their
-/// indicators.
+/// A field of labels of a mesh's cells.
+struct Regions {
+  std::string field;
+  std::vector<preprocess::CellLabel> labels;
+};
+/// The labels of data that are a mesh: of the field that they name or would show, or of the first
+/// field of labels if nothing else varies. Nothing where they hold none.
+std::optional<Regions> regions_in(const render::DataSpec& data, const DataAccess& access);
+
+/// Opens the data of a scene by load_shown (render/document.h), and labels of grids as their
+/// indicators. Opens a mesh with labels once for all labels.
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access = {});
 
 /// The cache of packed copies: in the folder of the user, with the limit that RHORAY_CACHE_SIZE

@@ -5,9 +5,10 @@
 
 namespace rhoray::tools {
 
-/// A scene in which every layer whose type is chosen by the kind of data, and whose data are a
-/// segmentation, is replaced by an isosurface for each label. Layers that say an isovalue, a method
-/// or a field for colours stay.
+/// A scene in which every layer whose type is chosen by the kind of data, and whose data hold
+/// labels, is replaced by a surface for each label: an isosurface in a grid, the boundary of the
+/// label's cells in a mesh. There, labels that hide others are transparent. Layers that say an
+/// isovalue, a method or a field for colours stay.
 render::SceneSpec with_label_layers(render::SceneSpec scene_spec, const DataAccess& access);
 
 }  // namespace rhoray::tools
