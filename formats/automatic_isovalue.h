@@ -24,7 +24,7 @@ struct AutomaticIsovalue {
 /// edge of a mask, comes after all others.
 ///
 /// The value is Otsu's threshold where no mean gradient was recorded, where there is no valley, and
-/// where the gradient there is much stronger than at every valley.
+/// where the isosurface at the threshold is much stronger than that of every valley.
 /// @return  nothing when all values are equal or none is finite
 std::optional<AutomaticIsovalue> automatic_isovalue(const FieldSummary& field);
 
