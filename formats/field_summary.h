@@ -20,6 +20,12 @@ struct FieldSummary {
   std::uint64_t no_data_count = 0;  ///< NaN and infinite values; cells that touch one are absent
   /// equal bins over `range`, the last one closed; counts finite values
   std::vector<std::uint64_t> histogram;
+
+  // Of the isosurfaces of a grid, one number per bin of the histogram, at the bin's middle;
+  // estimates from pairs of neighbouring samples, of which some are left out. Both empty where not
+  // recorded.
+  std::vector<double> isosurface_area{};  ///< world units squared
+  std::vector<double> mean_gradient{};    ///< mean of the magnitude, unit per world unit
 };
 
 /// The bin of a finite value of the range: floor((value - lo) / (hi - lo) * bin_count), the last

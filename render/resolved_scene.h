@@ -14,9 +14,10 @@ namespace rhoray::render {
 
 /// Where a layer of the planned scene comes from.
 struct LayerOrigin {
-  std::size_t spec = 0;       ///< index into SceneSpec::layers
-  std::string isovalue_from;  ///< "given", "percentile 95", "Otsu's threshold"; empty for others
-  bool is_context = false;    ///< the boundary around an isosurface (LayerSpec::context)
+  std::size_t spec = 0;                 ///< index into SceneSpec::layers
+  std::string isovalue_from;            ///< Isovalue::from; empty for others
+  bool is_context = false;              ///< the boundary around an isosurface (LayerSpec::context)
+  std::string isovalue_alternatives{};  ///< Isovalue::alternatives
 };
 
 /// Everything that was chosen.

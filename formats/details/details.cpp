@@ -129,6 +129,14 @@ double Reader::number(const std::string& key, double smallest) const {
   return found.get<double>();
 }
 
+std::vector<double> Reader::numbers(const std::string& key, std::size_t count, double smallest) const {
+  const std::string expected = concat("a list of ", count, " finite numbers of at least ", smallest);
+  const Json& found = value(key, expected);
+  const auto fits = [&](const Json& item) { return is_finite_number(item) && item.get<double>() >= smallest; };
+  if (!is_list(found, count, fits)) refuse_value(key, expected);
+  return found.get<std::vector<double>>();
+}
+
 Vec3 Reader::vector(const std::string& key) const {
   constexpr std::string_view expected = "three finite numbers";
   const Json& found = value(key, expected);
@@ -185,12 +193,17 @@ Json field_json(const FieldSummary& field) {
   Json range;  // null
   if (!field.range.is_empty())
     range = Json::array({number_json(field.range.lo, what), number_json(field.range.hi, what)});
-  return {{"name", field.name},
-          {"unit", field.unit},
-          {"type", element_name(field.type)},
-          {"range", range},
-          {"no_data_count", field.no_data_count},
-          {"histogram", field.histogram}};
+  Json json{{"name", field.name},
+            {"unit", field.unit},
+            {"type", element_name(field.type)},
+            {"range", range},
+            {"no_data_count", field.no_data_count},
+            {"histogram", field.histogram}};
+  if (!field.mean_gradient.empty()) {
+    json["isosurface_area"] = field.isosurface_area;
+    json["mean_gradient"] = field.mean_gradient;
+  }
+  return json;
 }
 
 Json macro_json(const MacroShape& shape) {
@@ -216,6 +229,9 @@ FieldSummary read_field(const Reader& reader) {
   field.range = reader.interval("range");
   field.no_data_count = reader.count("no_data_count");
   field.histogram = reader.counts("histogram");
+  if (!reader.has("isosurface_area") && !reader.has("mean_gradient")) return field;
+  field.isosurface_area = reader.numbers("isosurface_area", field.histogram.size(), 0);
+  field.mean_gradient = reader.numbers("mean_gradient", field.histogram.size(), 0);
   return field;
 }
 

@@ -37,8 +37,10 @@ class Reader {
   std::uint64_t count(const std::string& key, std::uint64_t smallest = 0,
                       std::uint64_t largest = std::numeric_limits<std::int64_t>::max()) const;
   std::vector<std::uint64_t> counts(const std::string& key) const;
-  double number(const std::string& key, double smallest) const;  ///< finite
-  Vec3 vector(const std::string& key) const;                     ///< finite
+  // Finite numbers:
+  double number(const std::string& key, double smallest) const;
+  std::vector<double> numbers(const std::string& key, std::size_t count, double smallest) const;
+  Vec3 vector(const std::string& key) const;
   Index3 index(const std::string& key, std::int64_t smallest, std::int64_t largest) const;
   Interval<double> interval(const std::string& key) const;  ///< null: empty
   ElementType element_type(const std::string& key) const;

@@ -1,9 +1,13 @@
 #include "render/isovalue.h"
 
 #include <optional>
+#include <vector>
 
+#include "formats/automatic_isovalue.h"
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "formats/base/read_value.h"
+#include "formats/base/word_list.h"
 #include "formats/shape_field.h"
 
 namespace rhoray::render {
@@ -16,6 +20,18 @@ std::string range_text(const formats::FieldSummary& field) {
                 field.name, "'");
 }
 
+/// "other valleys: 1150, 2100; Otsu's threshold 700"
+std::string alternatives_text(const formats::AutomaticIsovalue& chosen) {
+  constexpr int digits = 6;
+  std::vector<std::string> values;
+  for (const double value : chosen.other_valleys) values.push_back(rounded(value, digits));
+  std::string text;
+  if (!values.empty())
+    text = concat(chosen.is_valley ? "other " : "", values.size() == 1 ? "valley: " : "valleys: ", joined(values));
+  if (!chosen.is_valley) return text;
+  return concat(text, text.empty() ? "" : "; ", "Otsu's threshold ", rounded(chosen.otsu_threshold, digits));
+}
+
 }  // namespace
 
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
@@ -23,11 +39,12 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
   if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
     return {formats::shape_share_of_distance * field.range.hi, "1/10000 of the largest distance"};
   if (text == "auto") {
-    const std::optional<double> threshold = formats::otsu_threshold(field);
-    if (!threshold)
+    const std::optional<formats::AutomaticIsovalue> chosen = formats::automatic_isovalue(field);
+    if (!chosen)
       throw Error(ErrorCode::usage,
                   concat("field '", field.name, "' is constant (", field.range.lo, "), so it has no isosurface"));
-    return {*threshold, "Otsu's threshold"};
+    return {chosen->value, chosen->is_valley ? "strongest gradient among the histogram's valleys" : "Otsu's threshold",
+            alternatives_text(*chosen)};
   }
   const bool is_percentile = text.starts_with("p");
   const std::optional<double> number = finite_number(is_percentile ? text.substr(1) : text);
@@ -44,6 +61,11 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
     throw Error(ErrorCode::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),
                 "auto chooses one from the histogram");
   return {value, "given"};
+}
+
+std::string isovalue_text(const Isovalue& isovalue, const formats::FieldSummary& field) {
+  return concat("isovalue ", isovalue.value, " (", isovalue.from, " of field '", field.name, "')",
+                isovalue.alternatives.empty() ? "" : "; ", isovalue.alternatives);
 }
 
 bool is_outside(const std::string& isovalue, const formats::FieldSummary& field) {

@@ -217,7 +217,7 @@ class LayerPlanner {
         continue;
       }
       const Isovalue isovalue = chosen(index, i, dataset);
-      put(index, layer, isovalue.from);
+      put(index, layer, isovalue);
       plan_.scene.layers.back().isovalue = isovalue.value;
     }
   }
@@ -237,10 +237,13 @@ class LayerPlanner {
     projection.window = color_range(spec, field, projected_window(field), layer_place(scene_spec_, index));
   }
 
-  void put(std::size_t index, const Layer& layer, const std::string& isovalue_from) {
+  void put(std::size_t index, const Layer& layer, const Isovalue& isovalue) {
     if (plan_.origins.empty()) plan_.scene.layers.clear();
     plan_.scene.layers.push_back(layer);
-    plan_.origins.push_back({index, isovalue_from});
+    plan_.origins.push_back({.spec = index,
+                             .isovalue_from = isovalue.from,
+                             .is_context = false,
+                             .isovalue_alternatives = isovalue.alternatives});
     if (plan_.origins.size() > most_layers)
       at_place(root(scene_spec_).at("layers"),
                [] { throw Error(ErrorCode::usage, concat("more than ", most_layers, " layers and isovalues")); });

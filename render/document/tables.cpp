@@ -10,6 +10,7 @@
 #include "render/document/clip.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
+#include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
 
@@ -41,23 +42,26 @@ Rows rows_of_every_field() {
 }
 
 Rows rows_of_isosurfaces() {
-  return {row("isovalue", &LayerSpec::isovalues, isovalues_value(),
-              "Isovalue; \"auto\" is Otsu's threshold; default \"auto\". Several values make several surfaces; by "
+  return {
+      row("isovalue", &LayerSpec::isovalues, isovalues_value(),
+          concat(
+              "Isovalue; \"auto\" is ", auto_isovalue_words,
+              "; default \"auto\". Several values make several surfaces; by "
               "default they are coloured by viridis over their values (by coolwarm if those below and above 0 enclose "
-              "different regions), the innermost is opaque, and outer ones are transparent"),
-          row("color", &LayerSpec::color, color_value(),
-              "Surface colour; default neutral; several surfaces have different colours by default"),
-          row("normals", &LayerSpec::normals, word_value(normals_words()),
-              "Surface normals. Meshes: \"flat\", the default, is the exact gradient of each cell; \"smooth\" is "
-              "linear between averages at the points. Grids: \"smooth\", the default, is interpolated between central "
-              "differences; \"exact\" is the gradient of the trilinear field"),
-          row("color_by", &LayerSpec::color_by, text_value(),
-              "Field of the same file that colours the surface; where it has no data, \"color\" is used"),
-          row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
-              "Colour map of \"color_by\"; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
-              "floating-point fields of both signs"),
-          row("range", &LayerSpec::range, interval_value(),
-              "Values of \"color_by\" with the first and last colour; default the field's range")};
+              "different regions), the innermost is opaque, and outer ones are transparent")),
+      row("color", &LayerSpec::color, color_value(),
+          "Surface colour; default neutral; several surfaces have different colours by default"),
+      row("normals", &LayerSpec::normals, word_value(normals_words()),
+          "Surface normals. Meshes: \"flat\", the default, is the exact gradient of each cell; \"smooth\" is "
+          "linear between averages at the points. Grids: \"smooth\", the default, is interpolated between central "
+          "differences; \"exact\" is the gradient of the trilinear field"),
+      row("color_by", &LayerSpec::color_by, text_value(),
+          "Field of the same file that colours the surface; where it has no data, \"color\" is used"),
+      row("colormap", &LayerSpec::colormap, word_value(colormap_words()),
+          "Colour map of \"color_by\"; default \"viridis\", or \"coolwarm\" with 0 in its middle for "
+          "floating-point fields of both signs"),
+      row("range", &LayerSpec::range, interval_value(),
+          "Values of \"color_by\" with the first and last colour; default the field's range")};
 }
 
 Rows rows_of_triangles() {

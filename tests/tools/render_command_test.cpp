@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -192,6 +194,35 @@ TEST(RenderCommand, keeps_depth_normal_value_and_cell_in_an_exr) {
   EXPECT_EQ(picture.at(0, 0, "R"), 0);
   EXPECT_TRUE(std::isinf(picture.at(0, 0, "Z")));
   EXPECT_TRUE(std::isnan(picture.at(0, 0, "value")));
+}
+
+TEST(RenderCommand, shows_the_valley_with_the_strongest_gradient_and_names_the_others) {
+  // Three materials: 20 outside, 120 within 18 samples of the centre, 220 within 11, with noise.
+  const Workbench bench;
+  std::string bytes;
+  for (int k = 0; k < 48; ++k)
+    for (int j = 0; j < 48; ++j)
+      for (int i = 0; i < 48; ++i) {
+        const double distance = std::hypot(i - 23.5, j - 23.5, k - 23.5);
+        const auto share_inside = [&](double radius) { return std::clamp((radius - distance) / 2 + 0.5, 0.0, 1.0); };
+        const int noise = (7 * i + 13 * j + 29 * k) % 17 - 8;
+        bytes += static_cast<char>(std::lround(20 + 100 * (share_inside(18) + share_inside(11))) + noise);
+      }
+  write_file(bench / "scan.raw", bytes);
+  const RunResult packed = bench.rhoray({"pack", "scan.raw", "--raw", "48x48x48:uint8", "-o", "scan.rho", "-q"});
+  ASSERT_EQ(packed.exit_code, 0) << packed.err;
+  const RunResult result =
+      bench.rhoray({"render", "scan.rho", "--style", "fast", "--size", "32x16", "-o", "scan.png", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["isovalue_from"], "strongest gradient among the histogram's valleys");
+  EXPECT_NEAR(json["isovalue"].get<double>(), 70, 8);
+  EXPECT_THAT(result.err,
+              testing::ContainsRegex("isovalue [0-9.]+ .strongest gradient among the histogram's valleys "
+                                     "of field .*; other valley: 1[67][0-9.]+; Otsu's threshold [0-9.]+\n"));
+  const RunResult info = bench.rhoray({"info", "scan.rho"});
+  EXPECT_THAT(info.out, testing::ContainsRegex("isovalue auto [0-9.]+ .strongest gradient among the histogram's "
+                                               "valleys.; other valleys: 1[67][0-9.]+\n"));
 }
 
 TEST(RenderCommand, prints_choices_and_statistics_as_json) {

@@ -76,8 +76,7 @@ std::optional<double> chosen_isovalue(const ExportCommand& command, const Conten
   for (const formats::FieldSummary& field : content.fields) {
     if (!command.field.empty() && field.name != command.field) continue;
     const render::Isovalue iso = render::choose_isovalue(command.isovalue, field);
-    if (iso.from != "given")
-      say(command.common, concat("isovalue ", iso.value, " (", iso.from, " of field '", field.name, "')"));
+    if (iso.from != "given") say(command.common, render::isovalue_text(iso, field));
     return iso.value;
   }
   throw Error(ErrorCode::usage, concat(command.input.string(), ": no field '", command.field, "'"),
@@ -149,8 +148,8 @@ Subcommand export_subcommand() {
                {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",
                              command->field),
                 with_details(value_option("--iso", "V",
-                                          "Isovalue of an .stl: a number, a percentile (p95) or auto (Otsu's "
-                                          "threshold)",
+                                          concat("Isovalue of an .stl: a number, a percentile (p95) or auto (",
+                                                 render::auto_isovalue_words, ")"),
                                           command->isovalue),
                              "Without --iso, the .stl of a mesh is the mesh's own surface"),
                 worker_memory_option(command->common, "the process that writes .vdb, .nvdb, or the .stl of a grid")},

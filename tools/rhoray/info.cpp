@@ -129,6 +129,12 @@ std::string field_text(const Json& field, const std::string& label) {
       "", concat("percentiles p1 ", percentile("1"), ", p50 ", percentile("50"), ", p99 ", percentile("99"),
                  field["otsu_threshold"].is_null() ? std::string{}
                                                    : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
+  if (field.contains("automatic_isovalue")) {
+    const Json& isovalue = field["automatic_isovalue"];
+    const Json& valleys = isovalue["other_valleys"];
+    text += row("", concat("isovalue auto ", rounded(isovalue["value"]), " (", word(isovalue["from"]), ")",
+                           valleys.empty() ? "" : concat("; other valleys: ", numbers(valleys, ", "))));
+  }
   if (field.contains("certificate")) text += certificate_text(field["certificate"], field["unit"]);
   return text;
 }

@@ -48,6 +48,7 @@ int run(const MeasureCommand& command) {
   }();
   refuse_damage(dataset.file(), command.common.threads);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
+  if (!isovalue.alternatives.empty()) say(command.common, render::isovalue_text(isovalue, dataset.field()));
   EnclosedOptions options{.field = dataset.field().name, .isovalue = isovalue.value, .threads = command.common.threads};
   options.undecided_share = command.share.value_or(options.undecided_share);
   const ThreadLimit limit(command.common.threads);
@@ -93,8 +94,8 @@ Subcommand measure_subcommand() {
                          "Files that are not packed are packed first; see `rhoray cache --help`"),
             value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
             with_details(value_option("--iso", "V",
-                                      "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold); default "
-                                      "auto",
+                                      concat("Isovalue: a number, a percentile (p95) or auto (",
+                                             render::auto_isovalue_words, "); default auto"),
                                       command->isovalue),
                          "The volume is that of values of at least V. Cells without data count as outside"),
             for_experts(with_details(

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/automatic_isovalue.h"
 #include "formats/base/number_text.h"
+#include "render/isovalue.h"
 #include "render/scene_spec.h"
 
 namespace rhoray::tools {
@@ -124,6 +126,12 @@ Json json_of(const formats::FieldSummary& field) {
             {"percentiles", Json::object()},
             {"histogram", field.histogram}};
   if (const auto threshold = formats::otsu_threshold(field)) json["otsu_threshold"] = *threshold;
+  const auto chosen = formats::automatic_isovalue(field);
+  if (chosen && !field.mean_gradient.empty()) {
+    const render::Isovalue isovalue = render::choose_isovalue("auto", field);
+    json["automatic_isovalue"] = {
+        {"value", isovalue.value}, {"from", isovalue.from}, {"other_valleys", chosen->other_valleys}};
+  }
   if (!field.range.is_empty())
     for (const int percent : shown_percentiles)
       json["percentiles"][concat(percent)] = formats::percentile(field, percent / 100.0);

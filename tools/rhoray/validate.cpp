@@ -74,6 +74,7 @@ int run(ValidateCommand& command) {
   }();
   const render::Dataset dataset = load_dataset(packed, command.field);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
+  if (!isovalue.alternatives.empty()) say(command.common, render::isovalue_text(isovalue, dataset.field()));
   refuse_damage(dataset.file(), command.common.threads);
   const render::RangeProof range_proof = dataset.prove_ranges(command.common.threads);
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
@@ -132,8 +133,10 @@ Subcommand validate_subcommand() {
           {{file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input)},
            in_group("Surface",
                     {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
-                     value_option("--iso", "V", "Isovalue: a number, a percentile (p95) or auto (Otsu's threshold)",
-                                  command->isovalue),
+                     value_option(
+                         "--iso", "V",
+                         concat("Isovalue: a number, a percentile (p95) or auto (", render::auto_isovalue_words, ")"),
+                         command->isovalue),
                      choice_option("--accuracy", render::accuracy_words(), "Accuracy of the renderer; default double",
                                    command->accuracy),
                      for_experts(with_details(

@@ -21,6 +21,7 @@
 #include "preprocess/grid/bricks/write_samples.h"
 #include "preprocess/values/build_levels.h"
 #include "preprocess/values/choose_shape.h"
+#include "preprocess/values/isosurface_profile.h"
 #include "preprocess/values/summarize.h"
 
 namespace rhoray::preprocess {
@@ -192,6 +193,7 @@ WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stor
   WriteLevels write;
   with_samples(stored, [&]<class T>(std::span<const T> samples) {
     grid.fields.push_back(summarize(samples, name_of(source), source.field_unit, progress));
+    profile_isosurfaces(samples, {source.sample_count, grid.world_from_grid, grid.axes}, grid.fields.back());
     auto levels = std::make_shared<const Levels<T>>(build_grid_levels(samples, grid.macro, progress));
     write = [levels, field](formats::PackedFileWriter& writer) {
       for (std::size_t l = 0; l < levels->size(); ++l)

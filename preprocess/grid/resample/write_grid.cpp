@@ -1,6 +1,7 @@
 #include "preprocess/grid/resample/write_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "preprocess/grid/resample/neighborhood.h"
 #include "preprocess/values/build_levels.h"
 #include "preprocess/values/choose_shape.h"
+#include "preprocess/values/isosurface_profile.h"
 #include "preprocess/values/summarize.h"
 
 namespace rhoray::preprocess {
@@ -31,6 +33,37 @@ formats::FieldSummary summary_of(const ScalarField& field, const Array<T>& sampl
   formats::FieldSummary summary = summarize(std::span<const T>(samples), field.name, field.unit);
   summary.no_data_count = static_cast<std::uint64_t>(volume(sample_count)) - (samples.size() - summary.no_data_count);
   return summary;
+}
+
+/// Stores the profile of isosurfaces, from the pairs inside bricks.
+template <class T>
+void profile_bricks(const Array<T>& samples, const Vec3& spacing, formats::FieldSummary& field) {
+  if (!(field.range.hi > field.range.lo)) return;
+  constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
+  constexpr std::array<std::size_t, 3> strides{1, edge, edge * edge};
+  const double cell = spacing.x * spacing.y * spacing.z;
+  const IsosurfaceProfile none(field);
+  const IsosurfaceProfile sums = parallel_reduce(
+      samples.size() / brick_samples, 64, none,
+      [&](const IndexRange& part) {
+        IsosurfaceProfile profile = none;
+        std::array<IsosurfaceProfile::Place, brick_samples> places;
+        for (std::size_t slot = part.begin(); slot < part.end(); ++slot) {
+          for (std::size_t i = 0; i < brick_samples; ++i) places[i] = none.place(samples[slot * brick_samples + i]);
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double distance = spacing[static_cast<int>(axis)];
+            for (std::size_t i = 0; i < brick_samples; ++i)
+              if (i / strides[axis] % edge + 1 < edge)
+                profile.add(places[i], places[i + strides[axis]], distance, cell / distance);
+          }
+        }
+        return profile;
+      },
+      [](IsosurfaceProfile a, const IsosurfaceProfile& b) {
+        a.add(b);
+        return a;
+      });
+  sums.store((edge - 1.0) / edge, field);
 }
 
 /// Builds the macro levels from bricks: a brick of eight samples has two macrocells of four leaf
@@ -139,6 +172,7 @@ void write_grid(const ResampledMesh& grid, const CleanMesh& mesh, const std::vec
     std::visit(
         [&]<class T>(const Array<T>& samples) {
           packed.fields.push_back(summary_of(fields[f], samples, count));
+          profile_bricks(samples, grid.lattice.spacing, packed.fields.back());
           levels.emplace_back(macro_levels<T>(grid, f, packed.macro));
           bytes += kept.size() * brick_samples * sizeof(T);
         },

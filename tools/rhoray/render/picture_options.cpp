@@ -8,6 +8,7 @@
 #include "formats/base/error.h"
 #include "formats/base/read_value.h"
 #include "formats/base/word_list.h"
+#include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
 #include "render/scene_words.h"
@@ -206,8 +207,8 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                  render::limits::share, layer.context)),
             with_details(
                 layers(value_option("--iso", "V[,V...]",
-                                    "Isovalues: numbers, percentiles (p95) or auto (Otsu's threshold); "
-                                    "default auto",
+                                    concat("Isovalues: numbers, percentiles (p95) or auto (",
+                                           render::auto_isovalue_words, "); default auto"),
                                     layer.isovalues)),
                 "Several values give several surfaces: coloured by viridis over their values (by coolwarm if those "
                 "below and above 0 enclose different regions), the innermost opaque, outer ones transparent. For "

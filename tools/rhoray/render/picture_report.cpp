@@ -6,6 +6,7 @@
 #include "formats/base/number_text.h"
 #include "formats/base/word_list.h"
 #include "render/document.h"
+#include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
 #include "tools/rhoray/accuracy_options.h"
@@ -126,8 +127,8 @@ void say_choices(const CommonOptions& common, const render::ResolvedScene& plan)
     const std::string& from = plan.origins[i].isovalue_from;
     const render::Layer& layer = plan.scene.layers[i];
     if (!from.empty() && from != "given")
-      say(common, concat("isovalue ", layer.isovalue, " (", from, " of field '",
-                         plan.datasets[layer.dataset].field().name, "')"));
+      say(common, render::isovalue_text({layer.isovalue, from, plan.origins[i].isovalue_alternatives},
+                                        plan.datasets[layer.dataset].field()));
   }
 }
 

@@ -53,6 +53,9 @@ TEST_F(Resample, writes_a_sound_sparse_grid_with_certificates) {
   EXPECT_EQ(description.fields[0].type, formats::ElementType::F32);
   EXPECT_EQ(description.fields[1].name, "height");
   EXPECT_EQ(description.fields[1].type, formats::ElementType::F64);
+  // A plane across an axis: its gradient of 1 counts 1.5 times (IsosurfaceProfile).
+  ASSERT_EQ(description.fields[1].mean_gradient.size(), description.fields[1].histogram.size());
+  EXPECT_NEAR(description.fields[1].mean_gradient[128], 1.5, 0.01);
   EXPECT_TRUE(description.layout.is_sparse);
   EXPECT_LT(description.layout.stored_brick_count, 8U * 8 * 8 - 8) << "bricks in the corners hold nothing";
   EXPECT_EQ(description.fields[0].no_data_count, report.outside_count - report.extended_count);
