@@ -11,7 +11,9 @@
 namespace rhoray::preprocess {
 
 struct OpenOptions {
-  std::vector<std::string> fields{};  ///< that are needed; the first is shown
+  /// Of files that are not packed. `fields` are those that are needed; the first is shown. The cap
+  /// on memory, `command` and `replace_existing` are not used.
+  PackOptions pack{};
   bool use_cache = true;
   std::string program{};  ///< as PackCache::Key::program
   std::uint64_t cache_limit_bytes = PackCache::default_limit_bytes;
@@ -30,7 +32,12 @@ struct OpenedData {
 /// that `pack` reads, or its packed copy (PackCache). Without a cache, or without room for a copy,
 /// packs into memory.
 ///
-/// Refuses what require_input and check_pack refuse.
+/// Refuses what require_input and check_pack refuse, and options of packing for a file that is not
+/// packed here (ErrorCode::usage).
 OpenedData open_data(const std::filesystem::path& input, const OpenOptions& options = {});
+
+/// Refuses options of packing, other than fields, for a packed file and for an OpenVDB file
+/// (ErrorCode::usage).
+void refuse_pack_options(const std::filesystem::path& input, PackOptions options);
 
 }  // namespace rhoray::preprocess

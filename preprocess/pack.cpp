@@ -4,6 +4,7 @@
 
 #include "formats/base/bytes.h"
 #include "formats/base/error.h"
+#include "formats/base/word_list.h"
 #include "formats/packed_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
@@ -37,8 +38,8 @@ void check_no_header(const fs::path& input) {
 void check_kind(const fs::path& input, const PackOptions& options) {
   const std::string name = input.string();
   if (formats::PackedFile::looks_packed(input))
-    throw Error(ErrorCode::usage, concat(name, ": is already a packed file"),
-                concat("show its content: rhoray info ", name));
+    throw Error(options.raw.empty() ? ErrorCode::unsupported : ErrorCode::usage,
+                concat(name, ": is already a packed file"), concat("show its content: rhoray info ", name));
   if (!options.raw.empty()) return check_no_header(input);
   if (foreign_kind(input) != ForeignKind::unknown) return;
   std::string hint = advice_on(input);
@@ -281,6 +282,38 @@ PackReport pack_surface_file(const fs::path& input, const formats::Destination& 
 }
 
 }  // namespace
+
+std::vector<std::string> option_words(const PackOptions& options) {
+  std::vector<std::string> words;
+  const auto add = [&](bool given, const char* name, const std::string& value) {
+    if (given) words.insert(words.end(), {name, value});
+  };
+  const auto numbers = [](const std::optional<Vec3>& v) {
+    return v ? concat(v->x, ",", v->y, ",", v->z) : std::string{};
+  };
+  const auto layout_word = [](SampleOrder order) {
+    return order == SampleOrder::sparse ? "sparse" : order == SampleOrder::linear ? "linear" : "bricks";
+  };
+  const PackOptions defaults;
+  add(!options.raw.empty(), "--raw", options.raw);
+  add(!options.fields.empty(), "--field", joined(options.fields, ","));
+  add(options.structure.has_value(), "--structure", options.structure == MeshStructure::leaves ? "leaves" : "clusters");
+  add(options.cells.has_value(), "--cells", concat(options.cells.value_or(0)));
+  add(options.leaf_ratio.has_value(), "--leaf-ratio", concat(options.leaf_ratio.value_or(0)));
+  add(options.levels != defaults.levels, "--levels", concat(options.levels));
+  add(options.factor != defaults.factor, "--factor", concat(options.factor));
+  if (options.color) words.emplace_back("--color");
+  add(options.type.has_value(), "--type",
+      std::string(formats::element_name(options.type.value_or(formats::ElementType::U8))));
+  add(options.layout.has_value(), "--layout", layout_word(options.layout.value_or(SampleOrder::bricks)));
+  add(options.brick_edge.has_value(), "--brick-edge", concat(options.brick_edge.value_or(0)));
+  add(options.spacing.has_value(), "--spacing", numbers(options.spacing));
+  add(options.origin.has_value(), "--origin", numbers(options.origin));
+  if (options.cell_data) words.emplace_back("--cell-data");
+  add(options.max_error.has_value(), "--max-error", concat(options.max_error.value_or(0)));
+  add(!options.time.empty(), "--time", options.time);
+  return words;
+}
 
 void check_pack(const fs::path& input, const PackOptions& options) {
   require_input(input);

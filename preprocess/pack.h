@@ -46,6 +46,9 @@ struct PackOptions {
   bool replace_existing = false;
 };
 
+/// The options of the command line that say the same as these, beyond what they are by default.
+std::vector<std::string> option_words(const PackOptions& options);
+
 struct PackReport {
   std::variant<formats::GridDescription, formats::ColorGridDescription, formats::TetMeshDescription,
                formats::TriangleMeshDescription>

@@ -13,8 +13,12 @@ NeutralMesh read_mesh(const std::filesystem::path& input, const ResampleOptions&
   if (!formats::PackedFile::looks_packed(input))
     return import_mesh(input, {.error_fields = options.fields, .memory_limit_bytes = options.memory_limit_bytes});
   const formats::PackedFile file = formats::PackedFile::open(input);
-  if (file.description().kind == "grid")
-    throw Error(ErrorCode::invalid, concat(input.string(), ": is already a packed grid; expected a mesh"));
+  const std::string& kind = file.description().kind;
+  if (kind == "grid")
+    throw Error(ErrorCode::unsupported, concat(input.string(), ": is already a packed grid; expected a mesh"));
+  if (kind != "tets")
+    throw Error(ErrorCode::unsupported, concat(input.string(), ": holds ", kind == "colors" ? "colours" : "a surface",
+                                               "; expected a mesh of volume cells"));
   return unpack_mesh(formats::TetMesh(file));
 }
 

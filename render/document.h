@@ -47,11 +47,18 @@ std::string scene_reference();
 /// Opens data with world coordinates in this space, where the file says which is its own.
 using OpenData = std::function<Dataset(const DataSpec&, formats::Space world)>;
 
+/// Opens a file of colours (formats/color_grid.h), for a texture.
+using OpenColors = std::function<formats::PackedFile(const DataSpec&)>;
+
+/// Opens a packed file of colours. Refuses a file that is not packed (ErrorCode::unsupported).
+formats::PackedFile open_packed_colors(const DataSpec& data);
+
 /// Opens the data of visible layers and resolves everything but the camera. A layer whose isovalue
 /// is outside its field's range is left out with a note if anything else is shown. Refuses
 /// conflicts: in a document with the JSON pointer (ErrorCode::invalid), on a command line with the
 /// option (ErrorCode::usage).
-ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open);
+ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
+                             const OpenColors& open_colors = open_packed_colors);
 
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what
 /// depends on it: lights, ambient occlusion, fog. Looks at every cell of a mesh where any of these

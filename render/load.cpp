@@ -73,7 +73,7 @@ Dataset Dataset::load(const formats::PackedFile& file, const std::string& field,
   const DefaultFloatingPoint default_floating_point;
   if (auto implementation = load_view(file, field, world)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
-    throw Error(ErrorCode::invalid, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
+    throw Error(ErrorCode::unsupported, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
   throw Error(ErrorCode::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));

@@ -11,6 +11,7 @@
 #include <new>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 
 namespace rhoray::render {
 namespace {
@@ -212,7 +213,13 @@ std::vector<std::byte> encode_png(const Framebuffer& picture, std::span<const Pn
   png_set_chunk_malloc_max(writer.png, 0);
   const bool is_written = write_png(writer, picture, entries, row);
   if (writer.out_of_memory) throw std::bad_alloc();
-  if (!is_written) throw Error(ErrorCode::internal, concat("the picture cannot be made a PNG: ", writer.error));
+  if (!is_written) {
+    note_library_text(writer.error);
+    throw Error(ErrorCode::internal,
+                concat("a PNG of ", picture.width, " x ", picture.height, " pixels and ", texts.size(),
+                       " texts cannot be made"),
+                "-v prints the reason that was given");
+  }
   return std::move(writer.bytes);
 }
 

@@ -36,6 +36,13 @@ struct Background {
 /// Reads none, or a colour as above. Refuses other texts (ErrorCode::usage).
 void read_value(const std::string& text, Background& out);
 
+/// How a file that is not packed is read. What is not given is as the file says.
+struct ReadSpec {
+  std::string raw{};  ///< samples without a header: 256x256x128:uint16:le, as for `rhoray pack --raw`
+  std::optional<Vec3> spacing{}, origin{};
+  std::string time{};  ///< a time step, as for `rhoray pack --time`
+};
+
 /// A file, opened for one of its fields.
 struct DataSpec {
   std::string name{};  ///< by which layers ask for it
@@ -43,6 +50,7 @@ struct DataSpec {
   std::string field{};  ///< empty = the first that is not the same everywhere
   /// A label of a segmentation. The data are then 1 at the samples with this label and 0 at others.
   std::optional<int> label{};
+  ReadSpec read{};
 };
 
 enum class LayerType {

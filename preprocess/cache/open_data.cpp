@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 /// The options of packing, as PackCache::Key holds them.
 std::string text_of(const PackOptions& pack) {
-  return pack.fields.empty() ? std::string() : concat("--field ", joined(pack.fields, ","));
+  return joined(option_words(pack), " ");
 }
 
 OpenedData packed_into_memory(const fs::path& input, const PackOptions& pack, const Progress& progress) {
@@ -84,18 +84,30 @@ std::vector<std::string> missing_in(const std::vector<std::string>& there, const
   return missing;
 }
 
+/// Whether the file is packed on the fly, or refused by packing.
+bool is_packed_here(const fs::path& input, const PackOptions& pack) {
+  if (!pack.raw.empty()) return !formats::PackedFile::looks_packed(input);
+  if (is_vdb(input)) return pack.color;
+  return !formats::PackedFile::looks_packed(input) && input.extension() != ".rho";
+}
+
 /// Packs again where packing keeps less than is needed: of a volume it keeps the first field, of a
 /// mesh all that stand at points and not those of components.
 OpenedData packed_with_fields(const fs::path& input, const OpenOptions& options) {
-  PackOptions pack{.command = concat("rhoray pack ", input.string())};
-  OpenedData opened = packed(input, pack, options);
+  PackOptions pack = options.pack;
+  pack.fields.clear();
+  const auto with_command = [&] {
+    pack.command = joined(std::vector{concat("rhoray pack ", input.string()), text_of(pack)}, " ");
+    return pack;
+  };
+  OpenedData opened = packed(input, with_command(), options);
+  if (pack.color || !pack.raw.empty()) return opened;  // which have one field, or none
   std::vector<std::string> there = fields_of(opened.file);
-  const std::vector<std::string> missing = missing_in(there, options.fields);
+  const std::vector<std::string> missing = missing_in(there, options.pack.fields);
   if (there.empty() || missing.empty()) return opened;
   there.insert(there.end(), missing.begin(), missing.end());
   pack.fields = std::move(there);
-  pack.command += concat(" ", text_of(pack));
-  OpenedData again = packed(input, pack, options);
+  OpenedData again = packed(input, with_command(), options);
   again.was_packed = again.was_packed || opened.was_packed;
   return again;
 }
@@ -104,11 +116,30 @@ OpenedData packed_with_fields(const fs::path& input, const OpenOptions& options)
 
 OpenedData open_data(const fs::path& input, const OpenOptions& options) {
   require_input(input);
-  if (is_vdb(input)) return {.file = open_vdb(input, options.fields.empty() ? std::string() : options.fields.front())};
-  if (formats::PackedFile::looks_packed(input) || input.extension() == ".rho")
-    return {.file = formats::PackedFile::open(input), .path = input};
-  check_pack(input, {});
+  if (!is_packed_here(input, options.pack)) {
+    refuse_pack_options(input, options.pack);
+    if (!is_vdb(input)) return {.file = formats::PackedFile::open(input), .path = input};
+    const std::vector<std::string>& fields = options.pack.fields;
+    return {.file = open_vdb(input, fields.empty() ? std::string() : fields.front())};
+  }
+  PackOptions without_fields = options.pack;  // which fields there are is seen after packing
+  without_fields.fields.clear();
+  check_pack(input, without_fields);
   return packed_with_fields(input, options);
+}
+
+void refuse_pack_options(const fs::path& input, PackOptions options) {
+  if (is_packed_here(input, options)) return;
+  options.fields.clear();
+  options.color = false;
+  const std::vector<std::string> words = option_words(options);
+  if (words.empty()) return;
+  const bool vdb = is_vdb(input);
+  throw Error(ErrorCode::usage,
+              concat(words.front(), ": only for files that are not packed, but ", input.string(),
+                     vdb ? " is an OpenVDB file, which is read as it is" : " is a packed file"),
+              vdb ? concat("pack it with this option: rhoray pack ", input.string(), " ", joined(words, " "))
+                  : "leave it out, or give it when packing");
 }
 
 }  // namespace rhoray::preprocess

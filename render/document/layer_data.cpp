@@ -27,22 +27,27 @@ const DataSpec& data_named(const SceneSpec& scene_spec, const std::string& name,
   return scene_spec.data[static_cast<std::size_t>(found - names.begin())];
 }
 
-/// Opens a packed file of colours; refuses others and names the command that packs colours
-/// (ErrorCode::invalid).
-Texture load_texture(const std::filesystem::path& path, formats::Space world) {
-  require_readable(path);
-  const auto refuse = [&](const std::string& found) {
-    throw Error(ErrorCode::invalid, concat(path.string(), ": ", found, "; expected a packed file of colours"),
-                "rhoray pack --color makes one from a folder of pictures, .nrrd, .mha or .vti");
-  };
-  if (!formats::PackedFile::looks_packed(path)) refuse("is not a packed file");
-  const formats::PackedFile file = formats::PackedFile::open(path);
+/// Opens the texture; refuses data that are no colours (ErrorCode::unsupported).
+Texture load_texture(const DataSpec& data, const OpenColors& open_colors, formats::Space world) {
+  const formats::PackedFile file = open_colors(data);
   const std::string& kind = file.description().kind;
-  if (kind != formats::ColorGrid::kind) refuse(concat("holds a ", kind == "tets" ? "mesh" : kind));
+  if (kind != formats::ColorGrid::kind)
+    throw Error(
+        ErrorCode::unsupported,
+        concat(data.file.string(), ": holds a ", kind == "tets" ? "mesh" : kind, "; expected colours"),
+        "a folder of pictures, .nrrd, .mha, .nii, .npy and .vti can hold them; `rhoray pack --color` packs them");
   return Texture::load(file, world);
 }
 
 }  // namespace
+
+formats::PackedFile open_packed_colors(const DataSpec& data) {
+  require_readable(data.file);
+  if (!formats::PackedFile::looks_packed(data.file))
+    throw Error(ErrorCode::unsupported, concat(data.file.string(), ": is not a packed file; expected one with colours"),
+                "`rhoray pack --color` makes one");
+  return formats::PackedFile::open(data.file);
+}
 
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
@@ -75,7 +80,8 @@ std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const Ope
   return plan.datasets.size() - 1;
 }
 
-std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index, ResolvedScene& plan) {
+std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index, const OpenColors& open_colors,
+                                  ResolvedScene& plan) {
   const LayerSpec& layer = scene_spec.layers[index];
   if (layer.texture.empty()) return std::nullopt;
   const Place key = layer_place(scene_spec, index).at("texture");
@@ -92,7 +98,7 @@ std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t index
   const std::vector<std::string> names = names_in(plan.texture_data, &DataSpec::name);
   const auto found = std::find(names.begin(), names.end(), data.name);
   if (found != names.end()) return plan.textures[static_cast<std::size_t>(found - names.begin())];
-  plan.textures.push_back(at_place(key, [&] { return load_texture(data.file, plan.space); }));
+  plan.textures.push_back(at_place(key, [&] { return load_texture(data, open_colors, plan.space); }));
   plan.texture_data.push_back(data);
   return plan.textures.back();
 }

@@ -20,7 +20,8 @@ std::size_t dataset_of(const SceneSpec& scene_spec, std::size_t layer, const Ope
 
 /// Returns the texture of a layer, if it names one. Opens the texture if the plan does not hold it
 /// yet.
-std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t layer, ResolvedScene& plan);
+std::optional<Texture> texture_of(const SceneSpec& scene_spec, std::size_t layer, const OpenColors& open_colors,
+                                  ResolvedScene& plan);
 
 /// Notes textures that do not overlap the surface they should cover.
 void note_textures_elsewhere(ResolvedScene& plan);

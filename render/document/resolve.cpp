@@ -32,7 +32,8 @@ Interval<double> projected_window(const formats::FieldSummary& field) {
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
-  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open) : scene_spec_(scene_spec), open_(open) {
+  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors)
+      : scene_spec_(scene_spec), open_(open), open_colors_(open_colors) {
     if (scene_spec.space == "lps") plan_.space = formats::Space::lps;
   }
 
@@ -74,7 +75,7 @@ class LayerPlanner {
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
     if (type == LayerType::mip) return add_projection(index, layer);
     layer.material = choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
-    layer.material.texture = texture_of(scene_spec_, index, plan_);
+    layer.material.texture = texture_of(scene_spec_, index, open_colors_, plan_);
     const std::size_t mesh = layer.dataset;
     add_isosurfaces(index, layer);
     add_context(index, mesh);
@@ -97,7 +98,7 @@ class LayerPlanner {
     layer.mode = Mode::triangles;
     layer.method = choose_method(scene_spec_, index, layer.mode, dataset);
     layer.material = choose_material(spec, style_named(scene_spec_.style), dataset, layer_place(scene_spec_, index));
-    layer.material.texture = texture_of(scene_spec_, index, plan_);
+    layer.material.texture = texture_of(scene_spec_, index, open_colors_, plan_);
     put(index, layer, {});
   }
 
@@ -169,7 +170,7 @@ class LayerPlanner {
     const Style& style = style_named(scene_spec_.style);
     layer.material = plan_.data[layer.dataset].label ? choose_material(spec, style, dataset, place)
                                                      : choose_boundary_material(spec, style, dataset, place);
-    layer.material.texture = texture_of(scene_spec_, index, plan_);
+    layer.material.texture = texture_of(scene_spec_, index, open_colors_, plan_);
     put(index, layer, {});
     if (spec.type != LayerType::automatic || !layer.material.color_by) return;
     plan_.annotations.color_bar = ColorBarSpec{};
@@ -318,14 +319,15 @@ class LayerPlanner {
 
   const SceneSpec& scene_spec_;
   const OpenData& open_;
+  const OpenColors& open_colors_;
   ResolvedScene plan_;
   std::vector<Outside> outside_;
 };
 
 }  // namespace
 
-ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open) {
-  ResolvedScene plan = LayerPlanner(scene_spec, open).plan();
+ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors) {
+  ResolvedScene plan = LayerPlanner(scene_spec, open, open_colors).plan();
   plan_image(scene_spec, plan);
   const Place clip = root(scene_spec).at("clip");
   plan.scene.clip = choose_clip(scene_spec.clip, clip);

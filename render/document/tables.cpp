@@ -86,7 +86,7 @@ Rows rows_of_boundaries() {
 
 Rows rows_of_lit_surfaces() {
   return {row("texture", &LayerSpec::texture, text_value(),
-              "Name of data packed with --color that colours the surface, placed in world axes; where it has no data, "
+              "Name of data with colours that cover the surface, placed in world axes; where it has no data, "
               "\"color\" is used"),
           row("ambient", &LayerSpec::ambient, number_within(limits::share), "Ambient light; default 0.12"),
           row("specular", &LayerSpec::specular, number_within(limits::share),
@@ -238,6 +238,13 @@ Row<SceneSpec> schema_row() {
           .write = [](const SceneSpec&) { return Json(); }};
 }
 
+/// A row about reading, as one of the data.
+Row<DataSpec> of_read(const Row<ReadSpec>& row) {
+  const auto read = [read = row.read](const Json& json, const Reading& at, DataSpec& out) { read(json, at, out.read); };
+  const auto write = [write = row.write](const DataSpec& data) { return write(data.read); };
+  return {row.key, row.help, row.expected, row.schema, row.required, read, write};
+}
+
 }  // namespace
 
 std::span<const LayerKind> layer_kinds() {
@@ -289,13 +296,20 @@ std::span<const LightKind> light_kinds() {
 const std::vector<Row<DataSpec>>& data_rows() {
   static const std::vector<Row<DataSpec>> rows{
       required(row("file", &DataSpec::file, file_value(),
-                   "Packed file or OpenVDB file; a relative name starts at the document's folder")),
+                   "Any file that is read, packed or not; a relative name starts at the document's folder")),
       row("field", &DataSpec::field, text_value(), "Field to show; default the first that is not constant"),
       row("label", &DataSpec::label,
           whole_number_within({std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}),
           "A label of a segmentation. Of a volume: the data are 1 at its samples and 0 at others, and its surface is "
           "the isosurface at 0.5. Of a mesh: \"field\" is a field of cells, and a layer of type \"boundary\" shows the "
-          "boundary of the cells with the label")};
+          "boundary of the cells with the label"),
+      of_read(row("raw", &ReadSpec::raw, text_value(),
+                  "Reads a file without a header, as `rhoray pack --raw`: \"256x256x128:uint16:le\"")),
+      of_read(row("spacing", &ReadSpec::spacing, vector_value(), "Replaces the spacing of a file that is not packed")),
+      of_read(row("origin", &ReadSpec::origin, vector_value(), "Replaces the origin of a file that is not packed")),
+      of_read(row("time", &ReadSpec::time, text_value(),
+                  "Time step of a file that is not packed, as `rhoray pack --time`: \"first\", \"last\", \"#3\" "
+                  "counted from 0, or the nearest to a time"))};
   return rows;
 }
 

@@ -71,7 +71,7 @@ TEST_F(Pack, refuses_options_of_another_kind_by_their_names) {
   refused("colors.nrrd", {.factor = 1}, "--factor: found 1; expected a number from 2 to 1024");
   expect_error(ErrorCode::invalid, "expects 2400", [&] { packed("a.off", {.raw = "100x3x4:uint16"}); });
   expect_error(ErrorCode::unreadable, "no such file", [&] { packed("b.vtu"); });
-  expect_error(ErrorCode::usage, "already a packed file", [&] {
+  expect_error(ErrorCode::unsupported, "already a packed file", [&] {
     packed("a.off");
     packed("a.off.rho");
   });
@@ -87,7 +87,7 @@ TEST_F(Pack, is_followed_by_resampling_of_the_same_mesh_and_of_the_packed_one) {
   EXPECT_EQ(again.inside_count, foreign.inside_count);
   expect_error(ErrorCode::unsupported, "holds a surface",
                [&] { resample(folder_ / "a.off", folder_ / "b.rho", options); });
-  expect_error(ErrorCode::invalid, "already a packed grid",
+  expect_error(ErrorCode::unsupported, "already a packed grid",
                [&] { resample(folder_ / "grid.rho", folder_ / "b.rho", options); });
 }
 

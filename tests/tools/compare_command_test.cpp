@@ -132,6 +132,8 @@ TEST(CompareCommand, says_what_is_wrong_with_its_words_and_files) {
   };
   ends({"a.png"}, 2, "found 1; expected 2");
   ends({"a.png", "c.png"}, 3, "c.png");
+  write_file(bench / "text.txt", "no picture");
+  ends({"a.png", "text.txt"}, 7, "text.txt: is not a picture; expected .png");
   ends({"a.png", "text.png"}, 4, "text.png: found no picture, or a damaged one");
   ends({"a.png", "b.png", "--fail", "-1"}, 2, "--fail: found -1; expected 0 or more");
   ends({"a.png", "b.png", "--fail-share", "0.1"}, 2, "--fail-share: needs --fail");

@@ -110,7 +110,7 @@ TEST(ResampleCommand, refuses_in_one_sentence) {
       {"rhoray resample box.vtu --max-error 0", 2, "found 0"},
       {"rhoray resample box.vtu --size 9 --field hight", 2, "height"},
       {"rhoray resample box.vtu --size 9 -o x.png", 2, "expected .rho"},
-      {"rhoray resample ball.rho --size 9 -o x.rho", 4, "is already a packed grid"},
+      {"rhoray resample ball.rho --size 9 -o x.rho", 7, "is already a packed grid"},
       {"rhoray resample none.vtu --size 9", 3, "no such file"},
       {"rhoray resample box.vtu --size 2000 --memory 64M", 5, "2000 x 2000 x 2000 samples need"},
   };

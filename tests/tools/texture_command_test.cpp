@@ -184,6 +184,7 @@ TEST(TextureCommand, explains_the_texture) {
 TEST(TextureCommand, refuses_mistakes_by_their_options) {
   const Workbench bench;
   bench.make_ball();
+  bench.make_box_vtu();
   bench.make_photo();
   struct Case {
     std::vector<std::string> words;
@@ -192,10 +193,11 @@ TEST(TextureCommand, refuses_mistakes_by_their_options) {
   };
   const Case cases[] = {
       {{"ball.rho", "--texture", "foto.rho"}, 3, "foto.rho: no such file", "photo.rho"},
-      {{"ball.rho", "--texture", "photo.nrrd"}, 4, "photo.nrrd: is not a packed file", "pack --color"},
-      {{"ball.rho", "--texture", "ball.rho"}, 4, "holds a grid; expected a packed file of colours", "pack --color"},
+      {{"ball.rho", "--texture", "ball.rho"}, 7, "ball.rho: holds a grid; expected colours", "pack --color"},
+      {{"ball.rho", "--texture", "box.vtu"}, 7, "box.vtu: is a mesh; expected colours", "a folder of pictures"},
+      {{"ball.rho", "--texture", "ball.raw"}, 7, "ball.raw: unsupported file type", "a folder of pictures"},
       {{"ball.rho", "--mode", "mip", "--texture", "photo.rho"}, 2, "--texture: needs an isosurface", ""},
-      {{"photo.rho"}, 4, "photo.rho: holds colours; expected a grid", "--texture FILE"},
+      {{"photo.rho"}, 7, "photo.rho: holds colours; expected a grid", "--texture FILE"},
   };
   for (const Case& one : cases) {
     std::vector<std::string> words{"render"};

@@ -150,6 +150,9 @@ StoredPicture read_picture(const std::filesystem::path& path) {
   const std::string reason = load<DecodePicture>(decode_picture_symbol)(path.string(), picture);
   if (!reason.empty()) {
     note_library_text(reason);
+    if (format_of(path).empty())  // it may be a sound file of another kind
+      throw Error(ErrorCode::unsupported,
+                  concat(path.string(), ": is not a picture; expected ", joined(picture_extensions())));
     throw Error(ErrorCode::invalid,
                 concat(path.string(), ": found no picture, or a damaged one; expected ", joined(picture_extensions())));
   }

@@ -51,7 +51,7 @@ std::vector<Option> of_all_methods(std::vector<Option> rows) {
 
 render::SceneSpec spec_of(const AccuracyCommand& command) {
   render::SceneSpec scene_spec;
-  if (render::is_scene_document(command.input)) {
+  if (command.picture.scene_spec.data[0].read.raw.empty() && render::is_scene_document(command.input)) {
     const render::SceneDocument document = render::read_scene(command.input);
     for (const std::string& warning : document.warnings) say(command.common, concat("warning: ", warning));
     scene_spec = with_options(document.scene_spec, command.picture);
@@ -155,8 +155,11 @@ class Work {
       studies_.push_back(std::make_unique<LayerStudy>(plan, layer, study_options()));
       layers_.push_back(studies_.back().get());
     }
+    const bool are_surfaces = std::all_of(plan.datasets.begin(), plan.datasets.end(),
+                                          [](const render::Dataset& dataset) { return dataset.is_surface(); });
     if (layers_.empty())
-      throw Error(ErrorCode::usage, "every layer is triangles or a slice: there are no methods to compare",
+      throw Error(are_surfaces ? ErrorCode::unsupported : ErrorCode::usage,
+                  "every layer is triangles or a slice: there are no methods to compare",
                   "add an isosurface or a projection");
   }
 
@@ -344,6 +347,7 @@ Subcommand accuracy_subcommand() {
       .options = all_options(
           {in_group("Input", {file_option("FILE", "Volume, mesh or surface, packed or not, or scene document (.json)",
                                           command->input)}),
+           in_group("Input", read_options(command->picture.scene_spec.data[0].read)),
            of_all_methods(picture_options(command->picture)), goal_options(command->goal),
            in_group("Output", all_options({output_options(command->common, "Folder for the results; created if missing",
                                                           "FOLDER"),

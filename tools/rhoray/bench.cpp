@@ -81,7 +81,7 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   }
   preprocess::require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
-  const bool is_scene = !is_packed && render::is_scene_document(command.bench.input);
+  const bool is_scene = !is_packed && command.bench.read.raw.empty() && render::is_scene_document(command.bench.input);
   const auto suits = [&](Takes takes) {
     if (is_scene) return takes == Takes::data_or_scene;
     return !is_packed || takes != Takes::unpacked;
@@ -92,8 +92,8 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
   const auto reads_a_copy = [](const TableRow& row) { return row.takes != Takes::unpacked; };
   if (!is_scene && std::any_of(chosen.begin(), chosen.end(), reads_a_copy)) {
     ProgressDisplay display(command.common);
-    command.bench.packed =
-        packed_data_path(command.bench.input, command.bench.field, access_for(command.common, display));
+    command.bench.packed = packed_data_path(command.bench.input, command.bench.field,
+                                            access_for(command.common, display, command.bench.read));
   }
   return chosen;
 }
@@ -180,6 +180,7 @@ Subcommand bench_subcommand() {
                                            "the file",
                                            command->words),
                               value_option("--field", "NAME", "Field; default the first", bench.field)}),
+           in_group("Input", read_options(bench.read)),
            in_group(
                "Picture",
                {value_option("--iso", "V[,V]", "Isovalues, as in render; default auto", bench.isovalues),

@@ -56,13 +56,17 @@ std::string packing_text(const std::filesystem::path& path, const preprocess::Op
                 opened.not_kept.empty() ? "" : concat(" (", opened.not_kept, ")"));
 }
 
+/// @param color  keeps the colours, for a texture
 preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
-                            const DataAccess& access) {
-  const std::pair key(path, fields);
+                            const DataAccess& access, bool color = false) {
+  preprocess::PackOptions pack = pack_options(access.read);
+  pack.fields = std::move(fields);
+  pack.color = color;
+  const std::pair key(path, preprocess::option_words(pack));
   if (access.opened)
     if (const auto known = access.opened->find(key); known != access.opened->end()) return known->second;
   const Stopwatch watch;
-  const preprocess::OpenedData opened = preprocess::open_data(path, {.fields = std::move(fields),
+  const preprocess::OpenedData opened = preprocess::open_data(path, {.pack = pack,
                                                                      .use_cache = access.use_cache,
                                                                      .program = concat(version(), " ", commit()),
                                                                      .cache_limit_bytes = cache_limit_bytes(),
@@ -87,6 +91,13 @@ std::vector<std::string> names_of(const std::string& field, const std::vector<st
   return names;
 }
 
+/// The access to data that say themselves how they are read.
+DataAccess reading(const render::DataSpec& data, const DataAccess& access) {
+  DataAccess changed = access;
+  changed.read = data.read;
+  return changed;
+}
+
 }  // namespace
 
 void require_packed(const std::filesystem::path& path) {
@@ -98,8 +109,22 @@ void require_packed(const std::filesystem::path& path) {
                   : concat("pack it first: ", shell_line({"rhoray", "pack", path.string(), "-o", packed.string()})));
 }
 
-DataAccess access_for(const CommonOptions& common, ProgressDisplay& display) {
+preprocess::PackOptions pack_options(const render::ReadSpec& read) {
+  preprocess::PackOptions pack;
+  pack.raw = read.raw;
+  pack.spacing = read.spacing;
+  pack.origin = read.origin;
+  pack.time = read.time;
+  return pack;
+}
+
+std::vector<Option> read_options(render::ReadSpec& read) {
+  return all_options({raw_options(read.raw, read.spacing, read.origin), {time_option(read.time)}});
+}
+
+DataAccess access_for(const CommonOptions& common, ProgressDisplay& display, const render::ReadSpec& read) {
   return {.use_cache = !common.no_cache,
+          .read = read,
           .progress = display.progress(),
           .say =
               [&common, &display](const std::string& line) {
@@ -153,7 +178,7 @@ std::filesystem::path packed_path(const std::filesystem::path& path, const std::
 }
 
 std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const DataAccess& access) {
-  const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+  const formats::PackedFile file = open(data.file, names_of(data.field, {}), reading(data, access)).file;
   if (file.description().kind != "grid") return std::nullopt;
   const std::string name =
       data.field.empty() ? load_field_that_varies(file, formats::Space::unknown).field().name : data.field;
@@ -166,7 +191,7 @@ std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const 
 }
 
 std::optional<Regions> regions_in(const render::DataSpec& data, const DataAccess& access) {
-  const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+  const formats::PackedFile file = open(data.file, names_of(data.field, {}), reading(data, access)).file;
   if (file.description().kind != "tets" || !file.has("cell_field.0")) return std::nullopt;
   const formats::TetMesh mesh(file);
   const formats::TetMeshDescription& description = mesh.description();
@@ -205,23 +230,39 @@ render::Dataset load_label(const render::DataSpec& data, formats::Space world, c
                      "; expected label ", *data.label));
 }
 
+/// Opens a file of colours, or packs the colours of a file that is not packed.
+formats::PackedFile open_colors(const render::DataSpec& data, const DataAccess& access) {
+  preprocess::require_input(data.file);
+  const preprocess::ForeignKind kind = preprocess::foreign_kind(data.file);
+  if (formats::PackedFile::looks_packed(data.file) || data.file.extension() == ".rho" ||
+      kind == preprocess::ForeignKind::volume)
+    return open(data.file, {}, reading(data, access), true).file;
+  throw Error(ErrorCode::unsupported,
+              concat(kind == preprocess::ForeignKind::unknown ? preprocess::unsupported_type(data.file)
+                                                              : concat(data.file.string(), ": is a ", name_of(kind)),
+                     "; expected colours"),
+              "a folder of pictures, .nrrd, .mha, .nii, .npy and .vti can hold them");
+}
+
 }  // namespace
 
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access) {
-  std::map<std::filesystem::path, render::Dataset> meshes;  // with labels
-  return render::resolve_layers(scene_spec, [&](const render::DataSpec& data, formats::Space world) {
+  std::map<std::pair<std::filesystem::path, std::string>, render::Dataset> meshes;  // with labels; by file and time
+  const auto open_data = [&](const render::DataSpec& data, formats::Space world) {
     if (data.label) {
-      const auto known = meshes.find(data.file);
+      const auto known = meshes.find({data.file, data.read.time});
       if (known != meshes.end()) return known->second;
-      const formats::PackedFile file = open(data.file, names_of(data.field, {}), access).file;
+      const formats::PackedFile file = open(data.file, names_of(data.field, {}), reading(data, access)).file;
       if (file.description().kind != "tets") return load_label(data, world, access);
-      return meshes.emplace(data.file, load_field_that_varies(file, world)).first->second;
+      return meshes.emplace(std::pair(data.file, data.read.time), load_field_that_varies(file, world)).first->second;
     }
     std::vector<std::string> others;
     for (const render::LayerSpec& layer : scene_spec.layers)
       if (layer.data == data.name) others.push_back(layer.color_by);
-    return load_shown(data.file, data.field, access, others, world);
-  });
+    return load_shown(data.file, data.field, reading(data, access), others, world);
+  };
+  return render::resolve_layers(scene_spec, open_data,
+                                [&](const render::DataSpec& data) { return open_colors(data, access); });
 }
 
 preprocess::PackCache open_cache() {

@@ -24,15 +24,17 @@ void require_packed(const std::filesystem::path& path);
 /// How files that are not packed are opened, and who is told of it.
 struct DataAccess {
   bool use_cache = true;
+  render::ReadSpec read{};
   preprocess::Progress progress{};
   std::function<void(const std::string&)> say{};   ///< one line about packing
   std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
-  /// Opened files by path and requested fields; null: files are not kept open.
+  /// Opened files by path and options of packing; null: files are not kept open.
   using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, preprocess::OpenedData>;
   std::shared_ptr<Opened> opened{};
 };
 /// @param display  must outlive the result
-DataAccess access_for(const CommonOptions& common, ProgressDisplay& display);
+/// @param read     of files that are not packed; a scene's data say it themselves
+DataAccess access_for(const CommonOptions& common, ProgressDisplay& display, const render::ReadSpec& read = {});
 
 /// Opens any file that can be rendered (preprocess/open_data.h); packs files that are not packed,
 /// or takes their copy in the cache. Refuses an unknown field and names the nearest one. Without a
@@ -45,6 +47,12 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
 /// As above; refuses a surface, which has no fields (ErrorCode::unsupported).
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,
                              const DataAccess& access = {});
+
+/// The options of packing that say how a file is read.
+preprocess::PackOptions pack_options(const render::ReadSpec& read);
+
+/// --raw, --spacing, --origin and --time
+std::vector<Option> read_options(render::ReadSpec& read);
 
 /// A packed file with the content of any file that load_shown opens. Refuses an OpenVDB file, and a
 /// file whose copy the cache has no room for (ErrorCode::resource).
@@ -74,7 +82,8 @@ struct Regions {
 std::optional<Regions> regions_in(const render::DataSpec& data, const DataAccess& access);
 
 /// Opens the data of a scene by load_shown (render/document.h), and labels of grids as their
-/// indicators. Opens a mesh with labels once for all labels.
+/// indicators. Opens a mesh with labels once for all labels. Packs textures of any file that
+/// `pack --color` takes.
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access = {});
 
 /// The cache of packed copies: in the folder of the user, with the limit that RHORAY_CACHE_SIZE

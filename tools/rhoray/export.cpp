@@ -5,6 +5,7 @@
 #include "formats/base/number_text.h"
 #include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
+#include "formats/color_grid.h"
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/export_grid.h"
@@ -25,6 +26,7 @@ namespace {
 struct ExportCommand {
   CommonOptions common;
   std::filesystem::path input;
+  render::ReadSpec read;
   std::filesystem::path packed;  ///< the input, or its packed copy
   std::string field;
   std::string isovalue;
@@ -52,6 +54,8 @@ Content content_in(const ExportCommand& command) {
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds a surface; expected a grid or a mesh"),
                 "numpy reads its points and triangles from the packed file: see formats/SPEC.md");
   if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
+  if (file.description().kind == formats::ColorGrid::kind)
+    throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds colours; expected a grid or a mesh"));
   return {false, formats::BrickGrid(file).description().fields};
 }
 
@@ -107,7 +111,7 @@ int run(ExportCommand& command) {
   const ExportFormat& format = format_of(output);
   command.packed = [&] {
     ProgressDisplay display(command.common);
-    return packed_path(command.input, command.field, access_for(command.common, display));
+    return packed_path(command.input, command.field, access_for(command.common, display, command.read));
   }();
   const Content content = content_in(command);
   check(command, format, content);
@@ -143,6 +147,7 @@ Subcommand export_subcommand() {
           .options = all_options(
               {{with_details(file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input),
                              "numpy can read it without conversion; see formats/SPEC.md")},
+               read_options(command->read),
                output_options(command->common,
                               "Output: .vti, .vdb, .nvdb, .npy, .nii or .stl for a grid, .vtu or .stl for a mesh"),
                {value_option("--field", "NAME", "Field to write if the format holds only one; default the first",

@@ -11,9 +11,11 @@
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
+#include "preprocess/open_data.h"
 #include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/cli/command_line.h"
 #include "tools/rhoray/cli/options.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/info/foreign.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
@@ -25,6 +27,7 @@ namespace {
 struct InfoOptions {
   CommonOptions common;
   std::vector<std::filesystem::path> files;
+  render::ReadSpec read;
   bool findings = false;
 };
 
@@ -300,12 +303,15 @@ std::string info_text(const Json& json, bool verbose) {
 
 int run(const InfoOptions& options) {
   int result = 0;
+  preprocess::PackOptions pack = pack_options(options.read);
+  pack.memory_limit_bytes = options.common.memory.bytes;
   for (const std::filesystem::path& path : options.files) {
     try {
       preprocess::require_input(path);
+      preprocess::refuse_pack_options(path, pack);
       const Json json = formats::PackedFile::looks_packed(path) || path.extension() == ".rho"
                             ? packed_info(path, options.findings)
-                            : foreign_info(path, options.common.memory.bytes, options.findings);
+                            : foreign_info(path, pack, options.findings);
       if (options.common.json)
         std::puts(dump(json).c_str());
       else
@@ -330,8 +336,9 @@ Subcommand info_subcommand() {
           .options =
               all_options({{files_option("FILE", "Packed files, volumes, meshes or surfaces", options->files),
                             flag_option("--stats", "Also look for faults in the data, and say how packing treats them",
-                                        options->findings),
-                            worker_memory_option(options->common, "the process that reads a foreign file")},
+                                        options->findings)},
+                           read_options(options->read),
+                           {worker_memory_option(options->common, "the process that reads a foreign file")},
                            message_options(options->common, "Print one JSON document per file to stdout, one per line",
                                            "Also print layout and memory")}),
           .run = [options] { return run(*options); }};

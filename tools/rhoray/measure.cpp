@@ -20,6 +20,7 @@ namespace {
 struct MeasureCommand {
   CommonOptions common;
   std::filesystem::path input;
+  render::ReadSpec read;
   std::string field, isovalue = "auto";
   std::optional<double> share;
 };
@@ -44,7 +45,7 @@ std::string text_of(const Enclosed& enclosed, const std::string& unit) {
 int run(const MeasureCommand& command) {
   const render::Dataset dataset = [&] {
     ProgressDisplay display(command.common);
-    return load_dataset(command.input, command.field, access_for(command.common, display));
+    return load_dataset(command.input, command.field, access_for(command.common, display, command.read));
   }();
   refuse_damage(dataset.file(), command.common.threads);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
@@ -91,8 +92,9 @@ Subcommand measure_subcommand() {
       .examples = {"rhoray measure head.nrrd --iso 500", "rhoray measure heart.rho --field pressure --iso p90 --json"},
       .options = all_options(
           {{with_details(file_option("FILE", "Grid or mesh, packed or not", command->input),
-                         "Files that are not packed are packed first; see `rhoray cache --help`"),
-            value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
+                         "Files that are not packed are packed first; see `rhoray cache --help`")},
+           read_options(command->read),
+           {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
             with_details(value_option("--iso", "V",
                                       concat("Isovalue: a number, a percentile (p95) or auto (",
                                              render::auto_isovalue_words, "); default auto"),

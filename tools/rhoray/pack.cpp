@@ -52,32 +52,9 @@ void report(const PackCommand& command, const std::filesystem::path& output, con
 
 /// The command line stored in the file.
 std::string command_line(const PackCommand& command, const std::filesystem::path& output) {
-  const preprocess::PackOptions& pack = command.pack;
   std::vector<std::string> words{"rhoray", "pack", command.input.string(), "-o", output.string()};
-  const auto add = [&](bool given, const char* name, const std::string& value) {
-    if (given) words.insert(words.end(), {name, value});
-  };
-  const auto numbers = [](const std::optional<Vec3>& v) {
-    return v ? concat(v->x, ",", v->y, ",", v->z) : std::string{};
-  };
-  const preprocess::PackOptions defaults;
-  add(!pack.raw.empty(), "--raw", pack.raw);
-  add(!pack.fields.empty(), "--field", joined(pack.fields, ","));
-  add(!command.structure.empty(), "--structure", command.structure);
-  add(pack.cells.has_value(), "--cells", command.cells);
-  add(pack.leaf_ratio.has_value(), "--leaf-ratio", concat(pack.leaf_ratio.value_or(0)));
-  add(pack.levels != defaults.levels, "--levels", concat(pack.levels));
-  add(pack.factor != defaults.factor, "--factor", concat(pack.factor));
-  if (pack.color) words.push_back("--color");
-  add(pack.type.has_value(), "--type",
-      std::string(formats::element_name(pack.type.value_or(formats::ElementType::U8))));
-  add(!command.layout.empty(), "--layout", command.layout);
-  add(pack.brick_edge.has_value(), "--brick-edge", concat(pack.brick_edge.value_or(0)));
-  add(pack.spacing.has_value(), "--spacing", numbers(pack.spacing));
-  add(pack.origin.has_value(), "--origin", numbers(pack.origin));
-  if (pack.cell_data) words.push_back("--cell-data");
-  add(pack.max_error.has_value(), "--max-error", concat(pack.max_error.value_or(0)));
-  add(!pack.time.empty(), "--time", pack.time);
+  const std::vector<std::string> options = preprocess::option_words(command.pack);
+  words.insert(words.end(), options.begin(), options.end());
   return shell_line(words);
 }
 
@@ -144,20 +121,19 @@ Subcommand pack_subcommand() {
                      time_option(pack.time)}),
            in_group(
                "Volumes",
-               {value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read samples without a header, after SKIP bytes",
-                             pack.raw),
-                value_option("--spacing", "X,Y,Z", "Replace the file's spacing", pack.spacing),
-                value_option("--origin", "X,Y,Z", "Replace the file's origin", pack.origin),
-                with_details(flag_option("--color", "Keep colours, for use as a texture", pack.color),
-                             "For 8-bit RGB or RGBA volumes: a folder of pictures, .nrrd, .mha, .nii, .npy or .vti"),
-                value_option("--type", "TYPE", "Type of the stored samples: U8, I8, U16, I16, U32, I32, F32 or F64",
-                             pack.type),
-                for_experts(choice_option("--layout", {"bricks", "linear", "sparse"},
-                                          "Order of the samples; sparse keeps only bricks with data; default bricks",
-                                          command->layout)),
-                for_experts(value_option("--brick-edge", "N",
-                                         "Samples per axis of a brick; default 4, for sparse and colours 8",
-                                         pack.brick_edge))}),
+               all_options(
+                   {raw_options(pack.raw, pack.spacing, pack.origin),
+                    {with_details(
+                         flag_option("--color", "Keep colours, for use as a texture", pack.color),
+                         "For 8-bit RGB or RGBA volumes: a folder of pictures, .nrrd, .mha, .nii, .npy or .vti"),
+                     value_option("--type", "TYPE",
+                                  "Type of the stored samples: U8, I8, U16, I16, U32, I32, F32 or F64", pack.type),
+                     for_experts(choice_option(
+                         "--layout", {"bricks", "linear", "sparse"},
+                         "Order of the samples; sparse keeps only bricks with data; default bricks", command->layout)),
+                     for_experts(value_option("--brick-edge", "N",
+                                              "Samples per axis of a brick; default 4, for sparse and colours 8",
+                                              pack.brick_edge))}})),
            in_group("Meshes",
                     {flag_option("--cell-data", "Also keep cell fields, averaged to points", pack.cell_data),
                      max_error_option(pack.max_error),

@@ -49,7 +49,8 @@ bool needs_isosurface(const RenderCommand& command) {
 /// The requested scene: a document with the options on top, or files and options alone.
 render::SceneSpec spec_of(const RenderCommand& command) {
   const std::filesystem::path& input = command.inputs.front();
-  const std::optional<render::SceneDocument> document = document_in(input);
+  const bool has_header = command.picture.scene_spec.data[0].read.raw.empty();
+  const std::optional<render::SceneDocument> document = has_header ? document_in(input) : std::nullopt;
   if (!document) {
     PictureOptions picture = command.picture;
     if (picture.mode.empty() && needs_isosurface(command)) picture.mode = "iso";
@@ -184,6 +185,7 @@ Subcommand render_subcommand() {
                    "shown, too; options of the layer are those of the first file"),
            },
            picture_options(command->picture),
+           in_group("Input", read_options(command->picture.scene_spec.data[0].read)),
            in_group("Input",
                     {cache_option(command->common),
                      answer_option("--scene-help", "Print the keys of scene documents", render::scene_reference),

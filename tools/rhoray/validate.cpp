@@ -23,6 +23,7 @@ namespace {
 struct ValidateCommand {
   CommonOptions common;
   std::filesystem::path input;
+  render::ReadSpec read;
   std::string isovalue, field, accuracy, method;
   std::optional<std::uint64_t> samples, seed;
   std::optional<double> max_depth_error;
@@ -70,7 +71,7 @@ int run(ValidateCommand& command) {
   check(command);
   const std::filesystem::path packed = [&] {
     ProgressDisplay display(command.common);
-    return packed_data_path(command.input, command.field, access_for(command.common, display));
+    return packed_data_path(command.input, command.field, access_for(command.common, display, command.read));
   }();
   const render::Dataset dataset = load_dataset(packed, command.field);
   const render::Isovalue isovalue = render::choose_isovalue(command.isovalue, dataset.field());
@@ -131,6 +132,7 @@ Subcommand validate_subcommand() {
                     .is_expert = true}},
       .options = all_options(
           {{file_option("FILE", "Packed file, or a file that `rhoray pack` reads", command->input)},
+           in_group("Input", read_options(command->read)),
            in_group("Surface",
                     {value_option("--field", "NAME", "Field; default the first that is not constant", command->field),
                      value_option(

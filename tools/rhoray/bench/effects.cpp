@@ -267,16 +267,19 @@ double measure_after(TimedEffect& over, TimedEffect& measured) {
 
 render::SceneSpec spec_of(const BenchOptions& options) {
   render::SceneSpec scene_spec;
-  if (!render::is_scene_document(options.input)) {
+  if (!options.read.raw.empty() || !render::is_scene_document(options.input)) {
     scene_spec = {.data = std::vector<render::DataSpec>(1), .layers = std::vector<render::LayerSpec>(1)};
     scene_spec.data[0].file = options.input, scene_spec.data[0].field = options.field;
+    scene_spec.data[0].read = options.read;
     render::LayerSpec& layer = scene_spec.layers[0];
     layer.isovalues = options.isovalues;
     layer.normals = options.normals, layer.color_by = options.color_by;
     if (options.mip) scene_spec.layers.push_back({.type = render::LayerType::mip});
     scene_spec.camera.view = options.view;
   } else {
-    for (const auto& [is_given, name] : {std::pair{options.isovalues != BenchOptions{}.isovalues, "--iso"},
+    const std::vector<std::string> read = preprocess::option_words(pack_options(options.read));
+    for (const auto& [is_given, name] : {std::pair{!read.empty(), read.empty() ? "" : read.front().c_str()},
+                                         {options.isovalues != BenchOptions{}.isovalues, "--iso"},
                                          {!options.field.empty(), "--field"},
                                          {!options.normals.empty(), "--normals"},
                                          {!options.color_by.empty(), "--color-by"},

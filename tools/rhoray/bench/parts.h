@@ -18,6 +18,7 @@ namespace rhoray::tools {
 
 struct BenchOptions {
   std::filesystem::path input;
+  render::ReadSpec read{};       ///< of an input that is not packed
   std::filesystem::path packed;  ///< the input, or its packed copy; empty where no table reads one
   std::vector<std::string> isovalues{"auto"};
   std::string field;

@@ -384,7 +384,7 @@ Table open_table(const BenchOptions& options, const Step& step) {
 }
 
 Table pack_table(const BenchOptions& options, const Step& step) {
-  preprocess::PackOptions pack;
+  preprocess::PackOptions pack = pack_options(options.read);
   pack.memory_limit_bytes = options.memory_limit_bytes;
   pack.replace_existing = true;
   if (!options.field.empty()) pack.fields = {options.field};

@@ -146,6 +146,12 @@ Option time_option(std::string& time) {
       "Time step: first, last, #N counted from 0, or the nearest to a time; default last, of a volume first", time);
 }
 
+std::vector<Option> raw_options(std::string& raw, std::optional<Vec3>& spacing, std::optional<Vec3>& origin) {
+  return {value_option("--raw", "WxHxD:TYPE[:le|be][:SKIP]", "Read samples without a header, after SKIP bytes", raw),
+          value_option("--spacing", "X,Y,Z", "Replace the file's spacing", spacing),
+          value_option("--origin", "X,Y,Z", "Replace the file's origin", origin)};
+}
+
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists) {
   std::vector<Option> all;
   for (const std::vector<Option>& list : lists) all.insert(all.end(), list.begin(), list.end());

@@ -115,6 +115,9 @@ std::vector<Option> message_options(CommonOptions& common, const std::string& js
 Option max_error_option(std::optional<double>& max_error);  ///< --max-error
 Option time_option(std::string& time);                      ///< --time
 
+/// --raw, --spacing, --origin
+std::vector<Option> raw_options(std::string& raw, std::optional<Vec3>& spacing, std::optional<Vec3>& origin);
+
 /// The rows of several lists, in order.
 std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists);
 

@@ -38,10 +38,12 @@ Json head(const std::filesystem::path& path, const char* kind) {
   return {{"file", path.string()}, {"kind", kind}, {"packed", false}, {"file_bytes", preprocess::input_bytes(path)}};
 }
 
-Json volume_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+Json volume_info(const std::filesystem::path& path, const preprocess::PackOptions& pack, bool with_findings) {
   preprocess::ImportVolumeOptions import;
-  import.memory_limit_bytes = memory_limit_bytes;
+  import.memory_limit_bytes = pack.memory_limit_bytes;
   import.length_of_vectors = true;
+  if (!pack.raw.empty()) import.raw = preprocess::parse_raw_volume(pack.raw);
+  import.spacing = pack.spacing, import.origin = pack.origin, import.time = pack.time;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
   formats::FieldSummary field = formats::with_element_type(volume.type, [&]<class T>(T) {
     return summarize_each(volume.samples.size() / sizeof(T), [&](std::size_t i) {
@@ -89,8 +91,9 @@ Box3 box_of(std::span<const std::array<double, 3>> points) {
   return box;
 }
 
-Json mesh_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
-  const preprocess::NeutralMesh mesh = preprocess::import_mesh(path, {.memory_limit_bytes = memory_limit_bytes});
+Json mesh_info(const std::filesystem::path& path, const preprocess::PackOptions& pack, bool with_findings) {
+  const preprocess::NeutralMesh mesh =
+      preprocess::import_mesh(path, {.time = pack.time, .memory_limit_bytes = pack.memory_limit_bytes});
   Json json = head(path, "mesh");
   json["points"] = mesh.points.size();
   json["cells"] = mesh.cells.size();
@@ -191,13 +194,16 @@ formats::FieldSummary summarize(std::span<const double> values) {
   return summarize_each(values.size(), [&](std::size_t i) { return values[i]; });
 }
 
-Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings) {
+Json foreign_info(const std::filesystem::path& path, const preprocess::PackOptions& pack, bool with_findings) {
+  const std::uint64_t memory_limit_bytes = pack.memory_limit_bytes;
+  if (!preprocess::option_words(pack).empty()) preprocess::check_pack(path, pack);
+  if (!pack.raw.empty()) return volume_info(path, pack, with_findings);
   if (preprocess::is_vdb(path)) return vdb_with_findings(path, memory_limit_bytes, with_findings);
   switch (preprocess::foreign_kind(path)) {
     case preprocess::ForeignKind::volume:
-      return volume_info(path, memory_limit_bytes, with_findings);
+      return volume_info(path, pack, with_findings);
     case preprocess::ForeignKind::mesh:
-      return mesh_info(path, memory_limit_bytes, with_findings);
+      return mesh_info(path, pack, with_findings);
     case preprocess::ForeignKind::surface:
       return surface_info(path, memory_limit_bytes);
     case preprocess::ForeignKind::unknown:

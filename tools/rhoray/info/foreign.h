@@ -1,18 +1,18 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
 #include "preprocess/inspect_mesh.h"
+#include "preprocess/pack.h"
 #include "tools/rhoray/report.h"
 
 namespace rhoray::tools {
 
 /// The content of a foreign volume, mesh or surface, read completely in a separate process. Refuses
 /// a file of unknown type (ErrorCode::unsupported).
-/// @param memory_limit_bytes  of the reading process; 0 = none
-/// @param with_findings       also look for what may be wrong with it (preprocess/inspect_mesh.h)
-Json foreign_info(const std::filesystem::path& path, std::uint64_t memory_limit_bytes, bool with_findings = false);
+/// @param pack           raw, spacing, origin and time, and the memory limit of the reading process
+/// @param with_findings  also look for what may be wrong with it (preprocess/inspect_mesh.h)
+Json foreign_info(const std::filesystem::path& path, const preprocess::PackOptions& pack, bool with_findings = false);
 
 /// Faults found in a mesh of tetrahedra or a volume, one object for each fault that was looked for.
 Json findings_json(const std::vector<preprocess::Finding>& findings);

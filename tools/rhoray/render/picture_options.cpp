@@ -13,6 +13,7 @@
 #include "render/scene_spec.h"
 #include "render/scene_words.h"
 #include "tools/rhoray/cli/options.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tools {
 
@@ -252,9 +253,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
                                      render::limits::levels, layer.levels)),
                 "For --color-by, --slice and MIP. The map is divided into equal bands; with --color-scale log "
                 "each covers the same ratio of values"),
-            with_details(layers(value_option("--texture", "FILE", "Colour the surface by a file packed with --color",
+            with_details(layers(value_option("--texture", "FILE", "Colour the surface by the colours of a file",
                                              options.texture)),
-                         "The texture is placed in world axes"),
+                         "Any file that `rhoray pack --color` takes. The texture is placed in world axes"),
             with_details(
                 value_option(
                     "--background", "COLOR",
@@ -455,6 +456,12 @@ render::SceneSpec spec_of(const PictureOptions& options, const std::vector<std::
 }
 
 render::SceneSpec with_options(render::SceneSpec document, const PictureOptions& options) {
+  const std::vector<std::string> read = preprocess::option_words(pack_options(options.scene_spec.data[0].read));
+  if (!read.empty())
+    throw Error(ErrorCode::usage,
+                concat(read.front(), ": not allowed with the scene ", document.document,
+                       "; its data define how files are read"),
+                concat("set \"", read.front().substr(2), "\" in the document's data"));
   if (!options.of_the_layer.empty())
     throw Error(ErrorCode::usage,
                 concat(options.of_the_layer.front(), ": not allowed with the scene ", document.document,

@@ -3,6 +3,7 @@
 #include "formats/base/word_list.h"
 #include "render/document.h"
 #include "render/scene_words.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tools {
 
@@ -59,6 +60,8 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     if (!layer.scale.empty()) add("--color-scale", layer.scale);
     if (layer.levels) add("--levels", concat(*layer.levels));
   };
+  const std::vector<std::string> read = preprocess::option_words(pack_options(scene_spec.data[0].read));
+  words.insert(words.end(), read.begin(), read.end());
   const bool is_boundary = layer.type == render::LayerType::boundary;
   if (plan.datasets[0].has_fields()) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {

@@ -287,7 +287,7 @@ TEST(Textures, are_refused_where_no_colours_are_expected_and_other_files_as_text
   const TemporaryFolder folder;
   const std::vector<render::Dataset> datasets = both_kinds(folder);
   texture_of(folder, ramps());
-  expect_error(ErrorCode::invalid, "holds colours; expected a grid",
+  expect_error(ErrorCode::unsupported, "holds colours; expected a grid",
                [&] { render::Dataset::load(folder / "colors.rho"); });
   expect_error(ErrorCode::invalid, "'colors'", [&] { Texture::load(folder / "grid.rho"); });
 }
