@@ -55,7 +55,15 @@ std::string maker_of(const std::string& file) {
        "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres-heart.ply\" -o utahtorso-heart.rho -q"},
       {"utahtorso-skin.rho",
        "rhoray pack \"$SHARED/unstructured/utahtorso/utahtorso-lowres-skin.ply\" -o utahtorso-skin.rho -q"},
-      {"head-ct.rho", "rhoray pack \"$SHARED/volumes/vhf_ct_head/vhf_ct_head.nhdr\" -o head-ct.rho -q"}};
+      {"head-ct.rho", "rhoray pack \"$SHARED/volumes/vhf_ct_head/vhf_ct_head.nhdr\" -o head-ct.rho -q"},
+      {"mr-head.rho", "rhoray pack \"$SHARED/volumes/MRHeadResampled/MRHeadResampled.nhdr\" -o mr-head.rho -q"},
+      {"mr-head-nifti.rho",
+       "rhoray export \"$SHARED/volumes/MRHeadResampled/MRHeadResampled.nhdr\" -o mr-head.nii -q && "
+       "rhoray pack mr-head.nii -o mr-head-nifti.rho -q"},
+      {"indheat.rho", "rhoray pack \"$SHARED/unstructured/gmsh/indheat.bin.v41.msh\" -o indheat.rho -q"},
+      {"mixed-mesh.rho", "rhoray pack \"$SHARED/unstructured/mixed_mesh_3d.vtu\" -o mixed-mesh.rho -q"},
+      {"bracket.rho", "rhoray pack \"$SHARED/unstructured/bracket_appended_compressed.vtu\" -o bracket.rho -q"},
+      {"fuel.rho", "rhoray pack \"$SHARED/volumes/fuel.nii.gz\" -o fuel.rho -q"}};
   for (const auto& [name, maker] : makers)
     if (file == name) return maker;
   return {};
