@@ -55,7 +55,7 @@ TEST(RenderCommand, shows_the_first_field_that_is_not_the_same_everywhere) {
   add_point_field(mesh, "flat", [](const Vec3&) { return 1.0; });
   add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
   preprocess::export_mesh(mesh, bench / "box.vtu", false);
-  ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "-q"}).exit_code, 0);
+  ASSERT_EQ(bench.rhoray({"pack", "box.vtu", "--field", "flat,height", "-q"}).exit_code, 0);
   const RunResult result = bench.rhoray({"render", "box.rho", "--size", "64x48", "-o", "box.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("field 'flat' is constant; showing field 'height'"));
