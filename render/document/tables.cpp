@@ -45,7 +45,7 @@ Rows rows_of_isosurfaces() {
   return {
       row("isovalue", &LayerSpec::isovalues, isovalues_value(),
           concat(
-              "Isovalue; \"auto\" is ", auto_isovalue_words,
+              "Isovalue; \"auto\" is the histogram's ", auto_isovalue_words,
               "; default \"auto\". Several values make several surfaces; by "
               "default they are coloured by viridis over their values (by coolwarm if those below and above 0 enclose "
               "different regions), the innermost is opaque, and outer ones are transparent")),
