@@ -22,8 +22,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
 std::string isovalue_text(const Isovalue& isovalue, const formats::FieldSummary& field);
 
 /// What "auto" is, for help texts: the valley is the histogram's.
-inline constexpr std::string_view auto_isovalue_words =
-    "valley with the strongest gradient, or Otsu's threshold";
+inline constexpr std::string_view auto_isovalue_words = "valley with the strongest gradient, or Otsu's threshold";
 
 /// True for a number outside the field's range, which choose_isovalue refuses.
 bool is_outside(const std::string& isovalue, const formats::FieldSummary& field);
