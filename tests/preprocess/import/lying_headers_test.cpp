@@ -479,7 +479,7 @@ void packed(const std::filesystem::path& path) {
 TEST(LyingHeaders, of_packed_files_are_read_or_refused_at_little_cost) {
   for (const char* name :
        {"1.0-grid.rho", "1.0-tets.rho", "1.1-rectilinear-grid.rho", "1.1-sparse-grid.rho", "1.2-clustered-tets.rho",
-        "1.3-surface.rho", "1.4-colors.rho", "1.5-certified-grid.rho", "1.7-tets.rho"}) {
+        "1.3-surface.rho", "1.4-colors.rho", "1.5-certified-grid.rho", "1.7-tets.rho", "1.8-grid.rho"}) {
     const std::string content = tests::read_file(std::filesystem::path(RHORAY_RELEASED_FILES) / name);
     const Sample sample{name, content, packed};
     std::vector<Lie> lies = lies_in_bytes(content, 0, 8);
