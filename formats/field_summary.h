@@ -21,9 +21,9 @@ struct FieldSummary {
   /// equal bins over `range`, the last one closed; counts finite values
   std::vector<std::uint64_t> histogram;
 
-  // Of the isosurfaces of a grid, one number per bin of the histogram, at the bin's middle;
-  // estimates from pairs of neighbouring samples, of which some are left out. Both empty where not
-  // recorded.
+  // A grid may hold two lists about its isosurfaces. Their item i describes the isosurface at the
+  // middle of bin i of the histogram. Both are estimates from a part of the pairs of neighbouring
+  // samples. Both are empty if the file does not hold them.
   std::vector<double> isosurface_area{};  ///< world units squared
   std::vector<double> mean_gradient{};    ///< mean of the magnitude, unit per world unit
 };

@@ -11,8 +11,8 @@
 namespace rhoray::preprocess {
 
 struct OpenOptions {
-  /// Of files that are not packed. `fields` are those that are needed; the first is shown. The cap
-  /// on memory, `command` and `replace_existing` are not used.
+  /// How a file that is not packed is packed. `fields` names the needed fields, and the first one
+  /// is shown. The cap on memory, `command` and `replace_existing` have no effect.
   PackOptions pack{};
   bool use_cache = true;
   std::string program{};  ///< as PackCache::Key::program

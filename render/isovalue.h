@@ -21,7 +21,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
 /// "isovalue 500 (Otsu's threshold of field 'density'); valley: 1150", for the program to print.
 std::string isovalue_text(const Isovalue& isovalue, const formats::FieldSummary& field);
 
-/// What "auto" is, for help texts: the valley is the histogram's.
+/// Describes the isovalue "auto" in help texts. The valley is one of the histogram.
 inline constexpr std::string_view auto_isovalue_words = "valley with the strongest gradient, or Otsu's threshold";
 
 /// True for a number outside the field's range, which choose_isovalue refuses.

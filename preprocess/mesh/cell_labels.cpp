@@ -37,7 +37,7 @@ std::vector<int> values_of(std::span<const T> cells) {
   return values;
 }
 
-/// What touches what: labels that share a point, and those on the boundary.
+/// Which labels share a point with which, and which labels have a face on the boundary.
 struct Contacts {
   std::array<LabelBits, most_labels> touched{};
   LabelBits outermost = 0;

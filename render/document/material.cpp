@@ -21,7 +21,7 @@ Error refusal(const Place& layer, const std::string& key, const std::string& opt
           hint};
 }
 
-/// What the dataset's file holds.
+/// Returns the kind of the dataset, for messages.
 const char* kind_of(const Dataset& dataset) {
   if (dataset.is_mesh()) return "mesh";
   if (!dataset.is_surface()) return "grid";

@@ -28,11 +28,11 @@ struct HitAttributes {
 /// gradient to where the dataset's own field has the hit's value. Where rounding or a cell without
 /// volume leaves the position undefined, they belong to some position in the cell where the field
 /// has that value. So the own field's value at a hit equals the hit's, up to rounding. Every other
-/// field of points has a value between those of the cell's points, and a field of cells has the
+/// field of points has a value between its values at the cell's points. A field of cells has the
 /// value of the hit's cell.
 ///
-/// On the boundary of a mesh, the weights are those of the hit's position in the triangle's cell,
-/// and the field's value there becomes the hit's value.
+/// On the boundary of a mesh, the weights belong to the hit's position in the triangle's cell. The
+/// field's value there becomes the hit's value.
 ///
 /// In a grid, fields are trilinear at the hit, which is moved into its cell where rounding has put
 /// it outside.

@@ -9,7 +9,7 @@
 namespace rhoray::tests {
 namespace {
 
-/// What a subcommand takes.
+/// The kinds of input that a subcommand may accept.
 enum class Takes { packed, data, mesh, surface, packed_mesh, picture };
 
 struct Command {
