@@ -75,11 +75,12 @@ bool are_colored_by_isovalue(const LayerSpec& spec, std::size_t count) {
 }
 
 void show_several(const LayerSpec& spec, const Dataset& dataset, const std::vector<Layer*>& surfaces) {
-  if (surfaces.size() < 2) return;
+  const bool is_colored = are_colored_by_isovalue(spec, surfaces.size());
+  if (surfaces.size() < 2 || (!is_colored && spec.opacity)) return;
   Interval<double> range = range_of(surfaces);
   const bool is_two_sided = are_two_sided(dataset, range);
   if (is_two_sided) range = {-std::max(-range.lo, range.hi), std::max(-range.lo, range.hi)};
-  if (are_colored_by_isovalue(spec, surfaces.size()))
+  if (is_colored)
     for (Layer* surface : surfaces)
       surface->material.color = color_of(is_two_sided ? ColorMap::coolwarm : ColorMap::viridis,
                                          range.lo < range.hi ? position_of({}, range, surface->isovalue) : 0);
