@@ -14,15 +14,16 @@ namespace rhoray::render {
 namespace {
 
 constexpr double zoom_with_box = 0.9;  // numbers stand around it
-/// Height of a picture times this: width of a colour bar with numbers of five digits, or of a
-/// legend with a short word.
-constexpr double width_of_scale = 0.14;
+/// Width of a colour bar with numbers of five digits, or of a legend with a short word, as a share
+/// of the picture's height. Annotations of narrow pictures shrink: the height counts as at most 1.2
+/// times the width.
+constexpr double width_of_scale = 0.14, tallest_shape = 1.2;
 
 /// Keeps free where the colour bar and the legend stand. The legend stands on the left, unless the
 /// bar does.
 void keep_sides_free(const AnnotationsSpec& annotations, double aspect, View& view) {
   const bool is_bar_left = annotations.color_bar && annotations.color_bar->position == "left";
-  const double width = width_of_scale / aspect;
+  const double width = width_of_scale * std::min(1 / aspect, tallest_shape);
   if (annotations.color_bar) (is_bar_left ? view.free_left : view.free_right) = width;
   if (annotations.legend.value_or(false)) (is_bar_left ? view.free_right : view.free_left) = width;
 }
@@ -88,7 +89,7 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
     view.target = target;
 
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
-    if (aspect >= 1) keep_sides_free(plan.annotations, aspect, view);
+    keep_sides_free(plan.annotations, aspect, view);
     const bool is_given = spec.position && spec.target && spec.up && (!view.orthographic || spec.orthographic_height);
     Camera& camera = plan.scene.camera;
     if (is_given)
