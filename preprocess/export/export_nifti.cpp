@@ -1,11 +1,14 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/nifti_header.h"
 #include "preprocess/export_grid.h"
 
 namespace rhoray::preprocess {
@@ -15,63 +18,43 @@ using formats::ElementType;
 
 static_assert(std::endian::native == std::endian::little, "headers are written as memory has them");
 
-constexpr std::size_t header_bytes = 348, first_sample = 352;
+constexpr std::size_t first_sample = 352;
 
-/// DT_... of nifti1.h.
-std::int16_t datatype_of(ElementType type) {
-  switch (type) {
-    case ElementType::U8:
-      return 2;
-    case ElementType::I16:
-      return 4;
-    case ElementType::I32:
-      return 8;
-    case ElementType::F32:
-      return 16;
-    case ElementType::F64:
-      return 64;
-    case ElementType::I8:
-      return 256;
-    case ElementType::U16:
-      return 512;
-    case ElementType::U32:
-      return 768;
-    case ElementType::I64:
-      return 1024;
-    case ElementType::U64:
-      return 1280;
-  }
-  return 0;
+std::int16_t code_of(ElementType type) {
+  const auto* const found = std::find_if(std::begin(nifti::data_types), std::end(nifti::data_types),
+                                         [&](const auto& each) { return each.second == type; });
+  return static_cast<std::int16_t>(found->first);
 }
 
-/// NIFTI_UNITS_... of nifti1.h; 0 for units that it does not have.
-char unit_code(const std::string& unit) {
-  return unit == "m" ? 1 : unit == "mm" ? 2 : unit == "um" ? 3 : 0;
+/// 0 for units that NIfTI does not have.
+char code_of(const std::string& unit) {
+  const auto* const found = std::find(std::begin(nifti::length_units), std::end(nifti::length_units), unit);
+  return found == std::end(nifti::length_units) ? 0 : static_cast<char>(found - std::begin(nifti::length_units));
 }
 
-/// Header of NIfTI-1, without extensions: the offsets are those of nifti1.h.
+/// Header of NIfTI-1, without extensions.
 std::array<char, first_sample> header_of(const formats::GridDescription& grid, ElementType type) {
   std::array<char, first_sample> header{};
   const auto put = [&](std::size_t offset, auto value) { std::memcpy(header.data() + offset, &value, sizeof value); };
   const Index3& count = grid.layout.sample_count;
   const Affine map = formats::in_space(grid.world_from_grid, grid.space, formats::Space::ras);
-  put(0, std::int32_t{header_bytes});
+  put(0, std::int32_t{nifti::header_bytes});
   const std::int64_t dim[] = {3, count.x, count.y, count.z, 1, 1, 1, 1};
-  for (std::size_t i = 0; i < std::size(dim); ++i) put(40 + 2 * i, static_cast<std::int16_t>(dim[i]));
-  put(70, datatype_of(type));
-  put(72, static_cast<std::int16_t>(8 * formats::element_bytes(type)));
+  for (std::size_t i = 0; i < std::size(dim); ++i) put(nifti::dim + 2 * i, static_cast<std::int16_t>(dim[i]));
+  put(nifti::datatype, code_of(type));
+  put(nifti::bitpix, static_cast<std::int16_t>(8 * formats::element_bytes(type)));
   const double pixdim[] = {1, map.x_axis.length(), map.y_axis.length(), map.z_axis.length()};
-  for (std::size_t i = 0; i < std::size(pixdim); ++i) put(76 + 4 * i, static_cast<float>(pixdim[i]));
-  put(108, static_cast<float>(first_sample));
-  put(112, 1.0F);  // scl_slope
-  put(123, unit_code(grid.length_unit));
-  put(254, std::int16_t{2});  // sform_code: aligned
+  for (std::size_t i = 0; i < std::size(pixdim); ++i) put(nifti::pixdim + 4 * i, static_cast<float>(pixdim[i]));
+  put(nifti::vox_offset, static_cast<float>(first_sample));
+  put(nifti::scl_slope, 1.0F);
+  put(nifti::xyzt_units, code_of(grid.length_unit));
+  put(nifti::sform_code, std::int16_t{2});  // aligned
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t column = 0; column < 4; ++column) {
       const Vec3 axes[] = {map.x_axis, map.y_axis, map.z_axis, map.origin};
-      put(280 + 16 * row + 4 * column, static_cast<float>(axes[column][static_cast<int>(row)]));
+      put(nifti::srow + 16 * row + 4 * column, static_cast<float>(axes[column][static_cast<int>(row)]));
     }
-  std::memcpy(header.data() + 344, "n+1", 4);
+  std::memcpy(header.data() + nifti::magic, "n+1", 4);
   return header;
 }
 

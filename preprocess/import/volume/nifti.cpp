@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "formats/base/bytes.h"
+#include "preprocess/export/nifti_header.h"
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
@@ -13,7 +14,7 @@ namespace {
 
 using formats::ElementType;
 
-constexpr std::size_t header_bytes = 348;
+using namespace nifti;
 
 /// The first 348 bytes of a NIfTI-1 file, in either byte order.
 class Header {
@@ -36,7 +37,7 @@ class Header {
     return std::bit_cast<T>(raw);
   }
   double real(std::size_t offset) const { return static_cast<double>(at<float>(offset)); }
-  std::string_view magic() const { return {reinterpret_cast<const char*>(bytes_.data()) + 344, 4}; }
+  std::string_view magic() const { return {reinterpret_cast<const char*>(bytes_.data()) + nifti::magic, 4}; }
   bool big_endian() const { return swapped_ == (std::endian::native == std::endian::little); }
   const std::filesystem::path& path() const { return path_; }
 
@@ -45,11 +46,6 @@ class Header {
   std::span<const std::byte, header_bytes> bytes_;
   bool swapped_ = false;
 };
-
-// Byte offsets of the fields in use (nifti1.h).
-constexpr std::size_t dim = 40, datatype = 70, pixdim = 76, vox_offset = 108, scl_slope = 112, scl_inter = 116,
-                      xyzt_units = 123, toffset = 136, qform_code = 252, sform_code = 254, quatern = 256, qoffset = 268,
-                      srow = 280;
 
 /// Size along an axis from 1 to 7.
 std::int64_t size_of(const Header& header, int axis) {
@@ -85,12 +81,8 @@ int color_components(const Header& header) {
 }
 
 ElementType sample_type(const Header& header) {
-  static constexpr std::pair<int, ElementType> types[] = {
-      {2, ElementType::U8},     {4, ElementType::I16},   {8, ElementType::I32},   {16, ElementType::F32},
-      {64, ElementType::F64},   {256, ElementType::I8},  {512, ElementType::U16}, {768, ElementType::U32},
-      {1024, ElementType::I64}, {1280, ElementType::U64}};
   const int code = header.at<std::int16_t>(datatype);
-  const std::optional<ElementType> found = find_in(types, code);
+  const std::optional<ElementType> found = find_in(data_types, code);
   if (color_components(header) != 0)
     throw Error(ErrorCode::unsupported,
                 concat(header.path().string(), ", datatype: found colours (", code, "); expected one number each"),
@@ -141,8 +133,7 @@ Affine world_from_grid(const Header& header) {
 }
 
 std::string length_unit(const Header& header) {
-  constexpr const char* units[] = {"", "m", "mm", "um", "", "", "", ""};
-  return units[header.at<std::uint8_t>(xyzt_units) & 7];
+  return length_units[header.at<std::uint8_t>(xyzt_units) & 7];
 }
 
 template <class T, class Result>

@@ -8,6 +8,7 @@
 #include <vtkXMLImageDataReader.h>
 
 #include <limits>
+#include <tuple>
 
 #include "preprocess/export_grid.h"
 #include "preprocess/export_tets.h"
@@ -25,6 +26,14 @@ namespace {
 
 using namespace tests;
 using formats::ElementType;
+
+/// Calls act with a zero of each type that packed grids are made of here.
+template <class Act>
+void for_each_type(const Act& act) {
+  std::apply(
+      [&](auto... zeros) { (act(zeros), ...); },
+      std::tuple<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>{});
+}
 
 class Export : public testing::Test {
  protected:
@@ -61,14 +70,7 @@ TEST_F(Export, writes_vti_that_comes_back_bit_for_bit) {
     EXPECT_EQ(volume.world_from_grid, parallel);
     EXPECT_EQ(values_of(volume), expected);
   };
-  round_trip(std::uint8_t{});
-  round_trip(std::int8_t{});
-  round_trip(std::uint16_t{});
-  round_trip(std::int16_t{});
-  round_trip(std::uint32_t{});
-  round_trip(std::int32_t{});
-  round_trip(float{});
-  round_trip(double{});
+  for_each_type(round_trip);
 }
 
 TEST_F(Export, writes_vti_that_vtk_puts_into_the_same_place) {
@@ -127,14 +129,7 @@ TEST_F(Export, writes_nifti_that_comes_back) {
     // The header holds positions up to a third of a million in single precision.
     expect_map(volume.world_from_grid, turned, 0.02);
   };
-  round_trip(std::uint8_t{});
-  round_trip(std::int8_t{});
-  round_trip(std::uint16_t{});
-  round_trip(std::int16_t{});
-  round_trip(std::uint32_t{});
-  round_trip(std::int32_t{});
-  round_trip(float{});
-  round_trip(double{});
+  for_each_type(round_trip);
 }
 
 TEST_F(Export, writes_nifti_in_ras) {
