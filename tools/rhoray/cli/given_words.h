@@ -20,7 +20,8 @@ struct GivenWord {
 /// letter without values may share a dash. Behind `--`, every word is a positional argument.
 ///
 /// A separate value never begins with two dashes and is never the name of an option. So an option
-/// whose value was forgotten does not take the next option for it.
+/// whose value was forgotten does not take the next option for it. A parser library did, and its
+/// messages were its own.
 ///
 /// Refuses an unknown option and names the one that was probably meant, an option without its
 /// value, a value of an option that takes none, and one positional argument too many
