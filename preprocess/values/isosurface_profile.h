@@ -48,7 +48,7 @@ class IsosurfaceProfile {
   }
   void add(const IsosurfaceProfile& other);
 
-  /// Stores both lists, rounded to four digits, or none of them where a number is not finite.
+  /// Stores both lists, rounded to four digits. Stores none if a number is not finite.
   /// @param share  of all pairs that was added
   void store(double share, formats::FieldSummary& field) const;
 
@@ -68,9 +68,8 @@ struct ProfiledLattice {
 };
 
 /// Stores the profile of a field on a lattice; nothing when all values are equal or none is finite.
-/// Takes about half a million samples in whole rows along x, evenly spread, and their pairs: the
-/// time does not grow with the lattice, and no list of 256 bins needs more. The result does not
-/// depend on the number of threads.
+/// Uses the pairs of about half a million samples in whole rows along x, evenly spread. So the time
+/// does not grow with the lattice. The result does not depend on the number of threads.
 template <class T>
 void profile_isosurfaces(std::span<const T> samples, const ProfiledLattice& lattice, formats::FieldSummary& field);
 
