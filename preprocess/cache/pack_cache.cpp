@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -135,6 +136,15 @@ Clock::time_point time_of(const fs::path& path) {
       std::chrono::seconds(facts.st_mtim.tv_sec) + std::chrono::nanoseconds(facts.st_mtim.tv_nsec)));
 }
 
+/// Sets the time at which an entry was used. The kernel's own time stamps would not tell apart two uses
+/// within one tick of its coarse clock.
+void mark_used(const fs::path& record) {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  const std::array<timespec, 2> times{now, now};
+  ::utimensat(AT_FDCWD, record.c_str(), times.data(), 0);
+}
+
 /// Waits until a further change would give the file another time.
 void wait_until_settled(const SourceFile& source) {
   const std::int64_t age_ns = ns_of(Clock::now()) - source.changed_ns;
@@ -217,7 +227,7 @@ std::optional<PackCache::Copy> PackCache::find(const Key& key) const {
   const fs::path packed = folder_ / record->packed;
   std::optional<formats::PackedFile> file = open_copy(packed, key.input.string());
   if (!file) return std::nullopt;
-  ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
+  mark_used(path);
   return Copy{.file = *std::move(file), .path = packed, .notes = record->notes};
 }
 
@@ -256,6 +266,7 @@ PackCache::Copy PackCache::add(const Key& key,
   } catch (const Error& error) {
     return drop(error.what());
   }
+  mark_used(record_path);
   if (old) fs::remove(folder_ / old->packed, ignored);
   shrink();
   return fs::exists(copy.path, ignored) ? copy : drop("it is larger than the cache");

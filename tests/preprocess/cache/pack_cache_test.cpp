@@ -164,6 +164,16 @@ TEST_F(PackCacheTest, removes_what_was_not_used_for_the_longest_time) {
   EXPECT_TRUE(preprocess::open_data(data("b.mhd")).was_packed);
 }
 
+TEST_F(PackCacheTest, tells_apart_two_uses_within_a_tick_of_the_kernels_clock) {
+  write_volume("b.mhd", 'b');
+  const PackCache cache(PackCache::default_folder());
+  for (int round = 0; round < 20; ++round)
+    for (const char* name : {"a.mhd", "b.mhd"}) {
+      preprocess::open_data(data(name));
+      EXPECT_EQ(cache.entries().front().input, fs::canonical(data(name))) << "round " << round;
+    }
+}
+
 TEST_F(PackCacheTest, uses_a_copy_that_is_larger_than_the_cache_without_keeping_it) {
   const OpenedData opened = preprocess::open_data(data("a.mhd"), {.cache_limit_bytes = 1});
   EXPECT_TRUE(opened.path.empty());
