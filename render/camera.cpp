@@ -245,6 +245,23 @@ Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, doubl
   return camera;
 }
 
+double seen_aspect(std::span<const Vec3> points_world, const Camera& camera) {
+  const DefaultFloatingPoint default_floating_point;
+  const Vec3 forward = (camera.target - camera.position).normalized();
+  const Vec3 right = forward.cross(camera.up).normalized(), down = forward.cross(right);
+  Interval<double> across, along;
+  for (const Vec3& p : points_world) {
+    const Vec3 way = p - camera.position;
+    const double distance = camera.orthographic ? 1 : way.dot(forward);
+    across.include(way.dot(right) / distance);
+    along.include(way.dot(down) / distance);
+  }
+  constexpr double least = 1e-3;
+  const double width = across.hi - across.lo, height = along.hi - along.lo;
+  if (!(width > least * height)) return height > 0 ? least : 1;  // a point is a square
+  return height > least * width ? width / height : 1 / least;
+}
+
 Camera fit_camera(const Box3& box_world, const View& view, double aspect) {
   if (box_world.isEmpty()) return fit_camera_to({}, view, aspect);
   return fit_camera_to(corners_of(box_world), view, aspect);

@@ -61,8 +61,9 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
                              const OpenColors& open_colors = open_packed_colors);
 
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what
-/// depends on it: lights, ambient occlusion, fog. Looks at every cell of a mesh where any of these
-/// is fitted to what is shown.
+/// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the
+/// specification gives it (PictureSpec::size). Looks at every cell of a mesh where any of these is
+/// fitted to what is shown.
 void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan);
 
 /// The specification that says every choice of a scene; it is resolved to the same picture.

@@ -13,6 +13,7 @@
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
 #include "render/dataset/shown_boxes.h"
+#include "render/triangles/feature_edges.h"
 
 namespace rhoray::render {
 
@@ -132,6 +133,20 @@ Dataset Dataset::boundary() const {
 Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without) const {
   const DefaultFloatingPoint default_floating_point;
   return Dataset(load_boundary(*implementation_, cell_field, label, without));
+}
+
+FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
+  const DefaultFloatingPoint default_floating_point;
+  const auto* view = std::get_if<TriangleData>(&implementation_->view);
+  if (view == nullptr) throw Error(ErrorCode::usage, concat(file().name(), ": is no surface and has no edges"));
+  FeatureEdges found{.edges = render::feature_edges(*view, angle_deg, threads)};
+  double length = 0;
+  for (auto& [from, to] : found.edges) {
+    length += (to - from).length();  // a surface's own frame is only shifted
+    from = implementation_->world_from_data.point(from), to = implementation_->world_from_data.point(to);
+  }
+  if (length > 0) found.mean_distance = area_of(*view) / length;
+  return found;
 }
 
 RangeProof Dataset::prove_ranges(unsigned threads) const {

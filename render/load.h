@@ -31,6 +31,12 @@ struct RangeProof {
   }
 };
 
+/// Edges at which a surface turns, for lines over a picture.
+struct FeatureEdges {
+  std::vector<std::array<Vec3, 2>> edges;  ///< their ends, world axes
+  double mean_distance = 0;                ///< between lines: area of the surface over their length; 0: no line
+};
+
 /// A dataset that rays are traced through: a packed grid, a packed mesh with one chosen field, its
 /// boundary, a packed surface (which has no field), or a grid of an OpenVDB file. Copies share
 /// everything.
@@ -92,6 +98,12 @@ class Dataset {
   /// the isosurface, or the triangles of a surface. Every box is as small as the points of the
   /// isosurface (of a grid: the cells that it passes through) in its part of the data allow.
   std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue) const;
+
+  /// Returns the edges of a surface at which it turns by more than an angle: 0 where its triangles lie
+  /// in one plane. An edge of one triangle, or of more than two, counts as 180 degrees, so that 180
+  /// returns none. Refuses a dataset of another kind (ErrorCode::usage).
+  /// @param threads  0 = all cores
+  FeatureEdges feature_edges(double angle_deg, unsigned threads = 0) const;
 
   /// Proves that the value ranges, boxes and leaf lists with which rays skip cells are correct
   /// (formats/range_proof.h). Does so once for this dataset and all its copies. Refuses data for

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -12,12 +13,17 @@
 
 namespace rhoray::render {
 
+/// An angle by which no surface turns (Dataset::feature_edges).
+inline constexpr double no_feature_edges = 180;
+
 /// Where a layer of the planned scene comes from.
 struct LayerOrigin {
-  std::size_t spec = 0;                 ///< index into SceneSpec::layers
-  std::string isovalue_from;            ///< Isovalue::from; empty for others
-  bool is_context = false;              ///< the boundary around an isosurface (LayerSpec::context)
-  std::string isovalue_alternatives{};  ///< Isovalue::alternatives
+  std::size_t spec = 0;                         ///< index into SceneSpec::layers
+  std::string isovalue_from;                    ///< Isovalue::from; empty for others
+  bool is_context = false;                      ///< the boundary around an isosurface (LayerSpec::context)
+  std::string isovalue_alternatives{};          ///< Isovalue::alternatives
+  double feature_edges_deg = no_feature_edges;  ///< as for Dataset::feature_edges
+  std::vector<std::array<Vec3, 2>> lines{};     ///< these edges: drawn over the picture
 };
 
 /// Everything that was chosen.

@@ -85,6 +85,7 @@ struct LayerSpec {
   std::optional<Vec3> point{}, normal{};
   std::optional<Interval<double>> threshold{};
   std::optional<bool> lit{};
+  std::optional<double> feature_edges{};  ///< of triangles: degrees, as for Dataset::feature_edges
   /// Opacity of the mesh's boundary around the layer's isosurfaces. Without a value, only automatic
   /// layers show the boundary.
   std::optional<double> context{};
@@ -109,6 +110,8 @@ struct CameraSpec {
 };
 
 struct PictureSpec {
+  /// Nothing: as many pixels as PictureSize has by default. Where the camera is fitted, the picture
+  /// is as wide as what is shown and its scales, from 2/3 to 2 times its height.
   std::optional<PictureSize> size{};
   std::optional<Background> background{};
   std::optional<std::vector<std::string>> channels{};
@@ -202,6 +205,7 @@ inline constexpr Interval<double> zoom{1e-6, 1e6};
 inline constexpr Interval<double> fov_deg{0.001, 179};
 inline constexpr Interval<double> share{0, 1};  ///< ambient, specular, opacity
 inline constexpr Interval<double> shininess{1, 1e4};
+inline constexpr Interval<double> feature_edges{0, 180};
 inline constexpr Interval<int> levels{2, 256};  ///< of colours
 inline constexpr Interval<double> percentile{0, 100};
 inline constexpr Interval<double> intensity{0, 1e4};

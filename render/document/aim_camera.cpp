@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
+#include <vector>
 
 #include "formats/base/box_corners.h"
 #include "formats/base/error.h"
@@ -26,6 +29,11 @@ void keep_sides_free(const AnnotationsSpec& annotations, double aspect, View& vi
   const double width = width_of_scale * std::min(1 / aspect, tallest_shape);
   if (annotations.color_bar) (is_bar_left ? view.free_left : view.free_right) = width;
   if (annotations.legend.value_or(false)) (is_bar_left ? view.free_right : view.free_left) = width;
+}
+
+/// How many of the two stand beside what is shown.
+int count_of_scales(const AnnotationsSpec& annotations) {
+  return (annotations.color_bar ? 1 : 0) + (annotations.legend.value_or(false) ? 1 : 0);
 }
 
 /// The axes from which angles of the camera and words of views count.
@@ -58,6 +66,42 @@ std::vector<Vec3> left_of(const std::optional<Clip>& clip, const std::array<Vec3
   return {of_left.begin(), of_left.end()};
 }
 
+/// The view, without a target and free sides.
+View view_of(const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  const CameraSpec& spec = scene_spec.camera;
+  View view = named_view(spec.view.value_or("iso"), view_axes(scene_spec, plan));
+  view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
+  view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
+  const bool has_box = plan.annotations.box.value_or(false);
+  view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
+  view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
+  view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
+  return view;
+}
+
+/// What a camera is fitted to: a box that is drawn, else what is shown.
+std::vector<Vec3> points_to_fit(const Shown& shown, const ResolvedScene& plan) {
+  if (!plan.annotations.box.value_or(false)) return shown.corners;
+  const std::array<Vec3, 8> corners = corners_of(shown.box);
+  return {corners.begin(), corners.end()};
+}
+
+/// The size of a picture for which none is given, and whose camera is fitted (PictureSpec::size).
+PictureSize size_for(std::span<const Vec3> points, View view, const AnnotationsSpec& annotations) {
+  constexpr PictureSize usual{};
+  constexpr double pixels = static_cast<double>(usual.width) * usual.height;
+  constexpr double narrowest = 2.0 / 3, widest = 2;
+  view.zoom = 1;
+  const double shape =
+      seen_aspect(points, fit_camera_to(points, view, static_cast<double>(usual.width) / usual.height));
+  const double scales = width_of_scale * count_of_scales(annotations);
+  double aspect = shape + scales;
+  if (aspect < 1 / tallest_shape) aspect = shape / (1 - tallest_shape * scales);
+  aspect = std::clamp(aspect, narrowest, widest);
+  const auto even = [](double length) { return 2 * static_cast<int>(std::lround(length / 2)); };
+  return {even(std::sqrt(pixels * aspect)), even(std::sqrt(pixels / aspect))};
+}
+
 }  // namespace
 
 Shown what_is_shown(const ResolvedScene& plan) {
@@ -79,13 +123,7 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
   const CameraSpec& spec = scene_spec.camera;
   const bool is_document = !scene_spec.document.empty();
   at_place(root(scene_spec).at("camera"), [&] {
-    View view = named_view(spec.view.value_or("iso"), view_axes(scene_spec, plan));
-    view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
-    view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
-    const bool has_box = plan.annotations.box.value_or(false);
-    view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
-    view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
-    view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
+    View view = view_of(scene_spec, plan);
     view.target = target;
 
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
@@ -94,10 +132,8 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
     Camera& camera = plan.scene.camera;
     if (is_given)
       camera = fit_camera(plan.datasets[0].bounds(), view, aspect);
-    else if (has_box)
-      camera = fit_camera_to(corners_of(find_shown().box), view, aspect);
     else
-      camera = fit_camera_to(find_shown().corners, view, aspect);
+      camera = fit_camera_to(points_to_fit(find_shown(), plan), view, aspect);
     camera.position = spec.position.value_or(camera.position);
     camera.target = spec.target.value_or(camera.target);
     camera.up = spec.up.value_or(camera.up);
@@ -136,6 +172,14 @@ void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan) {
     if (!shown) shown = what_is_shown(plan);
     return *shown;
   };
+  const CameraSpec& camera = scene_spec.camera;
+  const bool is_fitted =
+      !camera.position && !camera.target && !camera.up && !camera.orthographic_height && !camera.keyframes;
+  if (!scene_spec.image.size && is_fitted)
+    at_place(root(scene_spec).at("camera"), [&] {
+      const PictureSize size = size_for(points_to_fit(find_shown(), plan), view_of(scene_spec, plan), plan.annotations);
+      plan.frame.width = size.width, plan.frame.height = size.height;
+    });
   aim_camera(scene_spec, find_shown, plan);
 }
 

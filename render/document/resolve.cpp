@@ -5,6 +5,7 @@
 
 #include "formats/base/error.h"
 #include "render/document/clip.h"
+#include "render/document/feature_edges.h"
 #include "render/document/layer_data.h"
 #include "render/document/layer_type.h"
 #include "render/document/material.h"
@@ -67,6 +68,9 @@ class LayerPlanner {
     if (type == LayerType::triangles) refuse_fields(index, dataset);
     if (type == LayerType::boundary) return add_boundary(index, layer);
     if (dataset.is_mesh() && plan_.data[layer.dataset].label) refuse_label(index, dataset);
+    if (spec.feature_edges)
+      throw Error(ErrorCode::usage, "--feature-edges: needs triangles or the boundary of a mesh",
+                  dataset.is_mesh() ? "leave it out, or add --mode boundary" : "");
     if (type == LayerType::slice) {
       choose_slice(spec, dataset, layer_place(scene_spec_, index), layer);
       return put(index, layer, {});
@@ -333,6 +337,7 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open, 
   plan.scene.clip = choose_clip(scene_spec.clip, clip);
   for (const std::string& note : clip_notes(plan, clip)) plan.notes.push_back(note);
   plan_annotations(scene_spec, plan);
+  plan_feature_edges(scene_spec, plan);
   return plan;
 }
 

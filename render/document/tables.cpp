@@ -7,6 +7,7 @@
 #include "formats/base/text.h"
 #include "formats/base/word_list.h"
 #include "render/document/clip.h"
+#include "render/document/feature_edges.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
 #include "render/isovalue.h"
@@ -68,7 +69,10 @@ Rows rows_of_triangles() {
               "Surface colour; default neutral; several surfaces have different colours by default"),
           row("normals", &LayerSpec::normals, word_value({"flat", "smooth"}),
               "Surface normals: \"smooth\", the default, is linear between averages at the corners, up to edges of 30 "
-              "degrees; \"flat\" is the normal of each triangle")};
+              "degrees; \"flat\" is the normal of each triangle"),
+          row("feature_edges", &LayerSpec::feature_edges, number_within(limits::feature_edges),
+              concat("Lines where the surface turns by more than this angle in degrees; 180: none; default ",
+                     feature_edges_words))};
 }
 
 Rows rows_of_boundaries() {
@@ -381,7 +385,8 @@ const std::vector<Row<CameraSpec>>& camera_rows() {
 
 const std::vector<Row<PictureSpec>>& image_rows() {
   static const std::vector<Row<PictureSpec>> rows{
-      row("size", &PictureSpec::size, size_value(), "Image size in pixels; default [960, 720]"),
+      row("size", &PictureSpec::size, size_value(),
+          "Image size in pixels; default as many as 960 x 720, as wide as what is shown"),
       row("background", &PictureSpec::background, background_value(),
           "Background colour; \"none\": a picture with alpha (not JPEG); default the style's, but black if only "
           "projections are shown"),

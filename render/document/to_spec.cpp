@@ -2,6 +2,7 @@
 
 #include "render/document.h"
 #include "render/document/clip.h"
+#include "render/document/feature_edges.h"
 #include "render/document/lights.h"
 #include "render/document/material.h"
 #include "render/document/slices.h"
@@ -47,7 +48,8 @@ SceneSpec to_spec(const ResolvedScene& plan) {
     if (!is_boundary_of_other(plan, i)) scene_spec.data.push_back(plan.data[i]);
   for (DataSpec& data : scene_spec.data) data.name = name_of(data);
   scene_spec.data.insert(scene_spec.data.end(), plan.texture_data.begin(), plan.texture_data.end());
-  for (const Layer& layer : plan.scene.layers) {
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const Layer& layer = plan.scene.layers[i];
     LayerSpec spec{.data = name_of(plan.data[layer.dataset])};
     if (layer.mode != Mode::slice) {
       const MethodOption method = option_of(layer.method, layer.mode, plan.datasets[layer.dataset].is_mesh());
@@ -78,6 +80,9 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       spec.specular = layer.material.specular;
       spec.shininess = layer.material.shininess;
       spec.opacity = layer.material.opacity;
+      if (const double edges = plan.origins[i].feature_edges_deg;
+          edges < no_feature_edges || is_plain_boundary(plan, i))
+        spec.feature_edges = edges;
     }
     if (plan.scene.clip) spec.clip = layer.clipped;
     scene_spec.layers.push_back(std::move(spec));

@@ -62,6 +62,7 @@ std::string maker_of(const std::string& file) {
        "rhoray pack mr-head.nii -o mr-head-nifti.rho -q"},
       {"indheat.rho", "rhoray pack \"$SHARED/unstructured/gmsh/indheat.bin.v41.msh\" -o indheat.rho -q"},
       {"mixed-mesh.rho", "rhoray pack \"$SHARED/unstructured/mixed_mesh_3d.vtu\" -o mixed-mesh.rho -q"},
+      {"wingnut.rho", "rhoray pack \"$SHARED/surfaces/odedstein/wingnut.obj\" -o wingnut.rho -q"},
       {"bracket.rho", "rhoray pack \"$SHARED/unstructured/bracket_appended_compressed.vtu\" -o bracket.rho -q"},
       {"fuel.rho", "rhoray pack \"$SHARED/volumes/fuel.nii.gz\" -o fuel.rho -q"}};
   for (const auto& [name, maker] : makers)

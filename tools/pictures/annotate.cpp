@@ -33,10 +33,6 @@ constexpr DirectionLetters letters_of(formats::Space space) {
   return {};
 }
 
-double luminance(const Vec3& color) {
-  return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
-}
-
 /// The colour behind the picture: white paper where it has no background.
 Vec3 page_of(const render::Framebuffer& picture) {
   if (picture.is_transparent) return {1, 1, 1};
@@ -95,12 +91,15 @@ class Annotator {
         make_text_(make_text),
         picture_(picture),
         projection_(annotations.camera, picture.width, picture.height),
+        visibility_(projection_, picture),
         directions_(letters_of(annotations.space)),
         is_dark_(luminance(page_of(picture)) < 0.18),
         ink_(is_dark_ ? Vec3(1, 1, 1) : Vec3(0, 0, 0)),
         canvas_(picture, page_of(picture), std::clamp(share(0.0025), 1.0, 8.0)) {}
 
   Drawing draw() {
+    for (const SurfaceLines& lines : wished_.surface_lines)
+      draw_surface_lines(lines, projection_, visibility_, thin(), canvas_);
     if (wished_.box) draw_box_edges();
     if (wished_.axes) draw_axes();
     if (!wished_.bars.empty()) draw_bars();
@@ -348,22 +347,10 @@ class Annotator {
     for (const Edge& edge : edges()) {
       if (!is_before_the_eye(edge) || (wished_.hides_box && seen_sides(edge) == 2)) continue;
       const Seen from = projection_.of(corner(edge.from)), to = projection_.of(corner(edge.to));
-      canvas_.line(from.at, to.at, thin(), ink_,
-                   [&](int x, int y, double share_along) { return is_before_surfaces(x, y, from, to, share_along); });
+      canvas_.line(from.at, to.at, thin(), ink_, [&](int x, int y, double share_along) {
+        return !wished_.hides_box || visibility_.is_before_surfaces(x, y, from, to, share_along);
+      });
     }
-  }
-
-  /// For a position on a line between two others.
-  bool is_before_surfaces(int x, int y, const Seen& from, const Seen& to, double share_along) const {
-    if (!wished_.hides_box) return true;
-    const double distance = projection_.is_orthographic()
-                                ? from.distance + share_along * (to.distance - from.distance)
-                                : 1 / ((1 - share_along) / from.distance + share_along / to.distance);
-    const auto pixel =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) + static_cast<std::size_t>(x);
-    constexpr double slack = 2e-3;  // lines that lie in surfaces are visible
-    return distance * projection_.ray_length({x + 0.5, y + 0.5}) <=
-           static_cast<double>(picture_.depth[pixel]) * (1 + slack);
   }
 
   /// How many of the two sides that meet in an edge are visible.
@@ -469,6 +456,7 @@ class Annotator {
   const MakeText& make_text_;
   render::Framebuffer& picture_;
   Projection projection_;
+  Visibility visibility_;
   DirectionLetters directions_;
   bool is_dark_;
   Vec3 ink_;

@@ -11,6 +11,7 @@
 #include "render/camera.h"
 #include "render/color_map.h"
 #include "tools/pictures/canvas.h"
+#include "tools/pictures/surface_lines.h"
 #include "tools/pictures/ticks.h"
 
 namespace rhoray::tools {
@@ -54,10 +55,9 @@ struct Annotations {
   bool hides_box = true;         ///< the picture has depths, and surfaces hide the box's edges
   std::vector<ColorBar> bars{};  ///< one above the other
   Side bars_side = Side::right;
-  std::vector<Legend> legends{};  ///< one above the other, in the upper corner opposite to the bars
-  std::string caption{};          ///< centred at the bottom; wrapped if too long for one line
-
-  bool any() const { return axes || box || !bars.empty() || !legends.empty() || !caption.empty(); }
+  std::vector<Legend> legends{};              ///< one above the other, in the upper corner opposite to the bars
+  std::vector<SurfaceLines> surface_lines{};  ///< the picture has depths, and nearer surfaces hide them
+  std::string caption{};                      ///< centred at the bottom; wrapped if too long for one line
 };
 
 /// Renders a line of text at a font size in pixels, relative to the start of its baseline.

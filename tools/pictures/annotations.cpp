@@ -70,6 +70,46 @@ ColorBar heat_bar(render::DebugChannel page, const Interval<double>& heat) {
   return {concat("log10 of ", word_of(page)), render::ColorMap::viridis, {std::log10(heat.lo), std::log10(heat.hi)}};
 }
 
+/// The parts of a line in a clip region, or outside it if the region is cut away.
+void add_clipped(const std::array<Vec3, 2>& line, const std::vector<render::HalfSpace>& region, bool cuts_away,
+                 std::vector<std::array<Vec3, 2>>& out) {
+  Interval<double> inside{0, 1};  // shares of the way
+  for (const render::HalfSpace& half : region) {
+    const double from = half.normal.dot(line[0] - half.point), to = half.normal.dot(line[1] - half.point);
+    if (from < 0 && to < 0) inside = {1, 0};
+    if (from < 0 && to >= 0) inside.lo = std::max(inside.lo, from / (from - to));
+    if (from >= 0 && to < 0) inside.hi = std::min(inside.hi, from / (from - to));
+  }
+  const auto add = [&](double first, double last) {
+    const Vec3 way = line[1] - line[0];
+    if (first < last) out.push_back({line[0] + first * way, line[0] + last * way});
+  };
+  if (!cuts_away) return add(inside.lo, inside.hi);
+  if (!(inside.lo < inside.hi)) return add(0, 1);
+  add(0, inside.lo);
+  add(inside.hi, 1);
+}
+
+/// Dark lines; light ones on dark surfaces.
+Vec3 line_color(const Vec3& surface) {
+  return luminance(surface) < 0.08 ? Vec3(0.8, 0.8, 0.8) : Vec3(0.01, 0.01, 0.01);
+}
+
+std::vector<SurfaceLines> surface_lines(const render::ResolvedScene& plan) {
+  std::vector<SurfaceLines> all;
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const render::Layer& layer = plan.scene.layers[i];
+    if (plan.origins[i].lines.empty()) continue;
+    SurfaceLines& lines = all.emplace_back(SurfaceLines{.lines = {}, .color = line_color(layer.material.color)});
+    const bool is_clipped = plan.scene.clip && layer.clipped;
+    const std::vector<render::HalfSpace> region =
+        is_clipped ? half_spaces_of(*plan.scene.clip) : std::vector<render::HalfSpace>{};
+    for (const auto& line : plan.origins[i].lines)
+      add_clipped(line, region, is_clipped && plan.scene.clip->cuts_away, lines.lines);
+  }
+  return all;
+}
+
 Side side_of(const std::string& word, Side otherwise) {
   return word.empty() ? otherwise : word == "left" ? Side::left : Side::right;
 }
@@ -107,6 +147,7 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
       if (!spec.color_bar->title.empty()) bar.title = spec.color_bar->title;
   }
   if (spec.legend.value_or(false)) annotations.legends = legends_of(plan);
+  annotations.surface_lines = surface_lines(plan);
   annotations.caption = spec.caption;
   return annotations;
 }

@@ -36,6 +36,22 @@ Area around(std::initializer_list<Spot> spots) {
   return area;
 }
 
+/// The columns of a row that a line covers or nearly covers.
+struct ColumnsOfLine {
+  Spot a, b;
+  double width;
+
+  Interval<double> operator()(double y, double rim) const {
+    const Spot way = b - a;
+    if (std::abs(way.y) < 1) return {std::min(a.x, b.x) - width / 2, std::max(a.x, b.x) + width / 2};
+    const double reach = width / 2 + rim;
+    const double first = std::clamp((y - reach - a.y) / way.y, 0.0, 1.0),
+                 last = std::clamp((y + reach - a.y) / way.y, 0.0, 1.0);
+    const double from = a.x + first * way.x, to = a.x + last * way.x;
+    return {std::min(from, to) - width / 2, std::max(from, to) + width / 2};
+  }
+};
+
 int clamped(double pixel, int size) {
   return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(size)));
 }
@@ -63,38 +79,34 @@ void Canvas::blend(int x, int y, double share, const Vec3& color) {
   pixel[3] = static_cast<float>((1 - share) * static_cast<double>(pixel[3]) + share);
 }
 
-/// @param columns   range of columns to draw in a row, without rims
-/// @param distance  from a pixel's centre to the shape's edge, below 0 inside; infinite where
-///                  nothing is drawn
-template <class Columns, class Distance>
-void Canvas::shape(const Area& area, const Columns& columns, const Distance& distance, const Vec3& color) {
-  const double rim = rim_width_ + 1;
+/// Calls take(x, y) for the pixels around a shape.
+/// @param columns  range of columns of a row, without rims
+template <class Columns, class Take>
+void Canvas::for_pixels(const Area& area, double rim, const Columns& columns, const Take& take) const {
   const Area all = area.grown(rim);
   const int y_end = clamped(std::ceil(all.high.y), picture_.height);
   for (int y = clamped(std::floor(all.low.y), picture_.height); y < y_end; ++y) {
     const Interval<double> row = columns(y + 0.5, rim);
     const int x_end = clamped(std::ceil(row.hi + rim), picture_.width);
-    for (int x = clamped(std::floor(row.lo - rim), picture_.width); x < x_end; ++x) {
-      const double to_edge = distance(x, y), own = coverage(to_edge);
-      if (rim_width_ > 0) blend(x, y, (1 - own) * rim_share * coverage(to_edge - rim_width_), rim_);
-      blend(x, y, own, color);
-    }
+    for (int x = clamped(std::floor(row.lo - rim), picture_.width); x < x_end; ++x) take(x, y);
   }
 }
 
+/// @param columns   as for for_pixels
+/// @param distance  from a pixel's centre to the shape's edge, below 0 inside; infinite where
+///                  nothing is drawn
+template <class Columns, class Distance>
+void Canvas::shape(const Area& area, const Columns& columns, const Distance& distance, const Vec3& color) {
+  for_pixels(area, rim_width_ + 1, columns, [&](int x, int y) {
+    const double to_edge = distance(x, y), own = coverage(to_edge);
+    if (rim_width_ > 0) blend(x, y, (1 - own) * rim_share * coverage(to_edge - rim_width_), rim_);
+    blend(x, y, own, color);
+  });
+}
+
 void Canvas::line(const Spot& a, const Spot& b, double width, const Vec3& color, const IsSeen& is_seen) {
-  const Area area = around({a, b}).grown(width / 2);
-  const Spot way = b - a;
   shape(
-      area,
-      [&](double y, double rim) -> Interval<double> {
-        if (std::abs(way.y) < 1) return {area.low.x, area.high.x};
-        const double reach = width / 2 + rim;
-        const double first = std::clamp((y - reach - a.y) / way.y, 0.0, 1.0),
-                     last = std::clamp((y + reach - a.y) / way.y, 0.0, 1.0);
-        const double from = a.x + first * way.x, to = a.x + last * way.x;
-        return {std::min(from, to) - width / 2, std::max(from, to) + width / 2};
-      },
+      around({a, b}).grown(width / 2), ColumnsOfLine{a, b, width},
       [&](int x, int y) {
         const FromLine from = from_line({x + 0.5, y + 0.5}, a, b);
         const double distance = from.distance - width / 2;
@@ -102,6 +114,25 @@ void Canvas::line(const Spot& a, const Spot& b, double width, const Vec3& color,
         return is_near && (!is_seen || is_seen(x, y, from.share)) ? distance : HUGE_VAL;
       },
       color);
+}
+
+void Canvas::lines(std::span<const std::array<Spot, 2>> ends, double width, const Vec3& color,
+                   const std::function<bool(std::size_t line, int x, int y, double share)>& is_seen) {
+  const auto columns = static_cast<std::size_t>(picture_.width);
+  std::vector<float> covered(columns * static_cast<std::size_t>(picture_.height));
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const auto& [a, b] = ends[i];
+    for_pixels(around({a, b}).grown(width / 2), 1, ColumnsOfLine{a, b, width}, [&](int x, int y) {
+      const FromLine from = from_line({x + 0.5, y + 0.5}, a, b);
+      const auto share = static_cast<float>(coverage(from.distance - width / 2));
+      float& largest = covered[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)];
+      if (share > largest && is_seen(i, x, y, from.share)) largest = share;
+    });
+  }
+  for (int y = 0; y < picture_.height; ++y)
+    for (int x = 0; x < picture_.width; ++x)
+      blend(x, y, static_cast<double>(covered[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)]),
+            color);
 }
 
 void Canvas::triangle(const Spot& a, const Spot& b, const Spot& c, const Vec3& color) {

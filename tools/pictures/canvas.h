@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "formats/base/interval.h"
@@ -31,6 +34,11 @@ struct Area {
   Area grown(double by) const;
 };
 
+/// Of a linear colour, as in sRGB: 0 is black, 1 white.
+inline double luminance(const Vec3& color) {
+  return 0.2126 * color.x + 0.7152 * color.y + 0.0722 * color.z;
+}
+
 /// Share of each pixel that a line of text covers.
 struct TextImage {
   /// Of its first column and row, relative to the start of the line's baseline.
@@ -55,6 +63,11 @@ class Canvas {
 
   /// A line with round ends.
   void line(const Spot& a, const Spot& b, double width, const Vec3& color, const IsSeen& is_seen = nullptr);
+  /// Lines without rims. Where several meet or overlap, the one that covers most of a pixel counts, so
+  /// that a curve of short lines is as thin as one line.
+  /// @param is_seen  called as above, with the index of the line first
+  void lines(std::span<const std::array<Spot, 2>> ends, double width, const Vec3& color,
+             const std::function<bool(std::size_t line, int x, int y, double share)>& is_seen);
   void triangle(const Spot& a, const Spot& b, const Spot& c, const Vec3& color);
   /// Exactly these pixels, without a rim.
   void fill(int x_begin, int x_end, int y_begin, int y_end, const Vec3& color);
@@ -64,6 +77,8 @@ class Canvas {
  private:
   template <class Columns, class Distance>
   void shape(const Area& around, const Columns& columns, const Distance& distance, const Vec3& color);
+  template <class Columns, class Take>
+  void for_pixels(const Area& around, double rim, const Columns& columns, const Take& take) const;
   void blend(int x, int y, double share, const Vec3& color);
 
   render::Framebuffer& picture_;

@@ -81,14 +81,20 @@ void require_writable(const RenderCommand& command, const std::filesystem::path&
     for (const render::DataSpec& each : *data) require_writable(command.common, output, each.file);
 }
 
-bool has_annotations(const render::ResolvedScene& plan) {
+bool has_lines(const render::ResolvedScene& plan) {
+  return std::any_of(plan.origins.begin(), plan.origins.end(),
+                     [](const render::LayerOrigin& origin) { return !origin.lines.empty(); });
+}
+
+/// Whether there are annotations with text.
+bool has_texts(const render::ResolvedScene& plan) {
   const auto& [axes, box, bar, legend, caption] = plan.annotations;
   return axes || box.value_or(false) || bar || legend.value_or(false) || !caption.empty();
 }
 
 void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
-  if (!has_annotations(drawn.plan)) return;
-  const std::filesystem::path font = find_font(known_fonts());
+  if (!has_texts(drawn.plan) && !has_lines(drawn.plan)) return;
+  const std::filesystem::path font = has_texts(drawn.plan) ? find_font(known_fonts()) : std::filesystem::path();
   annotate(
       annotations_of(drawn.plan, drawn.heat),
       [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); }, framebuffer);
@@ -108,12 +114,16 @@ double Checks::wait() {
 
 void settle_annotations(const render::SceneSpec& asked, const std::filesystem::path& output,
                         render::ResolvedScene& plan) {
+  const bool is_data = output.extension() == ".exr";  // its pixels
+  for (render::LayerOrigin& origin : plan.origins)
+    if (is_data && !asked.layers[origin.spec].feature_edges)
+      origin.feature_edges_deg = render::no_feature_edges, origin.lines.clear();
   if (!plan.has_default_annotations) return;
   const auto leave_out = [&] {
     plan.annotations = asked.annotations;
     plan.has_default_annotations = false;
   };
-  if (output.extension() == ".exr") return leave_out();  // its pixels are data
+  if (is_data) return leave_out();
   if (can_annotate()) return;
   leave_out();
   plan.notes.push_back(
@@ -128,7 +138,7 @@ void require_picture(const RenderCommand& command, const std::filesystem::path& 
                      const render::ResolvedScene& plan) {
   if (output != "-") require_writable(command, output, plan);
   require_memory(command, plan);
-  if (has_annotations(plan)) {
+  if (has_texts(plan)) {
     require_pictures_module();
     find_font(known_fonts());
   }
@@ -148,7 +158,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   const render::ChannelSet kept = plan.frame.channels;
   if (!command.picks.empty()) plan.frame.channels |= channels_of_picks(plan.scene);
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
-  if (plan.annotations.box.value_or(false)) plan.frame.channels |= {.depth = true};
+  if (plan.annotations.box.value_or(false) || has_lines(plan)) plan.frame.channels |= {.depth = true};
   if (command.self_check.pixels > 0) plan.frame.channels |= channels_to_check(plan);
 
   render::Framebuffer framebuffer;

@@ -224,7 +224,12 @@ std::vector<Option> picture_options(PictureOptions& options) {
                              layer.normals)),
                          "smooth: interpolated between central differences of a grid, or averages at the points; "
                          "triangles keep edges of 30 degrees and more. exact: gradient of the trilinear field. flat: "
-                         "exact gradient of each cell, or normal of each triangle")}),
+                         "exact gradient of each cell, or normal of each triangle"),
+            with_details(layers(number_option("--feature-edges", "DEGREES",
+                                              "Lines where triangles turn by more than this angle; 180: none",
+                                              render::limits::feature_edges, layer.feature_edges)),
+                         "For boundaries of meshes and surfaces of triangles. The default is 30 for a mesh's opaque "
+                         "boundary of one colour, unless the lines would nearly cover it")}),
        in_group(
            "Colour",
            {with_details(layers(value_option("--surface-color", "COLOR",
@@ -365,7 +370,9 @@ std::vector<Option> picture_options(PictureOptions& options) {
 std::vector<Option> image_options(PictureOptions& options) {
   render::PictureSpec& image = options.scene_spec.image;
   return {
-      value_option("--size", "WxH", "Image size in pixels, or 720p, 1080p, 4k; default 960x720", image.size),
+      value_option("--size", "WxH",
+                   "Image size in pixels, or 720p, 1080p, 4k; default about 960x720, as wide as what is shown",
+                   image.size),
       with_details(number_option("--antialias", "N", "Maximum samples per pixel, 1 to 64; default 8 (MIP: 1)",
                                  render::limits::pixel_samples, image.antialias),
                    "Only pixels at edges get more than one"),
@@ -381,8 +388,8 @@ namespace {
 
 /// Refuses options of surfaces if no surface is shown.
 void refuse_words_of_surfaces(const PictureOptions& options) {
-  constexpr std::array of_surfaces{"--iso",           "--context", "--normals",  "--color-by", "--texture",
-                                   "--surface-color", "--ambient", "--specular", "--shininess"};
+  constexpr std::array of_surfaces{"--iso",           "--context", "--normals",  "--color-by",  "--texture",
+                                   "--surface-color", "--ambient", "--specular", "--shininess", "--feature-edges"};
   for (const std::string& name : options.of_the_layer)
     if (std::find(of_surfaces.begin(), of_surfaces.end(), name) != of_surfaces.end())
       throw Error(ErrorCode::usage, concat(name, ": needs an isosurface; a maximum intensity projection has none"),

@@ -89,6 +89,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--specular", concat(*layer.specular));
     add("--shininess", concat(*layer.shininess));
     add("--opacity", concat(*layer.opacity));
+    if (layer.feature_edges) add("--feature-edges", concat(*layer.feature_edges));
   }
   add("--style", scene_spec.style);
   if (layer.method.empty())
