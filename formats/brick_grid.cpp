@@ -143,7 +143,7 @@ Json grid_field_json(const GridDescription& description, std::size_t field) {
 /// The first minor version with all features that the file uses.
 int first_minor_version(const GridDescription& description, const FileDescription& file) {
   for (const FieldSummary& field : description.fields)
-    if (!field.mean_gradient.empty()) return 8;
+    if (!field.mean_gradient.empty() || !field.label_names.empty()) return 8;
   if (description.space != Space::unknown) return 6;
   for (const auto& [field, certificate] : description.certificates)
     if (certificate.coverage || certificate.requested_error) return 5;

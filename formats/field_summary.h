@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/base/interval.h"
+#include "formats/label_names.h"
 #include "formats/packed_file.h"
 
 namespace rhoray::formats {
@@ -26,6 +27,8 @@ struct FieldSummary {
   // samples. Both are empty if the file does not hold them.
   std::vector<double> isosurface_area{};  ///< world units squared
   std::vector<double> mean_gradient{};    ///< mean of the magnitude, unit per world unit
+
+  LabelNames label_names{};  ///< empty: not given by the source
 };
 
 /// The bin of a finite value of the range: floor((value - lo) / (hi - lo) * bin_count), the last

@@ -284,6 +284,9 @@ namespace {
 
 /// The first version that has all that the file uses.
 int first_minor_version(const TetMeshDescription& description) {
+  for (const std::vector<FieldSummary>* fields : {&description.fields, &description.cell_fields})
+    for (const FieldSummary& field : *fields)
+      if (!field.label_names.empty()) return 8;
   if (description.boundary_face_count != 0 || !description.cell_fields.empty()) return 7;
   return description.clusters || !description.in_source_order ? 2 : 0;
 }

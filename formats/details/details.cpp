@@ -1,5 +1,6 @@
 #include "formats/details/details.h"
 
+#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -16,6 +17,10 @@ std::string shown(const Json& value) {
   std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
   if (text.size() > longest) text = text.substr(0, longest) + "...";
   return text;
+}
+
+std::string label_name_rule() {
+  return concat("a name of 1 to ", longest_label_name_bytes, " bytes of UTF-8 without control characters");
 }
 
 bool is_count(const Json& value) {
@@ -172,6 +177,24 @@ ElementType Reader::element_type(const std::string& key) const {
   refuse_value(key, "the name of an element type");
 }
 
+LabelNames Reader::label_names(const std::string& key) const {
+  const std::string expected = concat("an object of at most ", most_label_names, " names");
+  const Json& found = value(key, expected);
+  if (!found.is_object()) refuse_value(key, expected);
+  if (found.size() > most_label_names) refuse(file_, place(key), concat(found.size(), " names"), expected);
+  LabelNames names;
+  for (const auto& [label, name] : found.items()) {
+    int number = 0;
+    std::from_chars(label.data(), label.data() + label.size(), number);
+    if (concat(number) != label)
+      refuse(file_, place(key), concat("the key ", shown(label)), "an integer of 32 bits in plain digits");
+    if (!name.is_string() || !is_label_name(name.get_ref<const std::string&>()))
+      refuse(file_, concat(place(key), ".", label), shown(name), label_name_rule());
+    names[number] = name.get<std::string>();
+  }
+  return names;
+}
+
 // -------------------------------------------------------------------------------------------------
 
 Json number_json(double number, std::string_view what) {
@@ -188,6 +211,24 @@ Json index_json(const Index3& index) {
   return Json::array({index.x, index.y, index.z});
 }
 
+namespace {
+
+Json label_names_json(const FieldSummary& field) {
+  const std::string what = concat("names of labels of field '", field.name, "'");
+  if (field.label_names.size() > most_label_names)
+    throw Error(ErrorCode::invalid,
+                concat(what, ": found ", field.label_names.size(), "; expected at most ", most_label_names));
+  Json json = Json::object();
+  for (const auto& [label, name] : field.label_names) {
+    if (!is_label_name(name))
+      throw Error(ErrorCode::invalid, concat(what, ": found ", shown(name), "; expected ", label_name_rule()));
+    json[concat(label)] = name;
+  }
+  return json;
+}
+
+}  // namespace
+
 Json field_json(const FieldSummary& field) {
   const std::string what = concat("range of field '", field.name, "'");
   Json range;  // null
@@ -203,6 +244,7 @@ Json field_json(const FieldSummary& field) {
     json["isosurface_area"] = field.isosurface_area;
     json["mean_gradient"] = field.mean_gradient;
   }
+  if (!field.label_names.empty()) json["label_names"] = label_names_json(field);
   return json;
 }
 
@@ -229,6 +271,7 @@ FieldSummary read_field(const Reader& reader) {
   field.range = reader.interval("range");
   field.no_data_count = reader.count("no_data_count");
   field.histogram = reader.counts("histogram");
+  if (reader.has("label_names")) field.label_names = reader.label_names("label_names");
   if (!reader.has("isosurface_area") && !reader.has("mean_gradient")) return field;
   field.isosurface_area = reader.numbers("isosurface_area", field.histogram.size(), 0);
   field.mean_gradient = reader.numbers("mean_gradient", field.histogram.size(), 0);

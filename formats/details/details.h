@@ -44,6 +44,7 @@ class Reader {
   Index3 index(const std::string& key, std::int64_t smallest, std::int64_t largest) const;
   Interval<double> interval(const std::string& key) const;  ///< null: empty
   ElementType element_type(const std::string& key) const;
+  LabelNames label_names(const std::string& key) const;
 
   [[noreturn]] void refuse_value(const std::string& key, std::string_view expected) const;
 

@@ -285,6 +285,41 @@ TEST(ResealedFile, details_of_a_grid_out_of_their_limits_are_refused_by_name) {
     expect_error(attack.error_code, attack.words, [&] { open_grid(with_header_change(file, attack.from, attack.to)); });
 }
 
+TEST(ResealedFile, names_of_labels_that_no_writer_makes_are_refused_by_name) {
+  const std::string grid = grid_bytes(), mesh = mesh_bytes();
+  const auto named = [](const std::string& file, const std::string& names) {
+    return with_header_change(file, R"(range\":[)", concat(R"(label_names\":)", names, R"(,\"range\":[)"));
+  };
+  EXPECT_NO_THROW(open_grid(named(grid, R"({\"-2147483648\":\"b\u00f6se\",\"0\":\"\\\"\"})")));
+  EXPECT_NO_THROW(open_mesh(named(mesh, R"({\"2147483647\":\"liver\"})")));
+  const std::string wide(128, 'w');
+  EXPECT_NO_THROW(open_grid(named(grid, concat(R"({\"1\":\")", wide, R"(\"})"))));
+  std::string many = "{";
+  for (int label = 0; label <= 1024; ++label) many += concat(label == 0 ? "" : ",", R"(\")", label, R"(\":\"a\")");
+  for (const auto& [names, words] : std::vector<std::pair<std::string, std::string>>{
+           {"7", "label_names: found 7; expected an object of at most 1024 names"},
+           {R"([\"liver\"])", "label_names: found [\"liver\"]; expected an object"},
+           {"null", "label_names: found null"},
+           {many + "}", "label_names: found 1025 names; expected an object of at most 1024 names"},
+           {R"({\"liver\":\"1\"})", "label_names: found the key \"liver\"; expected an integer of 32 bits"},
+           {R"({\"1.5\":\"a\"})", "label_names: found the key \"1.5\""},
+           {R"({\"01\":\"a\"})", "label_names: found the key \"01\""},
+           {R"({\"+1\":\"a\"})", "label_names: found the key \"+1\""},
+           {R"({\"-0\":\"a\"})", "label_names: found the key \"-0\""},
+           {R"({\"\":\"a\"})", "label_names: found the key \"\""},
+           {R"({\"2147483648\":\"a\"})", "label_names: found the key \"2147483648\""},
+           {R"({\"1\":7})", "label_names.1: found 7; expected a name of 1 to 128 bytes of UTF-8"},
+           {R"({\"1\":{}})", "label_names.1: found {}"},
+           {R"({\"1\":\"\"})", "label_names.1: found \"\""},
+           {concat(R"({\"1\":\"x)", wide, R"(\"})"), "label_names.1: found \"xwww"},
+           {R"({\"1\":\"a\\u001b[31m\"})", R"(label_names.1: found "a\u001b[31m")"},
+           {R"({\"1\":\"a\\u0085\"})", R"(label_names.1: found "a\u0085")"},
+           {R"({\"1\":\"a\",\"1\":\"b\"})", "found the key \"1\" twice"}}) {
+    expect_error(ErrorCode::invalid, words, [&, &n = names] { open_grid(named(grid, n)); });
+    expect_error(ErrorCode::invalid, words, [&, &n = names] { open_mesh(named(mesh, n)); });
+  }
+}
+
 TEST(ResealedFile, details_of_a_mesh_that_miss_a_key_or_hold_another_type_are_refused_by_name) {
   const std::string file = mesh_bytes();
   for (const char* key : {"origin",
