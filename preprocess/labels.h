@@ -38,7 +38,7 @@ std::optional<std::vector<CellLabel>> find_labels(const formats::TetMesh& mesh, 
 
 /// Packs the indicator of a label into memory: 1 at its samples, 0 at others. Its isosurface at 1/2
 /// is the surface of the label. The grid covers the label's box and one sample around it, where
-/// there is one; it lies where the samples lie.
+/// there is one; it lies where the samples lie. If the label has a name, it is that of the value 1.
 formats::PackedFile pack_indicator(const formats::BrickGrid& grid, std::size_t field, const Label& label);
 
 }  // namespace rhoray::preprocess

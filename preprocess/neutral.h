@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/base/affine.h"
+#include "formats/label_names.h"
 #include "formats/packed_file.h"
 #include "formats/space.h"
 #include "preprocess/source_file.h"
@@ -52,6 +53,7 @@ struct NeutralVolume {
   formats::Space space = formats::Space::unknown;  ///< of world coordinates
   std::string field_name;
   std::string field_unit;
+  formats::LabelNames label_names;
   /// names of further scalar fields in the file, as `--field` takes them
   std::vector<std::string> other_fields;
   std::vector<VectorArray> vectors;  ///< `--field` takes one component of these, or the length
@@ -67,6 +69,7 @@ struct NeutralField {
   /// the source held 32-bit floats or small integers: F32 keeps every bit
   bool was_single_precision = true;
   Array<double> values;
+  formats::LabelNames label_names{};
 };
 
 /// Kinds of volume cells. Numbers and node orders are those of VTK 9 (its vtkCellType.h is the

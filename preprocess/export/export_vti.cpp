@@ -81,7 +81,12 @@ std::vector<std::string> notes_on(const formats::GridDescription& grid, const st
     if (!unit.empty()) notes.push_back(concat("the unit ", unit, " of ", of, " cannot be stored in the file"));
   };
   lost(grid.length_unit, "lengths");
-  for (const std::size_t f : fields) lost(grid.fields[f].unit, concat("field '", grid.fields[f].name, "'"));
+  for (const std::size_t f : fields) {
+    lost(grid.fields[f].unit, concat("field '", grid.fields[f].name, "'"));
+    if (!grid.fields[f].label_names.empty())
+      notes.push_back(
+          concat("the names of the labels of field '", grid.fields[f].name, "' cannot be stored in the file"));
+  }
   return notes;
 }
 

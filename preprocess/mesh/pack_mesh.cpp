@@ -56,9 +56,11 @@ void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& 
 }
 
 formats::FieldSummary summary_of(const ScalarField& field) {
-  return std::visit(
+  formats::FieldSummary summary = std::visit(
       [&]<class T>(const Array<T>& values) { return summarize(std::span<const T>(values), field.name, field.unit); },
       field.values);
+  summary.label_names = field.label_names;
+  return summary;
 }
 
 void check_cluster_size(const PackMeshOptions& options) {

@@ -50,7 +50,8 @@ NeutralField unpacked(const formats::FieldSummary& summary, const Take& take) {
           .unit = summary.unit,
           .component_count = 1,
           .was_single_precision = is_single,
-          .values = is_single ? take(float()) : take(double())};
+          .values = is_single ? take(float()) : take(double()),
+          .label_names = summary.label_names};
 }
 
 }  // namespace

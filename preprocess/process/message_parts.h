@@ -83,6 +83,13 @@ class MessageWriter {
     rest_of_texts(texts);
   }
 
+  /// One text each: the label, a space and the name.
+  void label_names(const formats::LabelNames& names) {
+    std::vector<std::string> texts;
+    for (const auto& [label, name] : names) texts.push_back(concat(label, ' ', name));
+    counted_texts(texts);
+  }
+
   /// A list of fields: values "<list>.0" ..., facts "<list>" [n, 2], names and units among the
   /// texts.
   void fields(const std::string& list, const std::vector<NeutralField>& fields, std::uint64_t) {
@@ -93,6 +100,7 @@ class MessageWriter {
       facts.push_back({components, field.was_single_precision ? 1U : 0U});
       text(field.name);
       text(field.unit);
+      label_names(field.label_names);
       add(concat(list, ".", i), ElementType::F64, {field.values.size() / components, components},
           std::as_bytes(std::span(field.values)));
     }
@@ -181,6 +189,22 @@ class MessageReader {
     next_ = texts_.size();
   }
 
+  void label_names(formats::LabelNames& names) {
+    std::vector<std::string> texts;
+    counted_texts(texts);
+    expect(texts.size() <= formats::most_label_names, "array 'texts'", concat(texts.size(), " names of labels"),
+           concat("at most ", formats::most_label_names));
+    for (const std::string& text : texts) {
+      int label = 0;
+      const char* const end = text.data() + text.size();
+      const auto read = std::from_chars(text.data(), end, label);
+      const bool has_name =
+          read.ec == std::errc() && read.ptr != end && *read.ptr == ' ' && formats::is_label_name({read.ptr + 1, end});
+      expect(has_name, "array 'texts'", "no label with a name", "a number and a name");
+      names[label] = std::string(read.ptr + 1, end);
+    }
+  }
+
   void fields(const std::string& list, std::vector<NeutralField>& fields, std::uint64_t owners) {
     std::vector<std::array<std::uint64_t, 2>> facts;
     array(list, facts);
@@ -190,6 +214,7 @@ class MessageReader {
       NeutralField& field = fields.emplace_back();
       text(field.name);
       text(field.unit);
+      label_names(field.label_names);
       field.component_count = static_cast<int>(components);
       field.was_single_precision = single != 0;
       if (owners == 0) continue;

@@ -81,6 +81,7 @@ void describe_names(Message& message, Volume& volume) {
   message.text(space);
   message.text(volume.field_name);
   message.text(volume.field_unit);
+  message.label_names(volume.label_names);
   message.counted_texts(volume.other_fields);
   std::vector<std::string> names;
   std::vector<std::uint64_t> component_counts;

@@ -152,6 +152,8 @@ formats::PackedFile pack_indicator(const BrickGrid& grid, std::size_t field, con
   packed.length_unit = description.length_unit;
   packed.space = description.space;
   packed.field_name = concat("label ", label.value);
+  const formats::LabelNames& names = description.fields[field].label_names;
+  if (const auto name = names.find(label.value); name != names.end()) packed.label_names[1] = name->second;
 
   const Descriptor memory(::memfd_create("rhoray-label", MFD_CLOEXEC));
   if (memory.number() < 0)

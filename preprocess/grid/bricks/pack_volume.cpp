@@ -193,6 +193,7 @@ WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stor
   WriteLevels write;
   with_samples(stored, [&]<class T>(std::span<const T> samples) {
     grid.fields.push_back(summarize(samples, name_of(source), source.field_unit, progress));
+    grid.fields.back().label_names = source.label_names;
     profile_isosurfaces(samples, {source.sample_count, grid.world_from_grid, grid.axes}, grid.fields.back());
     auto levels = std::make_shared<const Levels<T>>(build_grid_levels(samples, grid.macro, progress));
     write = [levels, field](formats::PackedFileWriter& writer) {

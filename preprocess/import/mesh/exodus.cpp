@@ -9,6 +9,7 @@
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/mesh/netcdf_file.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/reading/time_steps.h"
 #include "preprocess/process/foreign_file.h"
@@ -108,6 +109,10 @@ class ExodusReader {
       block_of_cell.resize(cells_.kinds.size(), static_cast<double>(ids[i]));
     }
     mesh_.cell_fields.push_back(field_of("block", std::move(block_of_cell)));
+    GivenNames names;
+    for (const std::string& name : names_of("eb_names"))
+      if (names.size() < ids.size()) names.emplace_back(ids[names.size()], name);
+    mesh_.cell_fields.back().label_names = label_names_from(names, mesh_.notes);
   }
 
   /// @param number  number of the block, from 1, as used in names; its id may differ

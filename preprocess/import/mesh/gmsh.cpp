@@ -12,6 +12,7 @@
 #include "preprocess/import/mesh/id_positions.h"
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/reading/time_steps.h"
 
@@ -132,10 +133,8 @@ class MshReader {
     for (auto left = in_.words.number<std::uint64_t>("a number of names"); left > 0; --left) {
       const int dimension = in_.words.number<int>("a dimension");
       const int group = in_.words.number<int>("a physical group");
-      if (dimension == 3)
-        names_[group] = quoted();
-      else
-        quoted();
+      const std::string name = quoted();
+      if (dimension == 3) names_.emplace_back(group, name);
     }
   }
 
@@ -329,8 +328,7 @@ class MshReader {
   void name_groups() {
     for (const auto& [name, groups] : {std::pair("physical", &physical_), std::pair("entity", &entity_)})
       mesh_.cell_fields.push_back(field_of(name, Array<double>(groups->begin(), groups->end())));
-    for (const auto& [group, name] : names_)
-      mesh_.notes.push_back(concat("cell field 'physical': ", group, " is ", in_quotes(name)));
+    mesh_.cell_fields.front().label_names = label_names_from(names_, mesh_.notes);
     if (volumes_in_several_groups_ > 0)
       mesh_.notes.push_back(concat(count_text(volumes_in_several_groups_, "volume belongs", "volumes belong"),
                                    " to several physical groups; cell field 'physical' has the first"));
@@ -390,7 +388,7 @@ class MshReader {
   std::vector<std::uint64_t> given_;  ///< one element's nodes in Gmsh's order
   std::map<std::uint64_t, GmshElement> types_;
   std::map<std::int32_t, std::int32_t> groups_of_volumes_;
-  std::map<int, std::string> names_;
+  GivenNames names_;  ///< of physical groups of volumes
   std::uint64_t volumes_in_several_groups_ = 0;
   /// sections that a file may contain once, with their content
   std::map<std::string, std::string_view> sections_;

@@ -7,6 +7,7 @@
 
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
@@ -37,6 +38,7 @@ class NetgenReader {
     while (read_section()) {
     }
     mesh_.cell_fields.push_back(field_of("material", std::move(materials_)));
+    mesh_.cell_fields.back().label_names = label_names_from(names_, mesh_.notes);
     take_cells(mesh_, std::move(cells_), path_);
     return std::move(mesh_);
   }
@@ -107,8 +109,7 @@ class NetgenReader {
     for (std::uint64_t left = count("a number of materials"); left > 0; --left) {
       lines_.need("a material's number and name");
       if (lines_.words().size() < 2) continue;
-      mesh_.notes.push_back(
-          concat("cell field 'material': ", lines_.number<int>(0, "a material"), " is ", in_quotes(lines_.words()[1])));
+      names_.emplace_back(lines_.number<int>(0, "a material"), lines_.words()[1]);
     }
   }
 
@@ -118,6 +119,7 @@ class NetgenReader {
   CellMesh mesh_;
   ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
   Array<double> materials_;
+  GivenNames names_;  ///< of materials
 };
 
 }  // namespace

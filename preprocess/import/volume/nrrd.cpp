@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "formats/base/library_text.h"
 #include "formats/base/regular_file.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/volume/nrrd_header.h"
@@ -256,6 +259,57 @@ std::string sample_unit(const Nrrd& nrrd) {
   return unit;
 }
 
+/// What keys such as `Segment0_Name:=liver` say of a segment; 3D Slicer writes them.
+struct Segment {
+  std::string name;
+  std::int64_t label = 0;
+  bool is_in_first_layer = true;
+};
+
+using FreedText = std::unique_ptr<char, decltype(&std::free)>;
+
+std::string_view without_spaces(std::string_view text) {
+  constexpr std::string_view spaces = " \t\r";
+  const std::size_t begin = text.find_first_not_of(spaces);
+  return begin == text.npos ? std::string_view() : text.substr(begin, text.find_last_not_of(spaces) - begin + 1);
+}
+
+/// Includes a key of the file if it describes a segment. A label that is no number names no label.
+void include_key(std::string_view key, std::string_view value, std::map<std::uint32_t, Segment>& segments) {
+  constexpr std::string_view beginning = "Segment";
+  const std::size_t bar = key.find('_');
+  if (!key.starts_with(beginning) || bar == key.npos) return;
+  const auto index = parse_number<std::uint32_t>(key.substr(beginning.size(), bar - beginning.size()));
+  if (!index) return;
+  Segment& segment = segments.try_emplace(*index, Segment{.name = {}, .label = std::int64_t{*index} + 1}).first->second;
+  const std::string_view what = key.substr(bar + 1);
+  if (what == "Name") segment.name = value;
+  if (what == "Layer") segment.is_in_first_layer = parse_number<int>(value) == 0;
+  if (what == "LabelValue")
+    segment.label = parse_number<std::int64_t>(value).value_or(std::numeric_limits<std::int64_t>::max());
+}
+
+/// Names of segments. Those of other layers than the first have no samples here.
+formats::LabelNames segment_names(const Nrrd& nrrd, std::vector<std::string>& notes) {
+  std::map<std::uint32_t, Segment> segments;
+  for (unsigned i = 0; i < nrrdKeyValueSize(&nrrd); ++i) {
+    char *key = nullptr, *value = nullptr;
+    nrrdKeyValueIndex(&nrrd, &key, &value, i);
+    const FreedText freed_key(key, &std::free), freed_value(value, &std::free);
+    if (key != nullptr && value != nullptr) include_key(without_spaces(key), without_spaces(value), segments);
+  }
+  GivenNames names;
+  std::size_t elsewhere = 0;
+  for (const auto& [index, segment] : segments)
+    if (segment.is_in_first_layer)
+      names.emplace_back(segment.label, segment.name);
+    else
+      ++elsewhere;
+  if (elsewhere != 0)
+    notes.push_back(concat(count_text(elsewhere, "segment", "segments"), " of other layers left out; layer 0 is read"));
+  return label_names_from(names, notes);
+}
+
 void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
   if (!begins_with_colors(nrrd))
     refuse_input(path, "axis 0",
@@ -281,6 +335,7 @@ NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
   volume.length_unit = length_unit(*header, axes);
   set_space(*header, volume);
   volume.field_unit = sample_unit(*header);
+  if (!colors) volume.label_names = segment_names(*header, volume.notes);
   volume.field_name = stem_of(path);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
                                      : checked_volume_bytes(path, volume.sample_count, volume.type);

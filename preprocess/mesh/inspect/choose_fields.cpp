@@ -299,6 +299,7 @@ ScalarField field_of(const Selection& selection, Array<double> values, bool is_m
     field.values = std::move(*single);
   else
     field.values = std::move(values);
+  if (source.component_count == 1 && !is_mean) field.label_names = source.label_names;
   return field;
 }
 

@@ -14,6 +14,7 @@ struct ScalarField {
   std::string name;
   std::string unit;
   std::variant<Array<float>, Array<double>> values;
+  formats::LabelNames label_names{};
 };
 
 struct ChosenFields {

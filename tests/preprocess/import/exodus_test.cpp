@@ -40,6 +40,7 @@ struct ExodusFile {
     return -point_value(s, v, n) - 10.0 * static_cast<double>(b);
   }
   std::vector<int> truth;  ///< for each block and cell variable; empty = no table
+  std::vector<std::string> block_names;
   int format = NC_64BIT_OFFSET;
   bool points_together = false, values_together = false;
 
@@ -95,6 +96,7 @@ void ExodusFile::write(const std::filesystem::path& path) const {
   const int ids = file.variable("eb_prop1", NC_INT, {block_dim});
   file.attribute(ids, "name", "ID");
   const int status = file.variable("eb_status", NC_INT, {block_dim});
+  const int names_of_blocks = block_names.empty() ? -1 : file.variable("eb_names", NC_CHAR, {block_dim, name_dim});
   std::vector<int> coordinates;
   if (points_together)
     coordinates = {file.variable("coord", NC_DOUBLE, {axes, nodes})};
@@ -148,6 +150,10 @@ void ExodusFile::write(const std::filesystem::path& path) const {
   }
   must(::nc_put_var_int(file.id, ids, block_ids.data()));
   must(::nc_put_var_int(file.id, status, ones.data()));
+  for (std::size_t b = 0; b < block_names.size(); ++b) {
+    const std::size_t start[] = {b, 0}, count[] = {1, block_names[b].size()};
+    if (count[1] > 0) must(::nc_put_vara_text(file.id, names_of_blocks, start, count, block_names[b].c_str()));
+  }
   const auto put_names = [&](int variable, const std::vector<std::string>& names) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::size_t start[] = {i, 0}, count[] = {1, names[i].size()};
@@ -201,6 +207,17 @@ const NeutralField& field_of(const std::vector<NeutralField>& fields, const std:
       std::find_if(fields.begin(), fields.end(), [&](const NeutralField& field) { return field.name == name; });
   if (found == fields.end()) throw std::runtime_error("no field " + name);
   return *found;
+}
+
+TEST(Exodus, keeps_the_names_of_blocks_that_have_one) {
+  TemporaryFolder folder;
+  ExodusFile file = small_file();
+  file.block_names = {"rotor", "", "ball", "the stator"};
+  file.write(folder / "a.e");
+  const CellMesh mesh = read_cells(folder / "a.e", {});
+  EXPECT_EQ(field_of(mesh.cell_fields, "block").label_names,
+            (formats::LabelNames{{7, "ball"}, {10, "rotor"}, {30, "the stator"}}));
+  EXPECT_TRUE(field_of(mesh.cell_fields, "p").label_names.empty());
 }
 
 TEST(Exodus, reads_blocks_and_fields_of_the_last_time_step) {

@@ -50,9 +50,10 @@ TEST(Gmsh, reads_version_2_with_groups) {
   EXPECT_THAT(mesh.cell_ids, testing::ElementsAre(2, 3, 4));
   EXPECT_THAT(field_of(mesh.cell_fields, "physical").values, testing::ElementsAre(10, 11, 0));
   EXPECT_THAT(field_of(mesh.cell_fields, "entity").values, testing::ElementsAre(20, 21, 0));
+  EXPECT_EQ(field_of(mesh.cell_fields, "physical").label_names, (formats::LabelNames{{11, "the core"}}));
+  EXPECT_TRUE(field_of(mesh.cell_fields, "entity").label_names.empty());
   EXPECT_THAT(mesh.notes,
-              testing::UnorderedElementsAre("cell field 'physical': 11 is 'the core'",
-                                            testing::HasSubstr("using the last of 2 time steps"),
+              testing::UnorderedElementsAre(testing::HasSubstr("using the last of 2 time steps"),
                                             "1 triangle, 1 vertex left out: only cells that fill space are kept"));
 }
 

@@ -34,6 +34,7 @@ TEST(Handover, carries_a_volume_unchanged) {
   volume.sources = {{"/a b/c.raw", true, 1, 2, 3, -4}, {"/gone", false, 0, 0, 0, 0}};
   volume.field_name = "density";
   volume.field_unit = "";
+  volume.label_names = {{-3, "left lung"}, {7, "17 b\u00f6se"}};
   volume.other_fields = {"mass", ""};
   volume.vectors = {{"flow", 3}, {"", 2}};
   volume.notes = {"first note", "", "third \xff note"};
@@ -45,6 +46,7 @@ TEST(Handover, carries_a_volume_unchanged) {
   EXPECT_EQ(taken.sources, volume.sources);
   EXPECT_EQ(taken.field_name, "density");
   EXPECT_EQ(taken.field_unit, "");
+  EXPECT_EQ(taken.label_names, volume.label_names);
   EXPECT_EQ(taken.other_fields, volume.other_fields);
   ASSERT_EQ(taken.vectors.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -105,7 +107,7 @@ NeutralMesh small_mesh() {
   mesh.cells = {{0, 1, 2, 3}, {1, 2, 3, 4}};
   mesh.cell_ids = {0, 7};
   mesh.point_fields = {{"voltage", "mV", 1, false, {1, 2, 3, 4, 5}}, {"flow", "", 3, true, Array<double>(15, 0.5)}};
-  mesh.cell_fields = {{"tissue", "", 1, true, {4, 9}}};
+  mesh.cell_fields = {{"tissue", "", 1, true, {4, 9}, {{4, "bone"}, {9, "skin"}}}};
   mesh.length_unit = "cm";
   mesh.notes = {"6 lines left out"};
   return mesh;
@@ -127,8 +129,23 @@ TEST(Handover, carries_a_mesh_unchanged) {
   EXPECT_EQ(taken.point_fields[1].values.size(), 15U);
   ASSERT_EQ(taken.cell_fields.size(), 1U);
   EXPECT_EQ(taken.cell_fields[0].values, mesh.cell_fields[0].values);
+  EXPECT_EQ(taken.cell_fields[0].label_names, mesh.cell_fields[0].label_names);
+  EXPECT_TRUE(taken.point_fields[0].label_names.empty());
   EXPECT_EQ(taken.length_unit, "cm");
   EXPECT_EQ(taken.notes, mesh.notes);
+}
+
+TEST(Handover, refuses_names_of_labels_that_no_importer_sends) {
+  NeutralMesh mesh = small_mesh();
+  for (const std::string& name :
+       {std::string(), std::string("a\x1b[31m"), std::string(129, 'a'), std::string("\xff")}) {
+    mesh.cell_fields[0].label_names = {{4, name}};
+    expect_refusal([&] { receive_mesh(sent(mesh)); }, ErrorCode::invalid, {"no label with a name"});
+  }
+  formats::LabelNames& names = mesh.cell_fields[0].label_names;
+  names.clear();
+  for (int label = 0; label <= 1024; ++label) names[label] = "a";
+  expect_refusal([&] { receive_mesh(sent(mesh)); }, ErrorCode::invalid, {"1025 names of labels"});
 }
 
 TEST(Handover, carries_a_surface_unchanged) {
