@@ -238,6 +238,18 @@ TEST(Legend, says_how_many_colours_have_no_room) {
   for (const Area& text : drawing.texts) EXPECT_LE(text.high.y, 400);
 }
 
+TEST(Legend, cuts_names_that_are_too_wide) {
+  const Legend legend{.title = "labels",
+                      .entries = {{{1, 0, 0}, "left kidney"}, {{0, 0, 1}, std::string(126, 'w') + "\u00f6"}}};
+  for (const int width : {160, 640}) {
+    render::Framebuffer picture = blank(width, 400);
+    const Drawing drawing = annotate({.legends = {legend}}, blocks, picture);
+    ASSERT_EQ(drawing.texts.size(), 3U);
+    EXPECT_LE(drawing.texts[2].width(), 0.4 * width);
+    EXPECT_GT(drawing.texts[2].width(), 0.3 * width);
+  }
+}
+
 TEST(Axes, point_where_a_camera_of_these_angles_sees_them) {
   for (const bool orthographic : {false, true})
     for (const double azimuth : {0.0, 33.0, -120.0})

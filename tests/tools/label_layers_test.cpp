@@ -3,7 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "preprocess/pack_mesh.h"
 #include "tests/tools/workbench.h"
+#include "tools/pictures/annotations.h"
+#include "tools/rhoray/render/label_layers.h"
 
 namespace rhoray::tests {
 namespace {
@@ -13,8 +16,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// labels.nrrd: 20^3 bytes with the labels 1, 5 and 9 in a background of 0.
-void make_labels(const Workbench& bench) {
-  std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n\n";
+/// @param keys  lines of the header, of segments
+void make_labels(const Workbench& bench, const std::string& keys = "") {
+  std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n" + keys + "\n";
   for (int k = 0; k < 20; ++k)
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 20; ++i) {
@@ -27,7 +31,7 @@ void make_labels(const Workbench& bench) {
 /// parts.vtu: the unit cube in 4 x 4 x 4 cubes with the cell field 'part', which is 7 in the inner 8
 /// of them, 4 in other cells below x = 1/4, and 0 elsewhere.
 /// @param name  of the cell field
-void make_parts(const Workbench& bench, bool has_point_field, const std::string& name = "part") {
+preprocess::NeutralMesh mesh_of_parts(bool has_point_field, const std::string& name = "part") {
   preprocess::NeutralMesh mesh = box_mesh({});
   if (has_point_field) add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
   preprocess::NeutralField part{.name = name, .unit = {}, .values = {}};
@@ -39,7 +43,25 @@ void make_parts(const Workbench& bench, bool has_point_field, const std::string&
     part.values.push_back(is_inner ? 7 : middle.x < 0.25 ? 4 : 0);
   }
   mesh.cell_fields.push_back(part);
-  preprocess::export_mesh(mesh, bench / "parts.vtu", true);
+  return mesh;
+}
+void make_parts(const Workbench& bench, bool has_point_field, const std::string& name = "part") {
+  preprocess::export_mesh(mesh_of_parts(has_point_field, name), bench / "parts.vtu", true);
+}
+
+/// The legends of the default picture.
+std::vector<tools::Legend> legends_of(const std::filesystem::path& file, const std::string& field = "") {
+  render::SceneSpec spec;
+  spec.data = {{.name = "", .file = file, .field = field}};
+  spec.layers = {{.type = render::LayerType::automatic}};
+  const render::ResolvedScene plan = tools::resolve_layers(tools::with_label_layers(spec, {}));
+  return tools::annotations_of(plan, {}).legends;
+}
+
+std::vector<std::string> texts_of(const std::vector<tools::Legend::Entry>& entries) {
+  std::vector<std::string> texts;
+  for (const tools::Legend::Entry& entry : entries) texts.push_back(entry.text);
+  return texts;
 }
 
 TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
@@ -61,6 +83,35 @@ TEST(LabelLayers, every_label_of_a_segmentation_gets_a_surface) {
                                       " -o again.png && rhoray compare labels.png again.png --fail 0");
   EXPECT_EQ(again.exit_code, 0) << shown["reproduce"] << again.out << again.err;
   EXPECT_THAT(bench.rhoray({"render", "labels.nrrd", "--force"}).err, HasSubstr("holds labels: 1, 5, 9"));
+}
+
+TEST(LabelLayers, of_a_segmentation_have_the_names_that_the_file_gives) {
+  const Workbench bench;
+  make_labels(bench,
+              "Segment0_LabelValue:=1\nSegment0_Name:=liver\nSegment3_LabelValue:=9\nSegment3_Name:=b\u00f6se\n");
+  ASSERT_EQ(bench.rhoray({"pack", "labels.nrrd", "-o", "labels.rho"}).exit_code, 0);
+  const auto legends = legends_of(bench / "labels.rho");
+  ASSERT_EQ(legends.size(), 1U);
+  EXPECT_THAT(texts_of(legends[0].entries), testing::ElementsAre("liver", "5", "b\u00f6se"));
+  EXPECT_THAT(bench.rhoray({"render", "labels.nrrd"}).err,
+              HasSubstr("holds labels: 1 (liver), 5, 9 (b\u00f6se); each"));
+  for (const char* file : {"labels.nrrd", "labels.rho"}) {
+    EXPECT_THAT(bench.rhoray({"info", file}).out, HasSubstr("labels 1 'liver', 9 'b\u00f6se'\n")) << file;
+    const Json info = Json::parse(bench.rhoray({"info", file, "--json"}).out);
+    EXPECT_EQ(info["fields"][0]["label_names"], (Json{{"1", "liver"}, {"9", "b\u00f6se"}})) << file;
+  }
+}
+
+TEST(LabelLayers, of_a_mesh_have_the_names_that_the_file_gives) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = mesh_of_parts(true);
+  mesh.cell_fields[0].label_names = {{0, "air"}, {7, "iron"}};
+  preprocess::pack_mesh(mesh, bench / "parts.rho");
+  const auto legends = legends_of(bench / "parts.rho", "part");
+  ASSERT_EQ(legends.size(), 1U);
+  EXPECT_EQ(legends[0].title, "part");
+  EXPECT_THAT(texts_of(legends[0].entries), testing::ElementsAre("air", "4", "iron"));
+  EXPECT_THAT(bench.rhoray({"info", "parts.rho"}).out, HasSubstr("labels 0 'air', 7 'iron'\n"));
 }
 
 TEST(LabelLayers, many_labels_have_different_colours) {

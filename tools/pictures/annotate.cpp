@@ -255,6 +255,17 @@ class Annotator {
     return title;
   }
 
+  /// Cuts a text that would be wider than 2/5 of the picture, before a letter of UTF-8.
+  Placed shortened(std::string text) const {
+    Placed whole = placed(text, letters());
+    while (whole.area().width() > 0.4 * picture_.width && !text.empty()) {
+      while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xc0) == 0x80) text.pop_back();
+      if (!text.empty()) text.pop_back();
+      whole = placed(text + "...", letters());
+    }
+    return whole;
+  }
+
   /// Lines of titles, and of colours with their values.
   void draw_legends() {
     const double line = 1.7 * letters(), lowest = picture_.height - margin();
@@ -267,7 +278,7 @@ class Annotator {
         const std::size_t left = legend.entries.size() - i;
         if (left > 1 && top + 2 * line > lowest)
           return draw_legend_line(placed(concat(left, " more"), letters()), nullptr, top);
-        draw_legend_line(placed(legend.entries[i].text, letters()), &legend.entries[i].color, top);
+        draw_legend_line(shortened(legend.entries[i].text), &legend.entries[i].color, top);
       }
       top += 0.6 * line;
     }

@@ -31,6 +31,17 @@ std::vector<ColorBar> layer_bars(const render::ResolvedScene& plan) {
   return bars;
 }
 
+/// The name of a layer's label, or its number where the file has no name.
+std::string label_text(const render::Dataset& dataset, const render::DataSpec& data) {
+  const bool is_of_cells = dataset.is_surface();
+  const formats::LabelNames names = is_of_cells
+                                        ? dataset.field(data.field).value_or(formats::FieldSummary{}).label_names
+                                        : dataset.field().label_names;
+  // Data of one label of a grid have the value 1 where the label is.
+  const auto name = names.find(is_of_cells ? *data.label : 1);
+  return name == names.end() ? concat(*data.label) : name->second;
+}
+
 /// The labels of each field that is shown by labels.
 std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
   std::vector<Legend> legends;
@@ -40,7 +51,7 @@ std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
     const std::string title = data.field.empty() ? "labels" : data.field;
     auto legend = std::find_if(legends.begin(), legends.end(), [&](const Legend& each) { return each.title == title; });
     if (legend == legends.end()) legend = legends.insert(legends.end(), {.title = title, .entries = {}});
-    legend->entries.push_back({layer.material.color, concat(*data.label)});
+    legend->entries.push_back({layer.material.color, label_text(plan.datasets[layer.dataset], data)});
   }
   return legends;
 }

@@ -198,7 +198,7 @@ std::optional<Regions> regions_in(const render::DataSpec& data, const DataAccess
   const auto regions_of = [&](std::size_t field) -> std::optional<Regions> {
     std::optional<std::vector<preprocess::CellLabel>> labels = preprocess::find_labels(mesh, field);
     if (!labels) return std::nullopt;
-    return Regions{description.cell_fields[field].name, std::move(*labels)};
+    return Regions{description.cell_fields[field].name, std::move(*labels), description.cell_fields[field].label_names};
   };
   std::string name = data.field;
   if (name.empty()) {

@@ -76,6 +76,7 @@ std::optional<Segmentation> segmentation_in(const render::DataSpec& data, const 
 struct Regions {
   std::string field;
   std::vector<preprocess::CellLabel> labels;
+  formats::LabelNames names;
 };
 /// The labels of data that are a mesh: of the field that they name or would show, or of the first
 /// field of labels if nothing else varies. Nothing where they hold none.

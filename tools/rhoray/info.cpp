@@ -111,6 +111,16 @@ std::string certificate_text(const Json& certificate, const Json& unit) {
   return text;
 }
 
+/// `1 'liver', 2 'spleen'`
+std::string label_names_text(const Json& names) {
+  constexpr std::size_t most_shown = 32;
+  std::vector<std::string> texts;
+  for (const auto& [label, name] : names.items())
+    if (texts.size() < most_shown) texts.push_back(concat(label, " '", word(name), "'"));
+  if (names.size() > most_shown) texts.push_back(concat(names.size() - most_shown, " more (--json lists all)"));
+  return joined(texts);
+}
+
 /// @param label  "field", or "cells" for one value per cell
 std::string field_text(const Json& field, const std::string& label) {
   std::string title = concat("'", word(field["name"]), "'  ", word(field["type"]));
@@ -132,6 +142,7 @@ std::string field_text(const Json& field, const std::string& label) {
       "", concat("percentiles p1 ", percentile("1"), ", p50 ", percentile("50"), ", p99 ", percentile("99"),
                  field["otsu_threshold"].is_null() ? std::string{}
                                                    : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
+  if (field.contains("label_names")) text += row("", concat("labels ", label_names_text(field["label_names"])));
   if (field.contains("automatic_isovalue")) {
     const Json& isovalue = field["automatic_isovalue"];
     const Json& valleys = isovalue["other_valleys"];

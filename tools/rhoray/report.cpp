@@ -125,6 +125,7 @@ Json json_of(const formats::FieldSummary& field) {
             {"otsu_threshold", nullptr},
             {"percentiles", Json::object()},
             {"histogram", field.histogram}};
+  for (const auto& [label, name] : field.label_names) json["label_names"][concat(label)] = name;
   if (const auto threshold = formats::otsu_threshold(field)) json["otsu_threshold"] = *threshold;
   const auto chosen = formats::automatic_isovalue(field);
   if (chosen && !field.mean_gradient.empty()) {

@@ -54,6 +54,7 @@ Json volume_info(const std::filesystem::path& path, const preprocess::PackOption
   });
   field.name = volume.field_name;
   field.unit = volume.field_unit;
+  field.label_names = volume.label_names;
   field.type = volume.type;
   Json json = head(path, "volume");
   json["samples"] = json_of(volume.sample_count);
@@ -77,6 +78,7 @@ Json json_of_neutral(const preprocess::NeutralField& values, const char* stands)
   formats::FieldSummary field = summarize(values.values);
   field.name = values.name;
   field.unit = values.unit;
+  field.label_names = values.label_names;
   field.type = values.was_single_precision ? formats::ElementType::F32 : formats::ElementType::F64;
   Json json = json_of(field);
   json["at"] = stands;

@@ -37,23 +37,29 @@ struct FoundLabels {
   std::string field;
   bool are_of_cells = false;
   std::vector<preprocess::CellLabel> labels;  ///< of a grid: none hides another
+  formats::LabelNames names;
 };
 
 /// Nothing where the data hold no labels.
 std::optional<FoundLabels> labels_in(const render::DataSpec& data, const DataAccess& access) {
   if (const std::optional<Segmentation> grid = segmentation_in(data, access)) {
-    FoundLabels found{.field = grid->grid.description().fields[grid->field].name, .labels = {}};
+    const formats::FieldSummary& field = grid->grid.description().fields[grid->field];
+    FoundLabels found{.field = field.name, .labels = {}, .names = field.label_names};
     for (const preprocess::Label& label : grid->labels) found.labels.push_back({.value = label.value});
     return found;
   }
   if (std::optional<Regions> mesh = regions_in(data, access))
-    return FoundLabels{.field = mesh->field, .are_of_cells = true, .labels = std::move(mesh->labels)};
+    return FoundLabels{
+        .field = mesh->field, .are_of_cells = true, .labels = std::move(mesh->labels), .names = std::move(mesh->names)};
   return std::nullopt;
 }
 
 std::string text_of(const FoundLabels& found) {
   std::vector<std::string> values;
-  for (const preprocess::CellLabel& label : found.labels) values.push_back(concat(label.value));
+  for (const preprocess::CellLabel& label : found.labels) {
+    const auto name = found.names.find(label.value);
+    values.push_back(name == found.names.end() ? concat(label.value) : concat(label.value, " (", name->second, ")"));
+  }
   return concat("'", found.field, "' holds labels: ", joined(values), "; each gets a surface (",
                 found.are_of_cells ? concat("--color-by ", found.field, " colours the outside")
                                    : "--mode iso shows an isosurface of the numbers",
