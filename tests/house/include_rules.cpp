@@ -108,7 +108,8 @@ const Layer tool_layers[] = {
     {"tools/validate", {}},
     {"tools/analysis",
      {"tools/pictures", "tools/validate/grid_field.h", "tools/validate/request.h", "tools/validate/shots.h"}},
-    {"tools/rhoray", {"tools/pictures", "tools/analysis", "tools/validate/request.h"}},
+    {"tools/view", {"tools/pictures", "tools/analysis"}},
+    {"tools/rhoray", {"tools/pictures", "tools/analysis", "tools/validate/request.h", "tools/view"}},
     {"tools/lab", {"tools"}}};
 
 /// The folders that include a third-party library. `header` is a pattern for the text between the
@@ -121,7 +122,8 @@ struct Library {
 const Library libraries[] = {
     {"TetGen", std::regex("tetgen\\.h"), {"preprocess/workers/tetgen"}},
     {"CGAL", std::regex("CGAL/.*"), {"preprocess/workers", "tools/validate"}},
-    {"Boost", std::regex("boost/.*"), {"preprocess/workers/tetgen", "render/exact"}},
+    {"Boost", std::regex("boost/.*"), {"preprocess/workers/tetgen", "render/exact", "tools/view"}},
+    {"libjpeg", std::regex("jpeglib\\.h"), {"tools/view"}},
     {"VTK", std::regex("vtk\\w*\\.h"), {"preprocess/import", "tools/lab"}},
     {"OpenVDB", std::regex("openvdb/.*"), {"preprocess/workers/vdb", "tools/lab"}},
     {"NanoVDB", std::regex("nanovdb/.*"), {"preprocess/workers/vdb", "render/grid", "tools/lab"}},

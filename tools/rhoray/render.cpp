@@ -10,6 +10,7 @@
 #include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/render/asked_scene.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/render/frames.h"
 #include "tools/rhoray/render/label_layers.h"
@@ -22,22 +23,6 @@ namespace rhoray::tools {
 
 namespace {
 
-/// The text of the scene that made this picture; nothing for other files.
-std::optional<std::string> scene_in_picture(const std::filesystem::path& input) {
-  if (input.extension() != ".png" && input.extension() != ".exr") return std::nullopt;
-  for (const PictureText& text : read_picture(input).texts)
-    if (text.name == scene_text_name) return text.value;
-  return std::nullopt;
-}
-
-/// The scene document, alone or in a picture; nothing where the input is data.
-std::optional<render::SceneDocument> document_in(const std::filesystem::path& input) {
-  if (render::is_scene_document(input)) return render::read_scene(input);
-  const std::optional<std::string> text = scene_in_picture(input);
-  if (!text) return std::nullopt;
-  return render::read_scene(*text, input.string(), input.parent_path());
-}
-
 /// Whether an option is about the accuracy of hits, which boundaries do not have.
 bool needs_isosurface(const RenderCommand& command) {
   const render::PictureSpec& image = command.picture.scene_spec.image;
@@ -46,29 +31,19 @@ bool needs_isosurface(const RenderCommand& command) {
          std::find(channels.begin(), channels.end(), "error") != channels.end();
 }
 
-/// The requested scene: a document with the options on top, or files and options alone.
+/// The requested scene; of files, with what the command's other options need.
 render::SceneSpec spec_of(const RenderCommand& command) {
-  const std::filesystem::path& input = command.inputs.front();
-  const bool has_header = command.picture.scene_spec.data[0].read.raw.empty();
-  const std::optional<render::SceneDocument> document = has_header ? document_in(input) : std::nullopt;
-  if (!document) {
-    PictureOptions picture = command.picture;
-    if (picture.mode.empty() && needs_isosurface(command)) picture.mode = "iso";
-    // Picks and channels tell of the surface, not of what is around it.
-    if (!command.picks.empty() || picture.scene_spec.image.channels) {
-      std::optional<double>& context = picture.scene_spec.layers[0].context;
-      context = context.value_or(0);
-    }
-    // Only opaque surfaces are checked; several would be transparent by default.
-    std::optional<double>& opacity = picture.scene_spec.layers[0].opacity;
-    if (command.self_check.pixels > 0 && picture.mode == "iso") opacity = opacity.value_or(1);
-    return spec_of(picture, command.inputs);
+  PictureOptions picture = command.picture;
+  if (picture.mode.empty() && needs_isosurface(command)) picture.mode = "iso";
+  // Picks and channels tell of the surface, not of what is around it.
+  if (!command.picks.empty() || picture.scene_spec.image.channels) {
+    std::optional<double>& context = picture.scene_spec.layers[0].context;
+    context = context.value_or(0);
   }
-  if (command.inputs.size() > 1)
-    throw Error(ErrorCode::usage, concat(command.inputs[1].string(), ": not allowed with the scene ", input.string(),
-                                         ", which names its files"));
-  for (const std::string& warning : document->warnings) say(command.common, concat("warning: ", warning));
-  return with_options(document->scene_spec, command.picture);
+  // Only opaque surfaces are checked; several would be transparent by default.
+  std::optional<double>& opacity = picture.scene_spec.layers[0].opacity;
+  if (command.self_check.pixels > 0 && picture.mode == "iso") opacity = opacity.value_or(1);
+  return asked_scene(picture, command.inputs, command.common);
 }
 
 /// Whether the picture goes to standard output. Refuses what goes there, too.

@@ -16,6 +16,7 @@ constexpr std::pair<std::string_view, Subcommand (*)()> makers[] = {{"info", inf
                                                                     {"resample", resample_subcommand},
                                                                     {"cache", cache_subcommand},
                                                                     {"render", render_subcommand},
+                                                                    {"view", view_subcommand},
                                                                     {"compare", compare_subcommand},
                                                                     {"accuracy", accuracy_subcommand},
                                                                     {"validate", validate_subcommand},

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "preprocess/pack_mesh.h"
+#include "render/document.h"
+#include "tests/agreement/pictures.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/view/viewed_scene.h"
+
+namespace rhoray::tests {
+
+/// A scene with one isosurface in a mesh of a box: the field is the distance from a corner.
+inline tools::ViewedScene viewed_box(const TemporaryFolder& folder) {
+  preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}});
+  add_point_field(mesh, "distance", [](const Vec3& p) { return p.length(); });
+  const render::Dataset dataset = packed(folder, "box.rho", mesh);
+  render::SceneSpec scene_spec{.data = {{.name = "data", .file = folder / "box.rho"}},
+                               .layers = {{.type = render::LayerType::isosurface, .isovalues = {"0.8"}}}};
+  tools::ViewedScene viewed{.title = "box", .program = "rhoray test", .scene_spec = scene_spec};
+  viewed.plan = resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
+  aim_camera(scene_spec, viewed.plan);
+  viewed.command_of = [](const render::ResolvedScene& plan) { return concat("iso ", plan.scene.layers[0].isovalue); };
+  return viewed;
+}
+
+}  // namespace rhoray::tests

@@ -1,0 +1,118 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "formats/base/error.h"
+#include "tools/rhoray/cli/interrupt.h"
+#include "tools/rhoray/cli/options.h"
+#include "tools/rhoray/cli/version.h"
+#include "tools/rhoray/data_choice.h"
+#include "tools/rhoray/render/asked_scene.h"
+#include "tools/rhoray/render/label_layers.h"
+#include "tools/rhoray/render/reproduce.h"
+#include "tools/rhoray/report.h"
+#include "tools/rhoray/subcommands.h"
+#include "tools/view/server.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+struct ViewCommand {
+  CommonOptions common;
+  std::vector<std::filesystem::path> inputs;
+  PictureOptions picture;
+  std::optional<int> port;
+  std::filesystem::path socket;
+  std::vector<std::string> hosts;
+  bool opens_no_browser = false;
+};
+
+/// Opens the page in the user's browser, if a desktop is there to open it on.
+void open_browser(const std::string& url) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const pid_t child = ::fork();
+  if (child != 0) {
+    if (child > 0) ::waitpid(child, nullptr, 0);
+    return;
+  }
+  if (::fork() == 0) {  // the browser outlives the command that starts it, and is nobody's zombie
+    ::execlp("xdg-open", "xdg-open", url.c_str(), static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  ::_exit(0);
+}
+
+ViewedScene opened(const ViewCommand& command) {
+  const render::SceneSpec asked = asked_scene(command.picture, command.inputs, command.common);
+  if (asked.camera.keyframes) throw Error(ErrorCode::usage, "a scene with a camera path is a film; `render` draws it");
+  ProgressDisplay display(command.common);
+  display.show(concat("opening ", asked.data[0].file.string()));
+  const DataAccess access = access_for(command.common, display);
+  ViewedScene viewed{.title = command.inputs.front().filename().string(),
+                     .program = concat("rhoray ", version()),
+                     .scene_spec = with_label_layers(asked, access)};
+  viewed.plan = resolve_layers(viewed.scene_spec, access);
+  aim_camera(viewed.scene_spec, viewed.plan);
+  const std::filesystem::path output = default_output(command.inputs.front(), ".png");
+  viewed.command_of = [output](const render::ResolvedScene& plan) {
+    return shell_line(reproducing_command(plan, output));
+  };
+  return viewed;
+}
+
+int run(const ViewCommand& command) {
+  Server server(opened(command), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
+                                  .socket = command.socket,
+                                  .allowed_hosts = command.hosts,
+                                  .threads = command.common.threads});
+  std::puts(command.common.json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
+  std::fflush(stdout);
+  if (!command.socket.empty())
+    say(command.common,
+        concat("on your own machine: ssh -N -L ", server.port(), ":", command.socket.string(), " ", "THIS_MACHINE"));
+  else if (!command.opens_no_browser)
+    open_browser(server.url());
+  say(command.common, "Ctrl+C ends it");
+  const InterruptRequest interrupt;
+  server.run(interrupt.token());
+  return 0;
+}
+
+}  // namespace
+
+Subcommand view_subcommand() {
+  const auto command = std::make_shared<ViewCommand>();
+  return {
+      .name = "view",
+      .summary = "Explore data in the browser",
+      .group = "Pictures",
+      .examples = {"rhoray view head.nrrd", "rhoray view heart.rho --iso 0.3 --style presentation",
+                   "rhoray view torso.json --port 8123 --no-browser",
+                   "rhoray view head.rho --socket $XDG_RUNTIME_DIR/rhoray.sock"},
+      .options = all_options(
+          {{with_details(files_option("FILE", "Volume, mesh or surface, packed or not; or a scene document (.json)",
+                                      command->inputs),
+                         "As for `rhoray render`, whose options choose what is shown at first")},
+           in_group("Server",
+                    {number_option("--port", "N", "Port on the loopback interface; default a free one",
+                                   Interval<int>{1, 65535}, command->port),
+                     with_details(
+                         value_option("--socket", "FILE", "Listen on a Unix socket instead of a port", command->socket),
+                         "For machines with several users, of whom any could reach a port. Only you may "
+                         "open the socket; the printed ssh command makes a tunnel to it"),
+                     value_option("--allow-host", "NAME[,NAME...]",
+                                  "Answer under these host names, too: those of a proxy", command->hosts),
+                     flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser)}),
+           picture_options(command->picture),
+           in_group("Input", read_options(command->picture.scene_spec.data[0].read)),
+           in_group("Input", {cache_option(command->common)}),
+           in_group("General", all_options({threads_option(command->common),
+                                            message_options(command->common, "Print the URL as JSON to stdout")}))}),
+      .run = [command] { return run(*command); }};
+}
+
+}  // namespace rhoray::tools

@@ -1,0 +1,26 @@
+# Writes OUTPUT: the files of the page as constants. A string literal of C++ holds at most 64 KiB, so
+# each file is a list of bytes.
+#   cmake -D FOLDER=... -D OUTPUT=... -P embed.cmake
+set(text "#include \"tools/view/page.h\"\n\nnamespace rhoray::tools {\n\nnamespace {\n\n")
+set(rows "")
+foreach(name index.html view.css view.js icon.svg)
+  file(READ ${FOLDER}/${name} bytes HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
+  string(MAKE_C_IDENTIFIER ${name} constant)
+  string(APPEND text "constexpr char ${constant}[] = {${bytes}};\n")
+  set(path "/${name}")
+  if(name MATCHES html$)
+    set(path "/")
+    set(type "text/html; charset=utf-8")
+  elseif(name MATCHES css$)
+    set(type "text/css; charset=utf-8")
+  elseif(name MATCHES js$)
+    set(type "text/javascript; charset=utf-8")
+  else()
+    set(type "image/svg+xml")
+  endif()
+  string(APPEND rows "    {\"${path}\", \"${type}\", {${constant}, sizeof ${constant}}},\n")
+endforeach()
+string(APPEND text "\nconstexpr PageFile files[] = {\n${rows}};\n\n}  // namespace\n\n"
+                   "std::span<const PageFile> page_files() {\n  return files;\n}\n\n}  // namespace rhoray::tools\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tools/view/viewed_scene.h"
+
+namespace rhoray::tools {
+
+/// Where messages to a client go. Called by the painter's thread; must not wait.
+struct ClientSink {
+  std::function<void(std::vector<std::byte>)> send_picture;
+  std::function<void(std::string)> send_text;
+};
+
+/// Draws what clients wish, on one thread that uses all cores. Clients take turns.
+///
+/// The newest wish of a client wins: an older one that is being drawn ends after its first pass was
+/// sent. No client has more than two pictures that it has not acknowledged. When it stops moving, the
+/// picture is refined to that of `rhoray render`, and is sent a second time without loss.
+class Painter {
+ public:
+  using ClientId = std::uint64_t;
+
+  /// @param threads  0 = all cores
+  Painter(ViewedScene viewed, unsigned threads);
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+  ~Painter();
+  void stop();  ///< ends the thread; nothing is sent afterwards
+
+  const ViewedScene& viewed() const { return viewed_; }
+
+  // Any thread may call these.
+  ClientId add(ClientSink sink);
+  void remove(ClientId client);  ///< returns at once; a message that is being made may still be sent
+  void take(ClientId client, const ClientMessage& message);
+
+ private:
+  struct Client;
+
+  void run(const std::stop_token& stop);
+  std::shared_ptr<Client> next_with_work();
+  void work_for(Client& client);
+  void paint(Client& client, const Wish& wish);
+  bool has_room(const Client& client) const;
+  void send(Client& client, const Wish& wish, int spacing, bool lossless, double trace_ms);
+  void send_command(Client& client);
+
+  const ViewedScene viewed_;
+  const unsigned threads_;
+  std::mutex mutex_;  ///< of the clients, but for what only the painter's thread uses
+  std::condition_variable_any changed_;
+  std::vector<std::shared_ptr<Client>> clients_;
+  ClientId next_id_ = 1;
+  std::size_t turn_ = 0;
+  std::jthread thread_;
+};
+
+}  // namespace rhoray::tools

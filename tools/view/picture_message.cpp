@@ -1,0 +1,102 @@
+#include "tools/view/picture_message.h"
+
+#include <cstdio>  // jpeglib.h needs FILE
+
+#include <jpeglib.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "formats/base/error.h"
+#include "formats/base/text.h"
+#include "render/png.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+template <class Number>
+void append(Number number, std::vector<std::byte>& bytes) {
+  std::byte raw[sizeof number];
+  std::memcpy(raw, &number, sizeof number);  // little-endian machines only, as packed files
+  bytes.insert(bytes.end(), raw, raw + sizeof number);
+}
+
+std::vector<std::byte> started(const PictureHeader& header) {
+  std::vector<std::byte> bytes;
+  append(std::uint8_t{1}, bytes);
+  append(static_cast<std::uint8_t>(header.codec), bytes);
+  append(header.spacing, bytes);
+  append(header.frame, bytes);
+  append(header.wish, bytes);
+  append(static_cast<std::uint16_t>(header.width), bytes);
+  append(static_cast<std::uint16_t>(header.height), bytes);
+  append(header.trace_ms, bytes);
+  append(std::uint32_t{0}, bytes);  // reserved
+  return bytes;
+}
+
+[[noreturn]] void refuse(j_common_ptr info) {
+  char text[JMSG_LENGTH_MAX];
+  info->err->format_message(info, text);
+  throw Error(ErrorCode::internal, concat("libjpeg: ", text));
+}
+
+/// Every s-th pixel of every s-th row, as 8-bit sRGB.
+std::vector<std::uint8_t> thinned(const render::Framebuffer& picture, int spacing, int& width, int& height) {
+  width = (picture.width + spacing - 1) / spacing, height = (picture.height + spacing - 1) / spacing;
+  std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::uint8_t* out = rgb.data();
+  for (int y = 0; y < picture.height; y += spacing)
+    for (int x = 0; x < picture.width; x += spacing) {
+      const float* pixel =
+          picture.color.data() +
+          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x));
+      for (int c = 0; c < 3; ++c) *out++ = render::srgb_byte(pixel[c]);
+    }
+  return rgb;
+}
+
+}  // namespace
+
+std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::Framebuffer& picture,
+                                    const JpegQuality& quality) {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb = thinned(picture, header.spacing, width, height);
+  jpeg_error_mgr errors;
+  jpeg_compress_struct jpeg;
+  jpeg.err = jpeg_std_error(&errors);
+  errors.error_exit = refuse;
+  jpeg_create_compress(&jpeg);
+  const std::unique_ptr<jpeg_compress_struct, void (*)(jpeg_compress_struct*)> ending(
+      &jpeg, [](jpeg_compress_struct* each) { jpeg_destroy_compress(each); });
+  unsigned char* encoded = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &encoded, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(width), jpeg.image_height = static_cast<JDIMENSION>(height);
+  jpeg.input_components = 3, jpeg.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, quality.quality, TRUE);
+  if (quality.has_full_color) jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
+  jpeg_start_compress(&jpeg, TRUE);
+  while (jpeg.next_scanline < jpeg.image_height) {
+    JSAMPROW row = rgb.data() + 3 * static_cast<std::size_t>(width) * jpeg.next_scanline;
+    jpeg_write_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  const std::unique_ptr<unsigned char, void (*)(void*)> owner(encoded, std::free);
+  std::vector<std::byte> message = started(header);
+  const auto* begin = reinterpret_cast<const std::byte*>(encoded);
+  message.insert(message.end(), begin, begin + size);
+  return message;
+}
+
+std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture) {
+  std::vector<std::byte> message = started(header);
+  const std::vector<std::byte> png = render::encode_png(picture, {});
+  message.insert(message.end(), png.begin(), png.end());
+  return message;
+}
+
+}  // namespace rhoray::tools

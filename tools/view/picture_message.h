@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "render/framebuffer.h"
+
+namespace rhoray::tools {
+
+enum class Codec : std::uint8_t { jpeg = 1, png = 2 };
+
+/// What a picture message says before the picture.
+struct PictureHeader {
+  Codec codec = Codec::jpeg;
+  std::uint16_t spacing = 1;  ///< of the traced pixels; the picture has one pixel for each
+  std::uint32_t frame = 0;    ///< counts up; the client acknowledges it
+  std::uint32_t wish = 0;     ///< number of the wish that is shown
+  int width = 0, height = 0;  ///< that the picture is to fill, in pixels
+  float trace_ms = 0;         ///< since the wish was taken up
+};
+inline constexpr std::size_t picture_header_bytes = 24;
+
+/// The quality of JPEG pictures, and whether colours keep their full resolution.
+struct JpegQuality {
+  int quality = 80;
+  bool has_full_color = false;  ///< 4:4:4 instead of 4:2:0, which bleeds colour into fine lines
+};
+
+/// A binary message: kind 1, codec, then the header's numbers in little-endian order, and the encoded
+/// picture. Of a picture traced with spacing s, every s-th pixel of every s-th row is encoded.
+std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::Framebuffer& picture,
+                                    const JpegQuality& quality);
+/// As above, without loss. The spacing must be 1.
+std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture);
+
+}  // namespace rhoray::tools

@@ -1,0 +1,126 @@
+#include "tools/view/wish.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "formats/base/error.h"
+#include "formats/base/json.h"
+#include "formats/base/text.h"
+
+namespace rhoray::tools {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& key, const std::string& expected) {
+  throw Error(ErrorCode::invalid, concat("message: \"", key, "\": expected ", expected));
+}
+
+void require_keys(const Json& json, const std::string& name, std::initializer_list<std::string_view> known) {
+  if (!json.is_object()) refuse(name, "an object");
+  for (const auto& [key, value] : json.items())
+    if (std::find(known.begin(), known.end(), key) == known.end()) refuse(key, "no such key");
+}
+
+std::uint32_t counter_of(const Json& json, const std::string& key) {
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > 0xffffffffU) refuse(key, "a number below 2^32");
+  return json.get<std::uint32_t>();
+}
+
+double number_of(const Json& json, const std::string& key) {
+  if (!json.is_number() || !std::isfinite(json.get<double>())) refuse(key, "a finite number");
+  return json.get<double>();
+}
+
+Vec3 vector_of(const Json& json, const std::string& key) {
+  if (!json.is_array() || json.size() != 3) refuse(key, "three numbers");
+  return {number_of(json[0], key), number_of(json[1], key), number_of(json[2], key)};
+}
+
+render::Camera camera_of(const Json& json) {
+  require_keys(json, "camera", {"position", "target", "up", "fov", "ortho_height"});
+  for (const char* key : {"position", "target", "up"})
+    if (!json.contains(key)) refuse(key, "three numbers");
+  render::Camera camera;
+  camera.position = vector_of(json["position"], "position");
+  camera.target = vector_of(json["target"], "target");
+  camera.up = vector_of(json["up"], "up");
+  if (!((camera.target - camera.position).cross(camera.up).length() > 0))
+    refuse("camera", "position, target and up that do not lie on one line");
+  camera.orthographic = json.contains("ortho_height");
+  const char* key = camera.orthographic ? "ortho_height" : "fov";
+  double& extent = camera.orthographic ? camera.orthographic_height : camera.vertical_fov_deg;
+  if (!json.contains(key)) refuse(key, "a number");
+  extent = number_of(json[key], key);
+  if (!(extent > 0) || (!camera.orthographic && !(extent < 180))) refuse(key, "a number in its range");
+  return camera;
+}
+
+std::vector<IsovalueWish> isovalues_of(const Json& json, std::size_t layer_count) {
+  constexpr const char* expected = "pairs of a layer and its isovalue";
+  if (!json.is_array() || json.size() > layer_count) refuse("isovalues", expected);
+  std::vector<IsovalueWish> wishes;
+  for (const Json& pair : json) {
+    if (!pair.is_array() || pair.size() != 2) refuse("isovalues", expected);
+    const std::uint32_t layer = counter_of(pair[0], "isovalues");
+    if (layer >= layer_count) refuse("isovalues", concat("a layer below ", layer_count));
+    wishes.push_back({layer, number_of(pair[1], "isovalues")});
+  }
+  return wishes;
+}
+
+int side_of(const Json& json) {
+  const std::uint32_t side = counter_of(json, "size");
+  if (side == 0 || side > static_cast<std::uint32_t>(view_limits::largest_side))
+    refuse("size", concat("sides from 1 to ", view_limits::largest_side));
+  return static_cast<int>(side);
+}
+
+Wish wish_of(const Json& json, std::size_t layer_count) {
+  require_keys(json, "message", {"n", "size", "moving", "isovalues", "camera"});
+  Wish wish{.number = counter_of(json["n"], "n")};
+  if (!json.contains("size") || !json["size"].is_array() || json["size"].size() != 2) refuse("size", "two numbers");
+  wish.width = side_of(json["size"][0]), wish.height = side_of(json["size"][1]);
+  if (json.contains("moving")) {
+    if (!json["moving"].is_boolean()) refuse("moving", "true or false");
+    wish.is_moving = json["moving"].get<bool>();
+  }
+  if (json.contains("isovalues")) wish.isovalues = isovalues_of(json["isovalues"], layer_count);
+  if (json.contains("camera")) wish.camera = camera_of(json["camera"]);
+  return wish;
+}
+
+/// Parses JSON of limited depth.
+Json parsed(std::string_view text) {
+  const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
+    if (depth > view_limits::message_depth)
+      throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_depth, " levels"));
+    return true;
+  };
+  try {
+    return Json::parse(text, is_shallow);
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::invalid, "message: expected JSON");
+  }
+}
+
+}  // namespace
+
+ClientMessage parse_client_message(std::string_view text, std::size_t layer_count) {
+  if (text.size() > view_limits::message_bytes)
+    throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_bytes, " bytes"));
+  const Json json = parsed(text);
+  if (!json.is_object()) throw Error(ErrorCode::invalid, "message: expected an object");
+  if (json.contains("ack")) {
+    require_keys(json, "message", {"ack"});
+    return Acknowledgement{counter_of(json["ack"], "ack")};
+  }
+  if (json.contains("command")) {
+    require_keys(json, "message", {"command"});
+    return CommandRequest{};
+  }
+  if (!json.contains("n")) refuse("n", "a number");
+  return wish_of(json, layer_count);
+}
+
+}  // namespace rhoray::tools
