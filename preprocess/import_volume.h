@@ -23,11 +23,10 @@ RawVolume parse_raw_volume(const std::string& text);
 
 struct ImportVolumeOptions {
   std::optional<RawVolume> raw;  ///< read as headerless bytes
-  /// name of the array to take; empty = the only or first scalar one
+  /// the scalar to take, by the names of components.h; empty = the first array of scalars, else
+  /// the magnitude of the first array
   std::string field;
   bool colors = false;  ///< read 8-bit colours of 3 or 4 components instead of values
-  /// where no array is scalar, take the length of the first one instead of refusing
-  bool length_of_vectors = false;
   /// of a file with several time steps: "first", "last", "#3" (counted from 0) or a time, which
   /// selects the nearest step; empty = the first
   std::string time{};

@@ -25,8 +25,7 @@ using Array = std::pmr::vector<T>;
 /// Importers make these; the commands (pack, tetrahedralize) take them. Between processes they
 /// travel as packed files (process/messages.h).
 
-/// An array of a file with several numbers for each sample. Fields made from it are NAME.0, NAME.1,
-/// ... and NAME.mag.
+/// An array of a file and how many numbers it has for each sample (components.h).
 struct VectorArray {
   std::string name;
   int component_count = 2;
@@ -56,7 +55,7 @@ struct NeutralVolume {
   formats::LabelNames label_names;
   /// names of further scalar fields in the file, as `--field` takes them
   std::vector<std::string> other_fields;
-  std::vector<VectorArray> vectors;  ///< `--field` takes one component of these, or the length
+  std::vector<VectorArray> vectors;  ///< arrays of several numbers; `--field` takes their scalars
   std::vector<std::string> notes;    ///< what reading changed or left out, one sentence each
   std::vector<SourceFile> sources;   ///< the files that were read or looked for
 };

@@ -19,9 +19,10 @@ bool is_vdb(const std::filesystem::path& path);
 /// Reads one scalar grid of an OpenVDB file, level set or fog volume, in a separate process.
 /// Returns it in the form that is rendered without packing (formats/vdb_grid.h): NanoVDB in memory,
 /// single precision.
-/// @param field  name of a grid, or NAME.x, NAME.y, NAME.z, NAME.mag of a vector grid; empty = the
-///               first scalar grid by name. An unknown name is refused with the names that exist
-///               (ErrorCode::usage). A file without scalar grids is refused with what it holds.
+/// @param field  a scalar by the names of components.h; empty = the first scalar grid by name, else
+///               the magnitude of the first vector grid. An unknown name is refused with the
+///               names that exist (ErrorCode::usage). A file without scalar or vector grids is
+///               refused with what it holds.
 /// @param memory_limit_bytes  of the reading process; 0 = none
 formats::PackedFile open_vdb(const std::filesystem::path& path, const std::string& field,
                              std::uint64_t memory_limit_bytes = 0);

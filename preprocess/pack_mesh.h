@@ -17,9 +17,9 @@ enum class MeshStructure {
 };
 
 struct PackMeshOptions {
-  /// Fields to keep: NAME of a scalar; NAME.x, NAME.y, NAME.z, NAME.<n>, NAME.mag of a vector. The
-  /// first is the one shown by default. Empty: every scalar field and the magnitude of every
-  /// vector, of points and of cells, in the file's order, but constants, ids and masks last.
+  /// Scalars to keep, by the names of components.h. The first is the one shown by default. Empty:
+  /// the default scalar of every field, of points and of cells, in the file's order, but constants,
+  /// ids and masks last.
   std::vector<std::string> fields{};
   bool cells_to_points = false;  ///< keep cell fields averaged to the points, too
   MeshStructure structure = MeshStructure::clusters;

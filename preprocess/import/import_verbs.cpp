@@ -63,11 +63,8 @@ void set_origin(Affine& map, const Vec3& origin) {
 
 NeutralVolume import_volume(const fs::path& path, const ImportVolumeOptions& options) {
   const std::string_view worker = options.raw ? import_worker : worker_for(path);
-  const VolumeRequest request{.raw = options.raw,
-                              .field = options.field,
-                              .colors = options.colors,
-                              .length_of_vectors = options.length_of_vectors && worker == import_worker,
-                              .time = options.time};
+  const VolumeRequest request{
+      .raw = options.raw, .field = options.field, .colors = options.colors, .time = options.time};
   if (worker != import_worker) refuse_time_step(options.time, path);
   NeutralVolume volume = receive_volume(run_reader(path, volume_arguments(path, request), options, worker), path);
   if (options.spacing) set_spacing(volume.world_from_grid, *options.spacing);

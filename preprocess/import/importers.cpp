@@ -50,9 +50,10 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     {".pvti", read_pvti_colors},
 };
 /// Formats that may hold several volumes, one for each time step.
-constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string& time)> volume_steps_importers[] = {
-    {".nii", read_nifti},
-    {".nii.gz", read_nifti},
+constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string& field, const std::string& time)>
+    volume_steps_importers[] = {
+        {".nii", read_nifti},
+        {".nii.gz", read_nifti},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},    {".pvtu", read_pvtu},        {".vts", read_vts},         {".pvts", read_pvts},
@@ -129,26 +130,14 @@ NeutralVolume read_volume(const std::filesystem::path& path, const VolumeRequest
     check_field_name(volume, request.field, path);
     return volume;
   }
-  if (auto* read = find_importer(volume_steps_importers, path)) {
-    NeutralVolume volume = read(path, request.time);
-    check_field_name(volume, request.field, path);
-    return volume;
-  }
+  if (auto* read = find_importer(volume_steps_importers, path)) return read(path, request.field, request.time);
   auto* read = find_importer(volume_importers, path);
   if (read == nullptr)
     throw no_importer(path, "volume", extensions_of(volume_importers) + extensions_of(volume_steps_importers));
   refuse_time_step(request.time, path);
-  try {
-    NeutralVolume volume = read(path, request.field);
-    check_field_name(volume, request.field, path);
-    return volume;
-  } catch (const VectorsOnly& vectors) {
-    if (!request.length_of_vectors) throw;
-    NeutralVolume volume = read(path, vectors.first() + ".mag");
-    volume.notes.push_back(
-        concat("no array has a single component; showing the length of the first. To pack, ", vectors.hint()));
-    return volume;
-  }
+  NeutralVolume volume = read(path, request.field);
+  check_field_name(volume, request.field, path);
+  return volume;
 }
 
 CellMesh read_cells(const std::filesystem::path& path, const MeshRequest& request) {

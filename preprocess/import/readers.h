@@ -16,8 +16,7 @@ struct VolumeRequest {
   std::optional<RawVolume> raw{};  ///< read as headerless bytes, whatever the extension
   std::string field{};             ///< as in ImportVolumeOptions
   bool colors = false;             ///< as in ImportVolumeOptions
-  bool length_of_vectors = false;
-  std::string time{};  ///< as in ImportVolumeOptions
+  std::string time{};              ///< as in ImportVolumeOptions
 };
 
 struct MeshRequest {

@@ -6,7 +6,7 @@
 namespace rhoray::preprocess {
 
 std::vector<std::string> volume_arguments(const std::filesystem::path& path, const VolumeRequest& request) {
-  const char* verb = request.colors ? "colors" : request.length_of_vectors ? "volume-or-length" : "volume";
+  const char* verb = request.colors ? "colors" : "volume";
   std::vector<std::string> arguments{verb, path.string(), request.field, request.time};
   if (!request.raw) return arguments;
   const RawVolume& raw = *request.raw;
@@ -28,7 +28,6 @@ VolumeRequest volume_request(const std::vector<std::string>& arguments) {
     throw Error(ErrorCode::usage, concat("found ", arguments.size(), " arguments; expected 4 or 10"));
   VolumeRequest request;
   request.colors = arguments[0] == "colors";
-  request.length_of_vectors = arguments[0] == "volume-or-length";
   request.field = arguments[2];
   request.time = arguments[3];
   if (arguments.size() == 4) return request;

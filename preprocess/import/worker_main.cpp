@@ -53,7 +53,7 @@ Read with_sources(Read read) {
 
 void act(const std::vector<std::string>& arguments, int input, int output) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
-  if ((verb == "volume" || verb == "volume-or-length" || verb == "colors") && arguments.size() >= 4)
+  if ((verb == "volume" || verb == "colors") && arguments.size() >= 4)
     send(with_sources(read_volume(arguments[1], volume_request(arguments))), output);
   else if (verb == "cells" && arguments.size() == 3)
     send(with_sources(read_cells(arguments[1], {.time = arguments[2]})), output);

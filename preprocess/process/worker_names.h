@@ -7,8 +7,6 @@ namespace rhoray::preprocess {
 
 ///     volume PATH FIELD TIME [NX NY NZ TYPE BIG_ENDIAN SKIPPED_BYTES]
 ///         sends a neutral volume; TIME may be empty; `colors` likewise
-///     volume-or-length PATH FIELD TIME [...]
-///         the same, with VolumeRequest::length_of_vectors
 ///     cells PATH TIME
 ///         sends a cell mesh; TIME may be empty
 ///     surface PATH SIZES

@@ -93,7 +93,7 @@ TEST(PackCommand, tells_how_the_file_compares_with_raw_data_only_on_demand) {
   EXPECT_THAT(packed("--progress=none"), testing::Not(HasSubstr("raw data")));
 }
 
-TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_says_what_to_name) {
+TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_takes_their_magnitude) {
   const Workbench bench;
   write_file(bench / "flow.vti",
              "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData "
@@ -105,15 +105,20 @@ TEST(InfoCommand, tells_of_a_volume_of_vectors_alone_and_pack_says_what_to_name)
   const nlohmann::json json = nlohmann::json::parse(info.out);
   EXPECT_EQ(json["fields"][0]["name"], "flow.mag");
   EXPECT_EQ(json["fields"][0]["range"], nlohmann::json({0.0, 13.0}));
-  EXPECT_EQ(json["vectors"], nlohmann::json({{{"name", "flow"}, {"components", 2}}}));
-  EXPECT_THAT(bench.rhoray({"info", "flow.vti"}).out, HasSubstr("vector      'flow'  2 components\n"));
+  EXPECT_EQ(json["vectors"],
+            nlohmann::json({{{"name", "flow"}, {"components", 2}, {"scalars", "flow.mag, flow.x, flow.y"}}}));
+  EXPECT_THAT(bench.rhoray({"info", "flow.vti"}).out,
+              HasSubstr("vector      'flow'  2 components: flow.mag, flow.x, flow.y\n"));
 
-  const RunResult refused = bench.rhoray({"pack", "flow.vti"});
-  EXPECT_EQ(refused.exit_code, 7);
-  EXPECT_THAT(refused.err, HasSubstr("flow (2 components)"));
-  EXPECT_THAT(refused.err,
-              HasSubstr("use --field with one component, flow.0 to flow.1 or .x .y, or the length, flow.mag"));
-  EXPECT_EQ(bench.rhoray({"pack", "flow.vti", "--field", "flow.mag"}).exit_code, 0);
+  const RunResult packed = bench.rhoray({"pack", "flow.vti"});
+  EXPECT_EQ(packed.exit_code, 0);
+  EXPECT_THAT(packed.err, HasSubstr("using the magnitude of 2 components, 'flow.mag'; choose another with --field: "
+                                    "flow.x, flow.y\n"));
+  EXPECT_THAT(bench.rhoray({"render", "flow.vti", "--no-cache", "--mode", "mip", "--size", "16x16"}).err,
+              HasSubstr("note: using the magnitude of 2 components, 'flow.mag'; choose another with --field: flow.x"));
+  const RunResult refused = bench.rhoray({"pack", "flow.vti", "--field", "flow", "--force"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("found 2 components; expected one scalar of: flow.mag, flow.x, flow.y"));
 }
 
 TEST(InfoCommand, says_on_demand_what_may_be_wrong_and_what_packing_does) {

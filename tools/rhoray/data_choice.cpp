@@ -56,6 +56,11 @@ std::string packing_text(const std::filesystem::path& path, const preprocess::Op
                 opened.not_kept.empty() ? "" : concat(" (", opened.not_kept, ")"));
 }
 
+/// True for a note on a choice that an option changes: users see it without --verbose.
+bool is_choice(const std::string& note) {
+  return note.find("; choose another with --") != std::string::npos;
+}
+
 /// @param color  keeps the colours, for a texture
 preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
                             const DataAccess& access, bool color = false) {
@@ -72,8 +77,8 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
                                                                      .cache_limit_bytes = cache_limit_bytes(),
                                                                      .progress = access.progress});
   if (opened.was_packed && access.say) access.say(packing_text(path, opened, watch.seconds()));
-  if (access.tell)
-    for (const std::string& note : opened.notes) access.tell(concat("note: ", note));
+  for (const std::string& note : opened.notes)
+    if (const auto& print = is_choice(note) ? access.say : access.tell) print(concat("note: ", note));
   if (access.opened) access.opened->emplace(key, opened);
   return opened;
 }

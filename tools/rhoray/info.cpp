@@ -307,7 +307,8 @@ std::string info_text(const Json& json, bool verbose) {
     text += row("also", joined(json["other_fields"].get<std::vector<std::string>>(), ", ", "'"));
   if (json.contains("vectors"))
     for (const Json& array : json["vectors"])
-      text += row("vector", concat("'", word(array["name"]), "'  ", array["components"].get<int>(), " components"));
+      text += row("vector", concat("'", word(array["name"]), "'  ", array["components"].get<int>(),
+                                   " components: ", word(array["scalars"])));
   if (json.contains("findings")) text += findings_text(json["findings"]);
   return text + packing_text(json);
 }

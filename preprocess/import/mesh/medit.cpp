@@ -193,8 +193,18 @@ class MeditReader {
       for (NeutralField& field : fields)
         for (int c = 0; c < field.component_count; ++c) field.values.push_back(file.real("a value"));
     for (NeutralField& field : fields) {
+      if (field.component_count == 6) bring_to_our_order(field.values);
       field.was_single_precision = file.is_single_precision() || fits_single_precision(field.values);
       mesh_.point_fields.push_back(std::move(field));
+    }
+  }
+
+  /// The file has the lower triangles of symmetric matrices, row by row (components.h has ours).
+  static void bring_to_our_order(Array<double>& values) {
+    for (std::size_t i = 0; i + 6 <= values.size(); i += 6) {
+      const std::array<double, 6> m{values[i],     values[i + 2], values[i + 5],
+                                    values[i + 1], values[i + 4], values[i + 3]};
+      std::copy(m.begin(), m.end(), values.begin() + static_cast<std::ptrdiff_t>(i));
     }
   }
 

@@ -25,14 +25,29 @@ std::size_t choose_array(const std::filesystem::path& path, const std::vector<Na
   refuse_input(path, "arrays", joined(known), concat("one of ", axis_count, " axes"), ErrorCode::unsupported);
 }
 
-void set_names(NeutralVolume& volume, const std::vector<NamedShape>& arrays, std::size_t chosen,
-               const std::string& field, std::size_t axis_count) {
-  volume.field_name = arrays[chosen].name;
-  for (std::size_t i = 0; i < arrays.size(); ++i)
-    if (i != chosen && arrays[i].shape.size() == axis_count) volume.other_fields.push_back(arrays[i].name);
-  if (field.empty() && !volume.other_fields.empty())
-    volume.notes.push_back(concat("using the first array, '", volume.field_name,
-                                  "'; choose another with --field: ", joined(volume.other_fields)));
+std::optional<int> component_count_of(const std::vector<std::int64_t>& sizes) {
+  constexpr std::int64_t largest_tensor = 9;
+  if (sizes.size() == 3) return 1;
+  if (sizes.size() != 4 || sizes[3] < 2 || sizes[3] > largest_tensor) return std::nullopt;
+  return static_cast<int>(sizes[3]);
+}
+
+VolumeChoice choose_volume(const std::filesystem::path& path, const std::vector<NamedShape>& arrays,
+                           const std::string& field, std::string_view expected) {
+  VolumeChoice choice;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (const std::optional<int> count = component_count_of(arrays[i].shape)) {
+      choice.volumes.push_back({arrays[i].name, *count});
+      places.push_back(i);
+    } else if (!field.empty() && arrays[i].name == field) {
+      check_axes(path, arrays[i], 3, expected);
+    }
+  }
+  if (choice.volumes.empty()) choose_array(path, arrays, field, 3);  // refuses
+  choice.scalar = choose_scalar(path, choice.volumes, field);
+  choice.array = places[choice.scalar.array];
+  return choice;
 }
 
 void check_axes(const std::filesystem::path& path, const NamedShape& array, std::size_t axis_count,

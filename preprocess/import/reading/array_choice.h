@@ -2,9 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -23,10 +26,22 @@ std::string shape_text(const std::vector<std::int64_t>& shape);
 std::size_t choose_array(const std::filesystem::path& path, const std::vector<NamedShape>& arrays,
                          const std::string& field, std::size_t axis_count);
 
-/// Names the volume of the chosen array, and the others with so many axes. A note tells of these
-/// when `field` is empty.
-void set_names(NeutralVolume& volume, const std::vector<NamedShape>& arrays, std::size_t chosen,
-               const std::string& field, std::size_t axis_count);
+/// Numbers for each sample of an array with three axes (one), or with a fourth for the components
+/// of vectors and tensors (2 to 9); nothing for other arrays, such as time steps.
+/// @param sizes  the last is the fourth axis
+std::optional<int> component_count_of(const std::vector<std::int64_t>& sizes);
+
+/// A scalar among the arrays of a file, of any shape.
+struct VolumeChoice {
+  std::size_t array = 0;             ///< of all arrays
+  std::vector<VectorArray> volumes;  ///< the arrays that component_count_of accepts
+  ScalarChoice scalar;               ///< of these
+};
+
+/// The scalar that `field` names, or the default (grid_arrays.h). Refuses a file without such an
+/// array, and names those it has.
+VolumeChoice choose_volume(const std::filesystem::path& path, const std::vector<NamedShape>& arrays,
+                           const std::string& field, std::string_view expected);
 
 /// Refuses an array that has not so many axes (ErrorCode::unsupported).
 /// @param expected  "3 axes: z, y, x"

@@ -14,7 +14,7 @@ namespace rhoray::preprocess {
 NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_metaimage(const std::filesystem::path& path, const std::string& field);
 /// @param time  time step, as in ImportVolumeOptions
-NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& time);
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& field, const std::string& time);
 NeutralVolume read_matlab(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_npy(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_npz(const std::filesystem::path& path, const std::string& field);

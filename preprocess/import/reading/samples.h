@@ -3,14 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "formats/base/error.h"
 #include "preprocess/neutral.h"
 #include "preprocess/process/foreign_file.h"
 
@@ -64,54 +62,5 @@ void finish_volume(NeutralVolume& volume, const std::filesystem::path& path);
 
 /// Returns axes along x, y, z with this spacing.
 Affine axis_parallel(const Vec3& spacing, const Vec3& origin);
-
-/// One array of a file that stores several, with values at grid points or in grid cells.
-struct GridArray {
-  std::string name;
-  formats::ElementType type = formats::ElementType::U8;
-  int component_count = 1;
-  bool in_cells = false;
-  Array<std::byte> values;                   ///< in native byte order; either these
-  std::function<Array<std::byte>()> load{};  ///< or what reads them when the array is chosen
-};
-
-/// A grid of points. Sample (i, j, k) lies at world_from_grid.point({i, j, k}). On an axis with a
-/// table, the table's entry replaces the index.
-struct PointGrid {
-  Index3 point_count;
-  Affine world_from_grid;
-  std::array<std::vector<double>, 3> axes{};
-};
-
-/// The grid with points at these positions along x, y and z, increasing or decreasing. An axis with
-/// equal steps, within the given precision, needs no table. Refuses positions that are not finite
-/// or not monotonic.
-/// @param relative_precision  of one position, such as 2^-23 for 32-bit floats
-PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<std::vector<double>, 3>& positions,
-                           double relative_precision);
-
-/// Thrown when no field is named and no array has a single component.
-class VectorsOnly : public Error {
- public:
-  VectorsOnly(const Error& error, std::string first) : Error(error), first_(std::move(first)) {}
-  const std::string& first() const { return first_; }  ///< name of the first array
-
- private:
-  std::string first_;
-};
-
-/// The volume of one array. `field` names the array, or one component of it as NAME.x, NAME.y,
-/// NAME.z, NAME.<n>, NAME.mag. Empty selects the first array with one component, or throws
-/// VectorsOnly. Cell values become samples at cell centres, with a note.
-NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
-                              const std::string& field);
-
-using TakeField = NeutralVolume(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
-                                const std::string& field);
-
-/// The colours in one point array of 3 or 4 8-bit components: the one that `field` names, or the
-/// first.
-NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
-                              const std::string& field);
 
 }  // namespace rhoray::preprocess

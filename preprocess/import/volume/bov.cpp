@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/keyed_words.h"
 #include "preprocess/import/reading/samples.h"
 

@@ -3,11 +3,14 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 #include "formats/base/regular_file.h"
+#include "preprocess/components.h"
 #include "preprocess/import/reading/foreign_names.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
@@ -113,8 +116,11 @@ ElementType element_type_of_oiio(const Picture& picture, const fs::path& path) {
 struct Choice {
   static constexpr int luminance = -1;  ///< of linear R, G, B (ITU-R BT.709)
   static constexpr int grey = -2;       ///< R, if R, G and B are equal
+  static constexpr int magnitude = -3;  ///< of R, G and B; 32-bit floats, or 64-bit floats of wide types
   int channel = 0;
 };
+
+constexpr const char* magnitude_name = "colors.mag";
 
 std::size_t colour_count(const Picture& picture) {
   return picture.channels.size() >= 3 ? 3 : 1;  // the rest is alpha
@@ -129,13 +135,15 @@ Choice choose(const Picture& picture, const std::string& field, const fs::path& 
   }
   if (colour_count(picture) == 3) {
     if (field == "luminance") return {Choice::luminance};
-    names += ", luminance";
+    if (field == magnitude_name) return {Choice::magnitude};
+    names += concat(", luminance, ", magnitude_name);
   }
   throw Error(ErrorCode::usage, concat(path.string(), ": found no field '", field, "'; expected one of ", names));
 }
 
-template <class T>
-void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, const Choice& choice, const Slice& slice,
+/// Takes the samples of one slice from its pixels. Returns false at a colour where grey was chosen.
+template <class T, class Sample>
+bool take_slice(const std::vector<std::byte>& pixels, const Picture& picture, const Choice& choice,
                 std::span<std::byte> to) {
   const std::size_t channels = picture.channels.size();
   const auto value = [&](std::size_t pixel, std::size_t channel) {
@@ -143,19 +151,57 @@ void take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
     std::memcpy(&number, pixels.data() + (pixel * channels + channel) * sizeof(T), sizeof number);
     return number;
   };
-  for (std::size_t pixel = 0; pixel < to.size() / sizeof(T); ++pixel) {
-    T sample = value(pixel, choice.channel < 0 ? 0 : static_cast<std::size_t>(choice.channel));
-    if (choice.channel == Choice::luminance) {
-      sample = static_cast<T>(0.2126 * static_cast<double>(sample) + 0.7152 * static_cast<double>(value(pixel, 1)) +
-                              0.0722 * static_cast<double>(value(pixel, 2)));
-    } else if (choice.channel == Choice::grey && (sample != value(pixel, 1) || sample != value(pixel, 2))) {
-      throw Error(
-          ErrorCode::unsupported,
-          concat(slice.file.string(), ", pixel ", pixel, ": found a colour; expected grey, or a choice"),
-          "choose one channel with --field R, G, B or luminance, or keep all of them as a texture with --color");
-    }
-    std::memcpy(to.data() + pixel * sizeof(T), &sample, sizeof sample);
+  const auto as_double = [&](std::size_t pixel, std::size_t channel) {
+    return static_cast<double>(value(pixel, channel));
+  };
+  for (std::size_t pixel = 0; pixel < to.size() / sizeof(Sample); ++pixel) {
+    const T first = value(pixel, choice.channel < 0 ? 0 : static_cast<std::size_t>(choice.channel));
+    auto sample = static_cast<Sample>(first);
+    if (choice.channel == Choice::luminance)
+      sample = static_cast<Sample>(0.2126 * static_cast<double>(first) + 0.7152 * as_double(pixel, 1) +
+                                   0.0722 * as_double(pixel, 2));
+    else if (choice.channel == Choice::magnitude)
+      sample = static_cast<Sample>(
+          magnitude_of(std::array{static_cast<double>(first), as_double(pixel, 1), as_double(pixel, 2)}));
+    else if (choice.channel == Choice::grey && (first != value(pixel, 1) || first != value(pixel, 2)))
+      return false;
+    std::memcpy(to.data() + pixel * sizeof(Sample), &sample, sizeof sample);
   }
+  return true;
+}
+
+/// The samples of all slices; nothing where grey was chosen and a pixel has a colour.
+template <class T, class Sample>
+std::optional<Array<std::byte>> take_slices(const std::vector<Slice>& slices, const Picture& picture,
+                                            const Choice& choice, std::uint64_t sample_count) {
+  Array<std::byte> samples(sample_count * sizeof(Sample));
+  const std::size_t slice_bytes = samples.size() / slices.size();
+  std::vector<std::byte> pixels(bytes_of(picture));
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    read_pixels(slices[k], picture, pixels.data());
+    if (!take_slice<T, Sample>(pixels, picture, choice, std::span(samples).subspan(k * slice_bytes, slice_bytes)))
+      return std::nullopt;
+  }
+  return samples;
+}
+
+/// Reads the chosen samples. Colours without a choice become their magnitude, with a note.
+void take_samples(NeutralVolume& volume, const std::vector<Slice>& slices, const Picture& picture, Choice choice,
+                  std::uint64_t sample_count) {
+  formats::with_element_type(volume.type, [&]<class T>(T) {
+    std::optional<Array<std::byte>> samples;
+    if (choice.channel != Choice::magnitude) samples = take_slices<T, T>(slices, picture, choice, sample_count);
+    if (!samples) {
+      using Real = std::conditional_t<(sizeof(T) > 4 || (std::is_integral_v<T> && sizeof(T) == 4)), double, float>;
+      volume.type = sizeof(Real) == sizeof(double) ? ElementType::F64 : ElementType::F32;
+      samples = take_slices<T, Real>(slices, picture, {Choice::magnitude}, sample_count);
+      volume.field_name = magnitude_name;
+      if (choice.channel == Choice::grey)
+        volume.notes.push_back(concat("using the magnitude of the colours, '", magnitude_name,
+                                      "'; choose another with --field: R, G, B, luminance"));
+    }
+    set_samples(volume, *std::move(samples));
+  });
 }
 
 /// Refuses anything but 8-bit red, green and blue, with or without separate alpha.
@@ -185,18 +231,10 @@ NeutralVolume read_image_slices(const fs::path& path, const std::string& field) 
   NeutralVolume volume;
   volume.type = element_type_of_oiio(picture, path);
   volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
-  Array<std::byte> samples(checked_volume_bytes(path, volume.sample_count, volume.type));
-  const std::size_t slice_bytes = samples.size() / slices.size();
-  formats::with_element_type(volume.type, [&]<class T>(T) {
-    std::vector<std::byte> pixels(bytes_of(picture));
-    for (std::size_t k = 0; k < slices.size(); ++k) {
-      read_pixels(slices[k], picture, pixels.data());
-      take_slice<T>(pixels, picture, choice, slices[k], std::span(samples).subspan(k * slice_bytes, slice_bytes));
-    }
-  });
-  set_samples(volume, std::move(samples));
-  volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
+  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
   volume.field_name = field.empty() ? "intensity" : field;
+  take_samples(volume, slices, picture, choice, bytes / formats::element_bytes(volume.type));
+  volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
   if (colour_count(picture) == 3) volume.other_fields.assign(picture.channels.begin(), picture.channels.end());
   volume.notes.emplace_back(no_spacing);
   finish_volume(volume, path);

@@ -9,6 +9,7 @@
 #include "preprocess/import/reading/array_choice.h"
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/samples.h"
 
 namespace rhoray::preprocess {
@@ -210,27 +211,28 @@ Array<std::byte> read_numbers(ElementReader& reader, ElementType type, std::uint
 }  // namespace
 
 NeutralVolume read_matlab(const fs::path& path, const std::string& field) {
-  constexpr std::size_t axis_count = 3;
   const ForeignFile file(path);
   const bool big_endian = is_big_endian(file);
   const std::vector<Variable> variables = variables_in(file, big_endian);
   std::vector<NamedShape> arrays;
   for (const Variable& variable : variables) arrays.push_back(variable.array);
-  const std::size_t chosen = choose_array(path, arrays, field, axis_count);
-  Variable variable = variables[chosen];
-  check_axes(path, variable.array, axis_count, "3 axes: x, y, z");
+  const VolumeChoice choice =
+      choose_volume(path, arrays, field, "3 axes: x, y, z, or a fourth of 2 to 9 numbers for each sample");
+  const auto& [name, component_count] = choice.volumes[choice.scalar.array];
+  Variable variable = variables[choice.array];
   const std::optional<ElementType> type = find_in(classes, variable.class_number);
   if (!type || variable.is_complex)
-    refuse_input(path, concat("array '", variable.array.name, "'"),
-                 type ? "complex numbers" : "no plain array of numbers", "real numbers", ErrorCode::unsupported);
+    refuse_input(path, concat("array '", name, "'"), type ? "complex numbers" : "no plain array of numbers",
+                 "real numbers", ErrorCode::unsupported);
   NeutralVolume volume;
-  volume.type = *type;
   volume.sample_count = {variable.array.shape[0], variable.array.shape[1], variable.array.shape[2]};
-  const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::uint64_t bytes = checked_array_bytes(path, volume.sample_count, {*type, component_count});
   ElementReader reader(path, variable, big_endian);
   read_head(reader, variable, path);
-  set_samples(volume, read_numbers(reader, *type, bytes, path));
-  set_names(volume, arrays, chosen, field, axis_count);
+  Samples samples{*type, component_count, read_numbers(reader, *type, bytes, path)};
+  interleave(samples, {.inner = static_cast<std::size_t>(rhoray::volume(volume.sample_count))});
+  take_scalar(volume, std::move(samples), choice.scalar.component);
+  set_names(volume, choice.volumes, choice.scalar, field);
   finish_volume(volume, path);
   return volume;
 }

@@ -3,6 +3,7 @@
 
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/keyed_words.h"
 #include "preprocess/import/reading/samples.h"
 
@@ -174,7 +175,7 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
 }
 
 /// @param colors  true: read only samples with 3 or 4 components of 8 bits
-NeutralVolume read_samples(const fs::path& path, bool colors) {
+NeutralVolume read_samples(const fs::path& path, const std::string& field, bool colors) {
   const ForeignFile file(path);
   const Header header(file);
   const std::vector<int> axes = header.numbers<int>({"NDims"}, 1);
@@ -186,13 +187,14 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   if (header.word("BinaryData", "True") == "False")
     refuse_input(path, "key BinaryData", "False: samples as text", "True", ErrorCode::unsupported);
   const auto channels = header.number<int>("ElementNumberOfChannels", 1);
-  if (colors ? channels != 3 && channels != 4 : channels != 1)
+  constexpr int most_channels = 1024;
+  if (colors ? channels != 3 && channels != 4 : channels < 1 || channels > most_channels)
     refuse_input(path, "key ElementNumberOfChannels", concat(channels, " numbers for each sample"),
-                 colors ? "3 or 4: colours" : "1", ErrorCode::unsupported);
+                 colors ? "3 or 4: colours" : concat("1 to ", most_channels), ErrorCode::unsupported);
 
   NeutralVolume volume;
   volume.sample_count = {sizes[0], sizes[1], sizes[2]};
-  volume.component_count = channels;
+  volume.component_count = colors ? channels : 1;
   volume.type = sample_type(header);
   if (colors && volume.type != ElementType::U8)
     refuse_input(path, "key ElementType", header.word("ElementType", ""), "MET_UCHAR: colours of 8 bits",
@@ -200,9 +202,11 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   volume.world_from_grid = world_from_grid(header);
   // Whoever says how the axes lie in a body writes places as ITK does.
   if (header.word("AnatomicalOrientation", "???") != "???") volume.space = formats::Space::lps;
-  volume.field_name = stem_of(path);
+  const std::vector<VectorArray> arrays{{stem_of(path), colors ? 1 : channels}};
+  const ScalarChoice choice = choose_scalar(path, arrays, field);
+  set_names(volume, arrays, choice, field);
   const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, channels)
-                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
+                                     : checked_array_bytes(path, volume.sample_count, {volume.type, channels});
   const std::vector<std::string> files = data_files(header, file);
   if (!files.empty() && static_cast<std::uint64_t>(sizes[2]) % files.size() != 0)
     refuse_input(path, "key ElementDataFile", concat(files.size(), " files for ", sizes[2], " slices"),
@@ -212,8 +216,8 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
   // The caller uses samples in a file only if the header names the file. A pattern with a number
   // does not name it.
   const bool is_named = files.empty() || header.words("ElementDataFile").front().find('%') == std::string::npos;
-  const bool stays =
-      files.size() <= 1 && is_named && !header.is_true("CompressedData") && is_native(volume.type, big_endian);
+  const bool stays = arrays.front().component_count == 1 && files.size() <= 1 && is_named &&
+                     !header.is_true("CompressedData") && is_native(volume.type, big_endian);
   if (stays) {
     const ForeignFile& holder = files.empty() ? file : part_file(header, files.front());
     const auto source = files.empty() ? file.bytes().subspan(header.data_position()) : holder.bytes();
@@ -222,7 +226,7 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
     Array<std::byte> samples(bytes);
     fill_from_files(header, file, files, samples, volume.notes);
     make_native(samples, formats::element_bytes(volume.type), big_endian);
-    set_samples(volume, std::move(samples));
+    take_scalar(volume, {volume.type, arrays.front().component_count, std::move(samples)}, choice.component);
   }
   finish_volume(volume, path);
   return volume;
@@ -230,12 +234,12 @@ NeutralVolume read_samples(const fs::path& path, bool colors) {
 
 }  // namespace
 
-NeutralVolume read_metaimage(const fs::path& path, const std::string&) {
-  return read_samples(path, false);
+NeutralVolume read_metaimage(const fs::path& path, const std::string& field) {
+  return read_samples(path, field, false);
 }
 
-NeutralVolume read_metaimage_colors(const fs::path& path, const std::string&) {
-  return read_samples(path, true);
+NeutralVolume read_metaimage_colors(const fs::path& path, const std::string& field) {
+  return read_samples(path, field, true);
 }
 
 }  // namespace rhoray::preprocess

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -6,6 +7,7 @@
 #include "preprocess/export/nifti_header.h"
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/time_steps.h"
 
@@ -55,11 +57,10 @@ std::int64_t size_of(const Header& header, int axis) {
 Index3 sample_count(const Header& header) {
   const std::int64_t axes = size_of(header, 0);
   if (axes < 1 || axes > 7) refuse_input(header.path(), "dim[0]", concat(axes), "1 to 7");
-  for (int axis = 5; axis <= axes; ++axis)
+  for (int axis = 6; axis <= axes; ++axis)
     if (size_of(header, axis) > 1)
       refuse_input(header.path(), concat("dim[", axis, "]"),
-                   concat(size_of(header, axis), " numbers or volumes for each sample and time"), "1",
-                   ErrorCode::unsupported);
+                   concat(size_of(header, axis), " groups of numbers for each sample"), "1", ErrorCode::unsupported);
   if (axes < 3) refuse_input(header.path(), "dim[0]", concat(axes, " axes"), "3", ErrorCode::unsupported);
   return {size_of(header, 1), size_of(header, 2), size_of(header, 3)};
 }
@@ -80,13 +81,23 @@ int color_components(const Header& header) {
   return code == 128 ? 3 : code == 2304 ? 4 : 0;
 }
 
+/// Numbers for each sample: those of colours lie side by side, those of vectors and tensors behind
+/// all samples.
+int component_count(const Header& header) {
+  constexpr std::int64_t most = 1024;
+  const std::int64_t numbers = size_of(header, 0) < 5 ? 1 : std::max<std::int64_t>(size_of(header, 5), 1);
+  if (numbers > most)
+    refuse_input(header.path(), "dim[5]", concat(numbers, " numbers for each sample"), concat("at most ", most),
+                 ErrorCode::unsupported);
+  if (numbers > 1 && color_components(header) != 0)
+    refuse_input(header.path(), "dim[5]", concat(numbers, " colours for each sample"), "1", ErrorCode::unsupported);
+  return std::max(static_cast<int>(numbers), color_components(header));
+}
+
 ElementType sample_type(const Header& header) {
+  if (color_components(header) != 0) return ElementType::U8;
   const int code = header.at<std::int16_t>(datatype);
   const std::optional<ElementType> found = find_in(data_types, code);
-  if (color_components(header) != 0)
-    throw Error(ErrorCode::unsupported,
-                concat(header.path().string(), ", datatype: found colours (", code, "); expected one number each"),
-                "--color keeps colours, for use as a texture");
   if (!found)
     refuse_input(header.path(), "datatype", concat(code), "integers or floating-point numbers of 8 to 64 bits",
                  ErrorCode::unsupported);
@@ -185,35 +196,52 @@ Place choose_volume(const Header& header, const std::string& time, std::vector<s
   return {0, times.size()};
 }
 
-/// Takes the samples of one volume: leaves them in the file, or copies or decompresses them.
-void take_samples(NeutralVolume& volume, const Place& place, std::uint64_t bytes, const Header& header,
-                  const ForeignFile& file, ByteStream& stream) {
+/// Takes the numbers of one volume: leaves them in the file, or copies or decompresses them.
+/// @param groups  of numbers of all samples, each of `bytes` bytes; they lie behind those of all times
+void take_samples(NeutralVolume& volume, const Place& place, std::uint64_t groups, std::uint64_t bytes,
+                  const Header& header, const ForeignFile& file, ByteStream& stream) {
   const double offset = header.real(vox_offset);
   if (!(offset >= 352 && offset < 1e9))  // written so that NaN is refused
     refuse_input(file.path(), "vox_offset", concat(offset), "at least 352");
-  const std::optional<std::uint64_t> all = checked_product({place.count, bytes});
+  const std::optional<std::uint64_t> all = checked_product({place.count, groups, bytes});
   if (!all) refuse_input(file.path(), "dim", "sizes beyond 64 bits", "sizes that a file can hold");
   if (stream.is_packed())
     check_packed_size(file.path(), *all, file.bytes().size());
   else
     samples_in(file, static_cast<std::uint64_t>(offset), *all);
-  const std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes + place.index * bytes;
-  if (stream.drain(skipped) != skipped)
-    refuse_input(file.path(), "vox_offset", "an offset beyond the end", "samples there");
-  if (!stream.is_packed() && is_native(volume.type, header.big_endian())) {
+  std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes + place.index * bytes;
+  if (groups == 1 && !stream.is_packed() && is_native(volume.type, header.big_endian())) {
     leave_samples_in(volume, file, samples_in(file, header_bytes + skipped, bytes));
     return;
   }
-  Array<std::byte> samples(bytes);
-  stream.read(samples, "samples");
+  Array<std::byte> samples(groups * bytes);
+  for (std::uint64_t group = 0; group < groups; ++group) {
+    if (stream.drain(skipped) != skipped)
+      refuse_input(file.path(), "vox_offset", "an offset beyond the end", "samples there");
+    stream.read(std::span(samples).subspan(group * bytes, bytes), "samples");
+    skipped = (place.count - 1) * bytes;
+  }
   // The compressed stream's checksum comes after its last byte.
   stream.drain((place.count - place.index - 1) * bytes + 1);
   make_native(samples, formats::element_bytes(volume.type), header.big_endian());
   set_samples(volume, std::move(samples));
 }
 
+/// Takes the chosen scalar from all numbers of each sample, which the volume has.
+void take_component(NeutralVolume& volume, int component, const Header& header) {
+  constexpr std::size_t intent_code = 68;
+  constexpr int symmetric_matrix = 1005;
+  const int count = component_count(header);
+  Samples samples{volume.type, count, Array<std::byte>(volume.samples.begin(), volume.samples.end())};
+  if (color_components(header) == 0)
+    interleave(samples, {.inner = static_cast<std::size_t>(rhoray::volume(volume.sample_count))});
+  if (count == 6 && header.at<std::int16_t>(intent_code) == symmetric_matrix) pick(samples, from_lower_rows);
+  take_scalar(volume, std::move(samples), component);
+}
+
 /// @param colors  true: read only colours of 8 bits, in a file of one volume
-NeutralVolume read_samples(const std::filesystem::path& path, const std::string& time, bool colors) {
+NeutralVolume read_samples(const std::filesystem::path& path, const std::string& field, const std::string& time,
+                           bool colors) {
   const ForeignFile file(path);
   ByteStream stream(path, file.bytes(), true);
   std::array<std::byte, header_bytes> header_text;
@@ -226,7 +254,7 @@ NeutralVolume read_samples(const std::filesystem::path& path, const std::string&
 
   NeutralVolume volume;
   volume.sample_count = sample_count(header);
-  if (!colors) volume.type = sample_type(header);
+  volume.type = sample_type(header);
   if (colors) {
     volume.component_count = color_components(header);
     if (volume.component_count == 0)
@@ -239,23 +267,27 @@ NeutralVolume read_samples(const std::filesystem::path& path, const std::string&
   volume.length_unit = length_unit(header);
   const bool is_placed = header.at<std::int16_t>(sform_code) > 0 || header.at<std::int16_t>(qform_code) > 0;
   if (is_placed) volume.space = formats::Space::ras;
-  volume.field_name = stem_of(path);
-  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
-                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
-  take_samples(volume, choose_volume(header, time, volume.notes), bytes, header, file, stream);
-  if (!colors) apply_scale(volume, header);
+  const std::vector<VectorArray> arrays{{stem_of(path), colors ? 1 : component_count(header)}};
+  const ScalarChoice choice = choose_scalar(path, arrays, field);
+  set_names(volume, arrays, choice, field);
+  const int together = std::max(1, color_components(header));
+  const std::uint64_t bytes = checked_array_bytes(path, volume.sample_count, {volume.type, together});
+  const std::uint64_t groups = static_cast<std::uint64_t>(component_count(header) / together);
+  take_samples(volume, choose_volume(header, time, volume.notes), groups, bytes, header, file, stream);
+  if (together == 1) apply_scale(volume, header);
+  if (arrays.front().component_count > 1) take_component(volume, choice.component, header);
   finish_volume(volume, path);
   return volume;
 }
 
 }  // namespace
 
-NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& time) {
-  return read_samples(path, time, false);
+NeutralVolume read_nifti(const std::filesystem::path& path, const std::string& field, const std::string& time) {
+  return read_samples(path, field, time, false);
 }
 
-NeutralVolume read_nifti_colors(const std::filesystem::path& path, const std::string&) {
-  return read_samples(path, {}, true);
+NeutralVolume read_nifti_colors(const std::filesystem::path& path, const std::string& field) {
+  return read_samples(path, field, {}, true);
 }
 
 }  // namespace rhoray::preprocess

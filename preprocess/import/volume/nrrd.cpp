@@ -12,6 +12,7 @@
 #include "formats/base/library_text.h"
 #include "formats/base/regular_file.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
@@ -157,20 +158,37 @@ bool begins_with_colors(const Nrrd& nrrd) {
   }
 }
 
-/// The three axes of the volume, fastest first. Any other axis must have one sample.
-/// @param has_colors  the first axis holds the components of colours
-std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd, bool has_colors) {
-  std::vector<unsigned> axes;
-  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
-    if (is_in_space(nrrd, axis)) axes.push_back(axis);
-  for (std::size_t i = axes.size(); axes.size() > 3 && i-- > 0;)
-    if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
-  for (unsigned axis = has_colors ? 1 : 0; axis < nrrd.dim; ++axis)
-    if (!is_in_space(nrrd, axis) && nrrd.axis[axis].size > 1)
+/// The axis with the numbers of each sample, if there is one: the only one that is not in space, or
+/// of four axes of unknown kinds the one without a direction, or the first if it may hold colours.
+std::optional<unsigned> component_axis(const std::filesystem::path& path, const Nrrd& nrrd) {
+  std::vector<unsigned> in_space, others, without_direction;
+  for (unsigned axis = 0; axis < nrrd.dim; ++axis) {
+    if (nrrd.axis[axis].size < 2) continue;
+    (is_in_space(nrrd, axis) ? in_space : others).push_back(axis);
+    if (is_in_space(nrrd, axis) && !has_direction(nrrd, axis)) without_direction.push_back(axis);
+  }
+  constexpr std::size_t most_numbers = 1024;
+  for (const unsigned axis : others)
+    if (others.size() > 1 || nrrd.axis[axis].kind == nrrdKindTime || nrrd.axis[axis].size > most_numbers)
       refuse_input(path, concat("axis ", axis),
                    concat(nrrd.axis[axis].size, " numbers for each sample (kind ",
                           airEnumStr(nrrdKind, nrrd.axis[axis].kind), ")"),
-                   "one number for each sample", ErrorCode::unsupported);
+                   "one axis of numbers for each sample, and no times", ErrorCode::unsupported);
+  if (others.size() == 1) return others.front();
+  if (in_space.size() != 4) return std::nullopt;
+  if (without_direction.size() == 1) return without_direction.front();
+  return begins_with_colors(nrrd) ? std::optional(0U) : std::nullopt;
+}
+
+/// The three axes of the volume, fastest first. Any other axis must have one sample.
+/// @param components  the axis with the numbers of each sample
+std::array<unsigned, 3> volume_axes(const std::filesystem::path& path, const Nrrd& nrrd,
+                                    std::optional<unsigned> components) {
+  std::vector<unsigned> axes;
+  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
+    if (axis != components && is_in_space(nrrd, axis)) axes.push_back(axis);
+  for (std::size_t i = axes.size(); axes.size() > 3 && i-- > 0;)
+    if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
   if (axes.size() != 3)
     refuse_input(path, "key dimension", concat(axes.size(), " axes in space"), "3", ErrorCode::unsupported);
   return {axes[0], axes[1], axes[2]};
@@ -319,13 +337,38 @@ void check_colors(const std::filesystem::path& path, const Nrrd& nrrd) {
     refuse_input(path, "key type", airEnumStr(nrrdType, nrrd.type), "uchar: colours of 8 bits", ErrorCode::unsupported);
 }
 
+/// Takes the chosen scalar from all numbers of each sample.
+/// @param axis  the axis with these numbers
+void take_component(NeutralVolume& volume, Samples samples, int component, const Nrrd& nrrd, unsigned axis) {
+  PlanarShape shape;
+  for (unsigned i = 0; i < nrrd.dim; ++i) {
+    if (i < axis) shape.inner *= nrrd.axis[i].size;
+    if (i > axis) shape.outer *= nrrd.axis[i].size;
+  }
+  interleave(samples, shape);
+  const int kind = nrrd.axis[axis].kind;
+  if (kind == nrrdKind3DMaskedSymMatrix) pick(samples, {1, 4, 6, 2, 5, 3});
+  if (kind == nrrdKind3DSymMatrix) pick(samples, from_upper_rows);
+  if (kind == nrrdKind3DMaskedMatrix) pick(samples, {1, 2, 3, 4, 5, 6, 7, 8, 9});
+  take_scalar(volume, std::move(samples), component);
+}
+
+/// Numbers for each sample, without the mask of masked tensors.
+int component_count(const Nrrd& nrrd, std::optional<unsigned> axis) {
+  if (!axis) return 1;
+  const int kind = nrrd.axis[*axis].kind;
+  const bool is_masked = kind == nrrdKind3DMaskedSymMatrix || kind == nrrdKind3DMaskedMatrix;
+  return static_cast<int>(nrrd.axis[*axis].size) - (is_masked ? 1 : 0);
+}
+
 /// @param colors  true: read only samples with 3 or 4 components of 8 bits
-NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
+NeutralVolume read_samples(const std::filesystem::path& path, const std::string& field, bool colors) {
   check_nrrd_magic(path);
   // Read the header alone, so that nothing is allocated for sizes that are refused.
   const auto [header, io] = load_header(path);
   if (colors) check_colors(path, *header);
-  const std::array<unsigned, 3> axes = volume_axes(path, *header, colors);
+  const std::optional<unsigned> numbers_axis = colors ? std::optional(0U) : component_axis(path, *header);
+  const std::array<unsigned, 3> axes = volume_axes(path, *header, numbers_axis);
   const auto size = [&, &nrrd = *header](std::size_t i) { return static_cast<std::int64_t>(nrrd.axis[axes[i]].size); };
   NeutralVolume volume;
   volume.sample_count = {size(0), size(1), size(2)};
@@ -335,24 +378,30 @@ NeutralVolume read_samples(const std::filesystem::path& path, bool colors) {
   volume.length_unit = length_unit(*header, axes);
   set_space(*header, volume);
   volume.field_unit = sample_unit(*header);
-  if (!colors) volume.label_names = segment_names(*header, volume.notes);
-  volume.field_name = stem_of(path);
-  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
-                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::vector<VectorArray> arrays{{stem_of(path), colors ? 1 : component_count(*header, numbers_axis)}};
+  const ScalarChoice choice = choose_scalar(path, arrays, field);
+  set_names(volume, arrays, choice, field);
+  const int numbers = numbers_axis ? static_cast<int>(header->axis[*numbers_axis].size) : 1;
+  if (!colors && numbers == 1) volume.label_names = segment_names(*header, volume.notes);
+  const std::uint64_t bytes = checked_array_bytes(path, volume.sample_count, {volume.type, numbers});
   check_data_size(path, *io, bytes, bytes / formats::element_bytes(volume.type));
-  if (!left_in_file(volume, path, *io, bytes)) set_samples(volume, load_samples(path, *header, bytes));
+  if (arrays.front().component_count > 1)
+    take_component(volume, {volume.type, numbers, load_samples(path, *header, bytes)}, choice.component, *header,
+                   *numbers_axis);
+  else if (!left_in_file(volume, path, *io, bytes))
+    set_samples(volume, load_samples(path, *header, bytes));
   finish_volume(volume, path);
   return volume;
 }
 
 }  // namespace
 
-NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string&) {
-  return read_samples(path, false);
+NeutralVolume read_nrrd(const std::filesystem::path& path, const std::string& field) {
+  return read_samples(path, field, false);
 }
 
-NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string&) {
-  return read_samples(path, true);
+NeutralVolume read_nrrd_colors(const std::filesystem::path& path, const std::string& field) {
+  return read_samples(path, field, true);
 }
 
 }  // namespace rhoray::preprocess

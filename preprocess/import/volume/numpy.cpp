@@ -10,6 +10,7 @@
 
 #include "preprocess/import/reading/array_choice.h"
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/reading/zip_archive.h"
@@ -112,18 +113,21 @@ std::size_t axis_count(bool colors) {
   return colors ? 4 : 3;
 }
 
+constexpr const char* expected_axes = "3 axes: z, y, x, or a fourth, last, of 2 to 9 numbers for each sample";
+
 /// The volume without its samples, and their number of bytes.
 /// @param colors  true: the last axis has the 3 or 4 components of a colour
 /// @param held    bytes that follow the header
 std::pair<NeutralVolume, std::uint64_t> describe(const std::string& name, const Header& header, bool colors,
                                                  std::uint64_t held, const fs::path& path) {
-  check_axes(path, {name, header.shape}, axis_count(colors),
-             colors ? "4 axes: z, y, x and colour" : "3 axes: z, y, x, or colours with --color");
+  const std::optional<int> count = component_count_of(header.shape);
+  if (colors || !count)
+    check_axes(path, {name, header.shape}, axis_count(colors), colors ? "4 axes: z, y, x and colour" : expected_axes);
   NeutralVolume volume;
   volume.type = type_of(header, path);
   volume.sample_count = {header.shape[2], header.shape[1], header.shape[0]};
+  volume.component_count = count.value_or(0);
   if (colors) {
-    volume.component_count = static_cast<int>(std::clamp<std::int64_t>(header.shape[3], 0, 9));
     if (volume.type != ElementType::U8 || (volume.component_count != 3 && volume.component_count != 4))
       refuse_input(path, "header",
                    concat(header.shape[3], " components of ", formats::element_name(volume.type), " for each sample"),
@@ -131,8 +135,9 @@ std::pair<NeutralVolume, std::uint64_t> describe(const std::string& name, const 
     if (header.fortran_order)
       refuse_input(path, "key fortran_order", "True", "False for colours", ErrorCode::unsupported);
   }
-  const std::uint64_t bytes = colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
-                                     : checked_volume_bytes(path, volume.sample_count, volume.type);
+  const std::uint64_t bytes =
+      colors ? checked_color_bytes(path, volume.sample_count, volume.component_count)
+             : checked_array_bytes(path, volume.sample_count, {volume.type, volume.component_count});
   if (bytes > held) refuse_input(path, "key shape", concat(held, " bytes of numbers"), concat(bytes));
   if (bytes < held) volume.notes.push_back(concat(held - bytes, " bytes after the array were left out"));
   return {std::move(volume), bytes};
@@ -142,20 +147,32 @@ bool is_big_endian(const Header& header) {
   return header.descr.starts_with('>');
 }
 
-/// Reads the samples and brings them to our order.
-void take_samples(NeutralVolume& volume, std::uint64_t bytes, const Header& header, const Read& read) {
-  Array<std::byte> samples(bytes);
-  read(samples);
-  make_native(samples, formats::element_bytes(volume.type), is_big_endian(header));
-  if (header.fortran_order) {
-    Array<std::byte> turned(bytes);
-    formats::with_element_type(volume.type, [&]<class T>(T) { put_x_first<T>(samples, turned, volume.sample_count); });
-    samples = std::move(turned);
-  }
-  set_samples(volume, std::move(samples));
+/// Reads the numbers and brings them to our order.
+Samples read_samples(const NeutralVolume& volume, std::uint64_t bytes, const Header& header, const Read& read) {
+  Samples samples{volume.type, volume.component_count, Array<std::byte>(bytes)};
+  read(samples.values);
+  make_native(samples.values, formats::element_bytes(volume.type), is_big_endian(header));
+  if (!header.fortran_order) return samples;
+  const auto components = static_cast<std::size_t>(volume.component_count);
+  Array<std::byte> turned(bytes);
+  formats::with_element_type(volume.type, [&]<class T>(T) {
+    for (std::size_t c = 0; c < components; ++c)
+      put_x_first<T>(std::span(samples.values).subspan(c * bytes / components, bytes / components),
+                     std::span(turned).subspan(c * bytes / components, bytes / components), volume.sample_count);
+  });
+  samples.values = std::move(turned);
+  interleave(samples, {.inner = static_cast<std::size_t>(rhoray::volume(volume.sample_count))});
+  return samples;
 }
 
-NeutralVolume read_array(const fs::path& path, bool colors) {
+/// @param colors  true: keep all numbers of each sample
+void take(NeutralVolume& volume, Samples samples, int component, bool colors) {
+  if (colors) return set_samples(volume, std::move(samples.values));
+  volume.component_count = 1;
+  take_scalar(volume, std::move(samples), component);
+}
+
+NeutralVolume read_array(const fs::path& path, const std::string& field, bool colors) {
   const ForeignFile file(path);
   std::span<const std::byte> rest = file.bytes();
   const Read read = [&](std::span<std::byte> to) {
@@ -167,11 +184,13 @@ NeutralVolume read_array(const fs::path& path, bool colors) {
   };
   const Header header = read_header(read, path);
   auto [volume, bytes] = describe(stem_of(path), header, colors, rest.size(), path);
-  volume.field_name = stem_of(path);
-  if (!header.fortran_order && is_native(volume.type, is_big_endian(header)))
+  const std::vector<VectorArray> arrays{{stem_of(path), colors ? 1 : volume.component_count}};
+  const ScalarChoice choice = choose_scalar(path, arrays, field);
+  set_names(volume, arrays, choice, field);
+  if (arrays.front().component_count == 1 && !header.fortran_order && is_native(volume.type, is_big_endian(header)))
     leave_samples_in(volume, file, rest.first(bytes));
   else
-    take_samples(volume, bytes, header, read);
+    take(volume, read_samples(volume, bytes, header, read), choice.component, colors);
   finish_volume(volume, path);
   return std::move(volume);
 }
@@ -188,31 +207,42 @@ std::vector<NamedShape> arrays_in(const fs::path& path) {
   return arrays;
 }
 
+/// The array of colours that `field` names, or the first.
+VolumeChoice choose_colors(const fs::path& path, const std::vector<NamedShape>& arrays, const std::string& field) {
+  VolumeChoice choice{.array = choose_array(path, arrays, field, axis_count(true)), .volumes = {}, .scalar = {}};
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (i == choice.array) choice.scalar.array = choice.volumes.size();
+    if (i == choice.array || arrays[i].shape.size() == axis_count(true)) choice.volumes.push_back({arrays[i].name, 1});
+  }
+  return choice;
+}
+
 NeutralVolume read_archive(const fs::path& path, const std::string& field, bool colors) {
   const std::vector<NamedShape> arrays = arrays_in(path);
-  const std::size_t chosen = choose_array(path, arrays, field, axis_count(colors));
-  const std::string& name = arrays[chosen].name;
+  const VolumeChoice choice =
+      colors ? choose_colors(path, arrays, field) : choose_volume(path, arrays, field, expected_axes);
+  const std::string& name = arrays[choice.array].name;
   NeutralVolume volume;
   visit_zip(path, [&](const ZipEntry& entry) {
     if (entry.name != concat(name, member_ending) || !volume.samples.empty()) return;
     const Header header = read_header(entry.read, path);
     std::uint64_t bytes = 0;
     std::tie(volume, bytes) = describe(name, header, colors, entry.size - header.byte_count, path);
-    take_samples(volume, bytes, header, entry.read);
+    take(volume, read_samples(volume, bytes, header, entry.read), choice.scalar.component, colors);
   });
-  set_names(volume, arrays, chosen, field, axis_count(colors));
+  set_names(volume, choice.volumes, choice.scalar, field);
   finish_volume(volume, path);
   return volume;
 }
 
 }  // namespace
 
-NeutralVolume read_npy(const fs::path& path, const std::string&) {
-  return read_array(path, false);
+NeutralVolume read_npy(const fs::path& path, const std::string& field) {
+  return read_array(path, field, false);
 }
 
-NeutralVolume read_npy_colors(const fs::path& path, const std::string&) {
-  return read_array(path, true);
+NeutralVolume read_npy_colors(const fs::path& path, const std::string& field) {
+  return read_array(path, field, true);
 }
 
 NeutralVolume read_npz(const fs::path& path, const std::string& field) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "preprocess/import/mesh/mesh_cells.h"
-#include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/grid_arrays.h"
 
 namespace rhoray::preprocess {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "preprocess/import/reading/families.h"
+#include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/piece_files.h"
 #include "preprocess/import/vtk/structured_pieces.h"

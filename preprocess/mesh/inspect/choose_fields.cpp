@@ -1,7 +1,6 @@
 #include "preprocess/mesh/inspect/choose_fields.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +10,6 @@
 #include <set>
 #include <span>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -19,6 +17,8 @@
 #include "formats/base/lower_case.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/base/word_list.h"
+#include "preprocess/components.h"
 #include "preprocess/values/has_data.h"
 
 namespace rhoray::preprocess {
@@ -33,21 +33,13 @@ struct SourceField {
 
 /// One scalar to be made from a source field.
 struct Selection {
-  static constexpr int magnitude = -1;
-
   std::string name;
   const SourceField* source;
-  int component;  ///< or `magnitude`
+  int component;  ///< or `magnitude_component`
 };
 
 bool is_vector(const SourceField& source) {
   return source.field->component_count > 1;
-}
-
-std::string component_name(const SourceField& source, int component) {
-  if (source.field->component_count <= 3)
-    return concat(source.name, '.', std::string_view("xyz").substr(static_cast<std::size_t>(component), 1));
-  return concat(source.name, '.', component);
 }
 
 void check_field(const SourceField& source, std::size_t place_count, const std::string& source_name) {
@@ -93,63 +85,40 @@ std::vector<SourceField> source_fields(const NeutralMesh& mesh, const std::strin
 std::vector<std::string> names_on_offer(const std::vector<SourceField>& fields) {
   std::vector<std::string> names;
   for (const SourceField& source : fields) {
-    if (!is_vector(source)) {
-      names.push_back(source.name);
-      continue;
-    }
-    for (int c = 0; c < source.field->component_count; ++c) names.push_back(component_name(source, c));
-    names.push_back(source.name + ".mag");
+    const std::vector<std::string> scalars = scalars_of(source.name, source.field->component_count);
+    names.insert(names.end(), scalars.begin(), scalars.end());
   }
   return names;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
-  return list;
-}
-
-std::optional<int> component_of(const SourceField& source, std::string_view suffix) {
-  const int count = source.field->component_count;
-  if (suffix == "mag") return Selection::magnitude;
-  if (suffix.size() == 1 && count <= 3) {
-    const std::size_t letter = std::string_view("xyz").find(suffix);
-    if (letter < static_cast<std::size_t>(count)) return static_cast<int>(letter);
-  }
-  int number = 0;
-  const auto [end, error_code] = std::from_chars(suffix.data(), suffix.data() + suffix.size(), number);
-  if (error_code != std::errc{} || end != suffix.data() + suffix.size() || number < 0 || number >= count)
-    return std::nullopt;
-  return number;
+/// The same as text.
+std::string offer_of(const std::vector<SourceField>& fields) {
+  std::vector<std::string> texts;
+  for (const SourceField& source : fields) texts.push_back(scalars_text(source.name, source.field->component_count));
+  return texts.empty() ? "no fields" : joined(texts);
 }
 
 /// Looks for the whole name first, because a name may itself contain a dot.
 std::optional<Selection> find_selection(const std::vector<SourceField>& fields, const std::string& asked) {
-  for (const SourceField& source : fields)
-    if (source.name == asked && !is_vector(source)) return Selection{asked, &source, 0};
-  const std::size_t dot = asked.rfind('.');
-  if (dot == std::string::npos) return std::nullopt;
-  for (const SourceField& source : fields)
-    if (is_vector(source) && source.name == asked.substr(0, dot))
-      if (const auto component = component_of(source, std::string_view(asked).substr(dot + 1))) {
-        const bool is_magnitude = *component == Selection::magnitude;
-        return Selection{is_magnitude ? asked : component_name(source, *component), &source, *component};
-      }
+  for (const bool in_vectors : {false, true})
+    for (const SourceField& source : fields)
+      if (is_vector(source) == in_vectors)
+        if (const auto component = component_in(asked, source.name, source.field->component_count))
+          return Selection{asked, &source, *component};
   return std::nullopt;
 }
 
 [[noreturn]] void refuse_name(const std::vector<SourceField>& fields, const std::string& asked,
                               const std::string& source_name) {
-  const std::vector<std::string> names = names_on_offer(fields);
-  const std::string offer = names.empty() ? "no fields" : listed(names);
+  const std::string offer = offer_of(fields);
   for (const SourceField& source : fields)
     if (source.name == asked && is_vector(source))
       throw Error(ErrorCode::usage,
-                  concat(source_name, ", field \"", asked, "\": found a vector of ", source.field->component_count,
+                  concat(source_name, ", field \"", asked, "\": found ", source.field->component_count,
                          " components; expected one scalar of: ", offer),
-                  concat("for its length use \"", asked, ".mag\""));
+                  concat("for its magnitude use \"", asked, ".mag\""));
   throw Error(ErrorCode::usage, concat(source_name, ": no field \"", asked, "\"; expected one of: ", offer),
-              did_you_mean(asked, names));
+              did_you_mean(asked, names_on_offer(fields)));
 }
 
 /// The scalars of the wanted names, or all.
@@ -166,10 +135,8 @@ std::vector<Selection> select(const std::vector<SourceField>& fields, const std:
   }
   if (!wanted.empty()) return selections;
   for (const SourceField& source : fields)
-    if (is_vector(source))
-      selections.push_back({source.name + ".mag", &source, Selection::magnitude});
-    else
-      selections.push_back({source.name, &source, 0});
+    selections.push_back({scalars_of(source.name, source.field->component_count).front(), &source,
+                          is_vector(source) ? magnitude_component : 0});
   return selections;
 }
 
@@ -188,26 +155,11 @@ void require_points(const std::vector<Selection>& selections, bool cells_to_poin
               selections.empty() ? "" : hint);
 }
 
-/// Length of a vector. The components are scaled where squares would leave the range of double.
-double magnitude_of(std::span<const double> components) {
-  double sum = 0, largest = 0;
-  for (const double c : components) {
-    sum += c * c;
-    largest = std::max(largest, std::abs(c));
-    if (!has_data(c)) return std::numeric_limits<double>::quiet_NaN();
-  }
-  if (sum > 1e-280 && sum < 1e300) return std::sqrt(sum);
-  if (largest == 0) return 0;
-  sum = 0;
-  for (const double c : components) sum += (c / largest) * (c / largest);
-  return largest * std::sqrt(sum);
-}
-
 double scalar_at(const Selection& selection, std::uint64_t place) {
   const NeutralField& field = *selection.source->field;
   const auto count = static_cast<std::size_t>(field.component_count);
   const std::span<const double> components = std::span(field.values).subspan(place * count, count);
-  if (selection.component == Selection::magnitude) return magnitude_of(components);
+  if (selection.component == magnitude_component) return magnitude_of(components);
   return components[static_cast<std::size_t>(selection.component)];
 }
 
@@ -294,7 +246,7 @@ ScalarField field_of(const Selection& selection, Array<double> values, bool is_m
   ScalarField field{.name = selection.name, .unit = source.unit, .values = {}};
   std::optional<Array<float>> single;
   if (source.was_single_precision)
-    single = in_single_precision(values, is_mean || selection.component == Selection::magnitude);
+    single = in_single_precision(values, is_mean || selection.component == magnitude_component);
   if (single)
     field.values = std::move(*single);
   else
@@ -333,6 +285,17 @@ void put_telling_fields_first(std::vector<ScalarField>& fields) {
                         [](const ScalarField& field) { return varies(field) && !is_bookkeeping(field.name); });
 }
 
+/// Says that the first field, which pictures show, is a magnitude, and what else there is.
+void note_magnitude(const std::vector<SourceField>& sources, const ChosenFields& fields,
+                    std::vector<std::string>& notes) {
+  const std::vector<ScalarField>& shown = fields.of_points.empty() ? fields.of_cells : fields.of_points;
+  std::vector<VectorArray> arrays;
+  for (const SourceField& source : sources) arrays.push_back({source.name, source.field->component_count});
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (is_vector(sources[i]) && shown.front().name == scalars_of(arrays[i].name, arrays[i].component_count).front())
+      notes.push_back(note_of_choice(arrays, i, magnitude_component));
+}
+
 }  // namespace
 
 ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
@@ -357,6 +320,7 @@ ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, cons
   if (!wanted.empty()) return fields;
   put_telling_fields_first(fields.of_points);
   put_telling_fields_first(fields.of_cells);
+  note_magnitude(sources, fields, notes);
   return fields;
 }
 

@@ -22,11 +22,10 @@ struct ChosenFields {
   std::vector<ScalarField> of_cells;
 };
 
-/// Returns the scalars that `wanted` names (PackMeshOptions::fields). By default these are all
-/// scalar fields and the magnitudes of vectors, of points and of cells, in the source's order.
+/// Returns the scalars that `wanted` names (PackMeshOptions::fields). By default these are the
+/// default scalars (components.h) of all fields, of points and of cells, in the source's order.
 /// However, fields without variation, ids and masks of programs come last: the first field is the
-/// one that pictures show. Components are counted from 0; x, y, z stand for 0, 1, 2 of vectors with
-/// two or three components.
+/// one that pictures show. A note says when it is a magnitude.
 ///
 /// With `cells_to_points` each chosen cell field is there at the points, too. Its value at a point
 /// is the mean over the source's cells around it that have data, or NaN where none has. Where all
@@ -39,7 +38,7 @@ struct ChosenFields {
 /// its name, with a note.
 ///
 /// Refuses with ErrorCode::usage: an unknown name (the message gives the existing names and the
-/// nearest one), a name given twice, a vector without a component. Refuses with ErrorCode::invalid:
+/// nearest one), a name given twice, an array of several components without a choice. Refuses with ErrorCode::invalid:
 /// a mesh without usable fields at points, or a field with too few or too many values.
 ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
                            bool cells_to_points, const std::string& source_name, std::vector<std::string>& notes);

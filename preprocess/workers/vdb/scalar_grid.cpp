@@ -5,6 +5,7 @@
 #include <openvdb/io/GridDescriptor.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -14,6 +15,7 @@
 
 #include "formats/base/library_text.h"
 #include "formats/base/nearest_name.h"
+#include "preprocess/components.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
@@ -117,22 +119,13 @@ class EndCheck : public openvdb::io::Archive {
   }
 };
 
-constexpr const char* component_names[] = {"x", "y", "z"};
-
-/// Component 0 to 2, or 3 for the magnitude, of the name that `field` adds to the grid's; nothing when it is another.
-std::optional<int> component_of(const std::string& field, const std::string& grid) {
-  if (!field.starts_with(grid + ".")) return std::nullopt;
-  const std::string rest = field.substr(grid.size() + 1);
-  for (int c = 0; c < 3; ++c)
-    if (rest == component_names[c] || rest == concat(c)) return c;
-  return rest == "mag" ? std::optional(3) : std::nullopt;
-}
+/// Numbers in each voxel of a vector grid.
+constexpr int vector_size = 3;
 
 template <class Vector>
 double component(const Vector& v, int which) {
-  if (which < 3) return static_cast<double>(v[which]);
-  const auto x = static_cast<double>(v[0]), y = static_cast<double>(v[1]), z = static_cast<double>(v[2]);
-  return std::hypot(x, y, z);
+  if (which != magnitude_component) return static_cast<double>(v[which]);
+  return magnitude_of(std::array{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])});
 }
 
 bool is_vector(const openvdb::GridBase& grid) {
@@ -150,7 +143,7 @@ void take_component(ScalarGrid& out, const openvdb::GridBase::Ptr& base, int whi
   const auto take = [&](auto v) { return component(v, which); };
   out.source_type = ElementType::F64;
   if (const auto grid = gridPtrCast<Vec3SGrid>(base)) {
-    if (which < 3) {
+    if (which != magnitude_component) {
       out.source_type = ElementType::F32;
       out.grid = converted<FloatGrid>(*grid, take);
     } else {
@@ -269,14 +262,15 @@ Choice choose(const std::vector<VdbFile::Entry>& entries, const std::vector<std:
     if (!entry.grid) continue;
     if (is_scalar(*entry.grid) && (field.empty() || field == entry.name)) return {entry.name, entry.name, {}};
     if (!field.empty() && is_vector(*entry.grid))
-      if (const auto which = component_of(field, entry.name)) return {entry.name, field, which};
+      if (const auto which = component_in(field, entry.name, vector_size)) return {entry.name, field, which};
   }
+  if (field.empty())
+    for (const VdbFile::Entry& entry : entries)
+      if (entry.grid && is_vector(*entry.grid))
+        return {entry.name, scalar_name(entry.name, vector_size, magnitude_component), magnitude_component};
   const std::string found = contents(entries);
   if (scalars.empty())
     throw Error(ErrorCode::unsupported, concat(path.string(), ": found ", found, "; expected a grid of scalars"));
-  if (field.empty())
-    throw Error(ErrorCode::usage, concat(path.string(), ": found vectors only: ", found, "; expected a choice"),
-                concat("use --field with one of ", in_list(scalars)));
   throw Error(ErrorCode::usage,
               concat(path.string(), ": found no field '", field, "'; expected one of ", in_list(scalars)),
               did_you_mean(field, scalars));
@@ -318,7 +312,7 @@ std::vector<std::string> scalars_of(const VdbFile::Entry& entry) {
   if (!entry.grid) return {};
   if (is_scalar(*entry.grid)) return {entry.name};
   if (!is_vector(*entry.grid)) return {};
-  return {entry.name + ".x", entry.name + ".y", entry.name + ".z", entry.name + ".mag"};
+  return scalars_of(entry.name, vector_size);
 }
 
 std::optional<Affine> affine_of(const openvdb::math::Transform& transform) {
@@ -336,6 +330,13 @@ ScalarGrid read_scalar_grid(const std::filesystem::path& path, const std::string
     for (const std::string& name : scalars_of(entry)) out.field_names.push_back(name);
   const Choice choice = choose(entries, out.field_names, field, path);
   out.name = choice.field;
+  if (field.empty() && choice.component) {
+    std::vector<VectorArray> vectors{{choice.grid, vector_size}};
+    for (const VdbFile::Entry& entry : entries)
+      if (entry.grid && is_vector(*entry.grid) && entry.name != choice.grid)
+        vectors.push_back({entry.name, vector_size});
+    out.notes.push_back(note_of_choice(vectors, 0, *choice.component));
+  }
   const openvdb::GridBase::Ptr base = file.read(choice.grid);
   if (choice.component)
     take_component(out, base, *choice.component);

@@ -63,15 +63,14 @@ class VdbFile {
   openvdb::io::File file_;
 };
 
-/// Names of the scalars in a grid: its own, or those of the components and the magnitude of a vector grid; empty for
-/// grids of other kinds.
+/// Names of the scalars in a grid: its own, or those of a vector grid (components.h); empty for grids of other kinds.
 std::vector<std::string> scalars_of(const VdbFile::Entry& entry);
 
 /// "float", "vec3s", "ptdataidx32" and so on, as OpenVDB names the type of a grid's values.
 std::string value_type_of(const VdbFile::Entry& entry);
 
-/// Reads the scalar of this name; empty takes the first scalar grid by name. Refuses points and other grids without a
-/// scalar, frustums, and grids without an active voxel.
+/// Reads the scalar of this name; empty takes the first scalar grid by name, else the magnitude of the first vector
+/// grid, with a note. Refuses points and other grids without a scalar, frustums, and grids without an active voxel.
 ScalarGrid read_scalar_grid(const std::filesystem::path& path, const std::string& field);
 
 /// The map of a grid, if it is affine.

@@ -264,9 +264,13 @@ TEST_F(Slices, keep_sixteen_bits) {
   expect_known_values(read(), ElementType::U16);
 }
 
-TEST_F(Slices, of_colours_need_a_choice) {
+TEST_F(Slices, of_colours_show_their_magnitude_without_a_choice) {
   for (int k = 0; k < size_z; ++k) write_file(folder_ / concat("s", k, ".ppm"), picture(k, true));
-  expect_refusal([&] { read(); }, ErrorCode::unsupported, {"a colour"});
+  const NeutralVolume shown = read();
+  EXPECT_EQ(shown.field_name, "colors.mag");
+  EXPECT_NEAR(values_of(shown)[0], std::sqrt(5), 1e-6);  // 0, 1, 2
+  EXPECT_THAT(shown.notes,
+              testing::Contains(HasSubstr("'colors.mag'; choose another with --field: R, G, B, luminance")));
   expect_known_values(read("R"), ElementType::U8);
   EXPECT_EQ(values_of(read("B"))[0], 2);
   EXPECT_EQ(values_of(read("luminance"))[0], 0);  // 0.7152 * 1 + 0.0722 * 2, cut to a whole number

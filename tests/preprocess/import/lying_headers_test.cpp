@@ -347,9 +347,6 @@ void volume_or_colors(const std::filesystem::path& path) {
     read_volume(path, {.colors = true});
   }
 }
-void length_of_vectors(const std::filesystem::path& path) {
-  read_volume(path, {.length_of_vectors = true});
-}
 /// Legacy VTK tells in the file what it holds.
 void volume_cells_or_surface(const std::filesystem::path& path) {
   for (const Reader reader : {volume, cells}) try {
@@ -374,7 +371,7 @@ struct SeedFormat {
 };
 
 constexpr SeedFormat seed_formats[] = {
-    {"bov", ".bov", ".raw", length_of_vectors},
+    {"bov", ".bov", ".raw", volume},
     {"brainvisa", ".tri", "", surface},
     {"carp", ".elem", ".pts", cells},
     {"cube", ".cube", "", volume},

@@ -120,13 +120,20 @@ TEST(Matlab, reads_the_array_that_is_named_or_the_first_of_three_axes) {
   const NeutralVolume first = read(path);
   EXPECT_EQ(first.sample_count, Index3(3, 2, 1));
   EXPECT_EQ(values_of(first), six);
-  EXPECT_THAT(first.notes, testing::ElementsAre("using the first array, 'first'; choose another with --field: second"));
+  EXPECT_THAT(first.notes, testing::ElementsAre("using 'first'; choose another with --field: second"));
   expect_known_values(read(path, "second"), ElementType::I16);
   EXPECT_THAT(read(path, "second").other_fields, testing::ElementsAre("first"));
   EXPECT_TRUE(read(path, "second").notes.empty());
   expect_refusal([&] { read(path, "third"); }, ErrorCode::usage,
-                 {"no field 'third'", "spacing (1 x 6), first (3 x 2 x 1), second (3 x 4 x 5)"});
+                 {"no field 'third'", "expected one of: first, second"});
   expect_refusal([&] { read(path, "spacing"); }, ErrorCode::unsupported, {"'spacing'", "2 axes (1 x 6)", "x, y, z"});
+}
+
+TEST(Matlab, reads_vectors_along_a_fourth_axis) {
+  TemporaryFolder folder;
+  write_file(folder / "a.mat", File().add("flow", 6, 9, std::vector<double>{3, 5, 4, 12}, {1, 2, 1, 2}).content());
+  EXPECT_EQ(values_of(read(folder / "a.mat")), (std::vector<double>{5, 13}));
+  EXPECT_EQ(values_of(read(folder / "a.mat", "flow.y")), (std::vector<double>{4, 12}));
 }
 
 TEST(Matlab, refuses_what_is_no_volume) {

@@ -116,15 +116,17 @@ TEST(Medit, reads_every_binary_version_in_both_byte_orders) {
 TEST(Medit, reads_values_that_lie_beside) {
   TemporaryFolder folder;
   write_file(folder / "a.mesh", whole);
-  std::string text = "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n9\n2 1 2\n";
-  for (int i = 0; i < 9; ++i) text += concat(i + 0.1, " ", i, " ", 2 * i, " ", 3 * i, "\n");
+  std::string text = "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n9\n3 1 2 3\n";
+  for (int i = 0; i < 9; ++i) text += concat(i + 0.1, " ", i, " ", 2 * i, " ", 3 * i, " 1 2 3 4 5 6\n");
   write_file(folder / "a.sol", text + "End\n");
   CellMesh mesh = read_cells(folder / "a.mesh", {});
-  ASSERT_EQ(mesh.point_fields.size(), 2U);
+  ASSERT_EQ(mesh.point_fields.size(), 3U);
   EXPECT_EQ(mesh.point_fields[0].name, "solution_1");
   EXPECT_EQ(mesh.point_fields[0].values[8], 8.1);
   EXPECT_EQ(mesh.point_fields[1].component_count, 3);
   EXPECT_EQ(mesh.point_fields[1].values[26], 24);
+  const Array<double>& tensors = mesh.point_fields[2].values;  // xx yx yy zx zy zz in the file
+  EXPECT_THAT(std::vector(tensors.begin(), tensors.begin() + 6), testing::ElementsAre(1, 3, 6, 2, 5, 4));
   std::filesystem::remove(folder / "a.sol");
 
   BinaryMedit file(2, false);

@@ -91,8 +91,10 @@ TEST(MetaImage, refuses_what_it_cannot_mean) {
   refuses("NDims = 3\nDimSize = 3 4\nElementDataFile = LOCAL\n", ErrorCode::invalid, {"key DimSize", "2 numbers"});
   refuses("NDims = 3\nDimSize = 3 four 5\nElementDataFile = LOCAL\n", ErrorCode::invalid, {"key DimSize", "'four'"});
   refuses(header("ElementType = MET_NONE\nElementDataFile = LOCAL\n"), ErrorCode::unsupported, {"MET_NONE"});
-  refuses(header("ElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"),
-          ErrorCode::unsupported, {"3 numbers for each sample"});
+  refuses(header("ElementNumberOfChannels = 0\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"),
+          ErrorCode::unsupported, {"0 numbers for each sample"});
+  refuses(header("ElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"), ErrorCode::invalid,
+          {"180 bytes"});
   refuses(header("ElementType = MET_UCHAR\nElementDataFile = none.raw\n"), ErrorCode::unreadable, {"none.raw"});
   refuses(header("ElementSpacing = 1 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n") + std::string(60, 'x'),
           ErrorCode::invalid, {"spacing of 0"});

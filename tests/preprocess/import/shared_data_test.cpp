@@ -88,12 +88,13 @@ TEST_F(SharedData, holds_volumes_of_known_size_range_and_place) {
   }
 }
 
-TEST_F(SharedData, holds_a_volume_of_colours_that_needs_a_choice) {
+TEST_F(SharedData, holds_a_volume_of_colours_that_needs_no_choice) {
   const auto path = folder_ / "volumes/vase_4comp.vti";
-  expect_refusal([&] { import_volume(path); }, ErrorCode::unsupported, {"4 components"});
+  const NeutralVolume shown = import_volume(path);
+  EXPECT_EQ(shown.field_name, "Scalars_.mag");
+  EXPECT_THAT(shown.notes, testing::ElementsAre("using the magnitude of 4 components, 'Scalars_.mag'; choose another "
+                                                "with --field: Scalars_.0, Scalars_.1, Scalars_.2, Scalars_.3"));
   ImportVolumeOptions options;
-  options.length_of_vectors = true;
-  EXPECT_EQ(import_volume(path, options).field_name, "Scalars_.mag");
   options.field = "Scalars_.3";
   EXPECT_EQ(import_volume(path, options).sample_count, Index3(115, 101, 75));
 }

@@ -70,25 +70,25 @@ TEST(Vti, picks_a_component_or_the_length_of_vectors) {
   write(folder / "a.vti", image);
   EXPECT_EQ(read(folder / "a.vti").field_name, "density");
   EXPECT_EQ(values_of(read(folder / "a.vti", "flow.x"))[7], 7);
-  EXPECT_EQ(values_of(read(folder / "a.vti", "flow.2"))[7], 14);
+  EXPECT_EQ(values_of(read(folder / "a.vti", "flow.z"))[7], 14);
   EXPECT_EQ(values_of(read(folder / "a.vti", "flow.mag"))[1], 3);  // 1, 2, 2
   EXPECT_EQ(read(folder / "a.vti", "flow.mag").field_name, "flow.mag");
   expect_refusal([&] { read(folder / "a.vti", "flow"); }, ErrorCode::usage, {"field 'flow'", "3 components"});
   expect_refusal([&] { read(folder / "a.vti", "flow.3"); }, ErrorCode::usage,
-                 {"no field 'flow.3'", "density, flow (3 components)"});
+                 {"no field 'flow.3'", "density, flow.mag, flow.x, flow.y, flow.z"});
   expect_refusal([&] { read(folder / "a.vti", "flo"); }, ErrorCode::usage, {"no field 'flo'"});
 }
 
-TEST(Vti, refuses_several_components_without_a_choice) {
+TEST(Vti, shows_the_magnitude_of_several_components_without_a_choice) {
   TemporaryFolder folder;
   write_file(folder / "a.vti", by_hand("0 0 0 0 0 1",
                                        "<PointData><DataArray type=\"UInt8\" Name=\"rgba\" NumberOfComponents=\"4\" "
                                        "format=\"ascii\">1 2 3 4 5 6 7 8</DataArray></PointData>"));
-  expect_refusal([&] { read(folder / "a.vti"); }, ErrorCode::unsupported, {"rgba (4 components)"});
+  EXPECT_EQ(read(folder / "a.vti").field_name, "rgba.mag");
   EXPECT_THAT(values_of(read(folder / "a.vti", "rgba.3")), testing::ElementsAre(4, 8));
 }
 
-TEST(Vti, shows_the_length_of_the_first_vector_where_that_is_asked_for_and_nothing_is_scalar) {
+TEST(Vti, shows_the_magnitude_of_the_first_vector_where_nothing_is_scalar) {
   TemporaryFolder folder;
   const std::string flow =
       "<PointData><DataArray type=\"Int16\" Name=\"flow\" NumberOfComponents=\"2\" format=\"ascii\">3 4 5 12"
@@ -96,7 +96,7 @@ TEST(Vti, shows_the_length_of_the_first_vector_where_that_is_asked_for_and_nothi
   const std::string turn =
       "<DataArray type=\"UInt8\" Name=\"turn\" NumberOfComponents=\"3\" format=\"ascii\">1 2 2 4 4 2</DataArray>";
   write_file(folder / "a.vti", by_hand("0 0 0 0 0 1", flow + turn + "</PointData>"));
-  const NeutralVolume volume = read_volume(folder / "a.vti", {.raw = {}, .field = {}, .length_of_vectors = true});
+  const NeutralVolume volume = read_volume(folder / "a.vti", {.raw = {}, .field = {}});
   EXPECT_EQ(volume.field_name, "flow.mag");
   EXPECT_THAT(values_of(volume), testing::ElementsAre(5, 13));
   ASSERT_EQ(volume.vectors.size(), 2U);
@@ -104,13 +104,15 @@ TEST(Vti, shows_the_length_of_the_first_vector_where_that_is_asked_for_and_nothi
   EXPECT_EQ(volume.vectors[0].component_count, 2);
   EXPECT_EQ(volume.vectors[1].name, "turn");
   EXPECT_EQ(volume.vectors[1].component_count, 3);
-  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("use --field with one component, flow.0")));
+  EXPECT_THAT(volume.notes,
+              testing::ElementsAre("using the magnitude of 2 components, 'flow.mag'; choose another with --field: "
+                                   "flow.x, flow.y, turn.mag, turn.x, turn.y, turn.z"));
 
   const std::string one = "<DataArray type=\"UInt8\" Name=\"one\" format=\"ascii\">7 9</DataArray>";
   write_file(folder / "a.vti", by_hand("0 0 0 0 0 1", flow + one + "</PointData>"));
-  const NeutralVolume scalar = read_volume(folder / "a.vti", {.raw = {}, .field = {}, .length_of_vectors = true});
+  const NeutralVolume scalar = read_volume(folder / "a.vti", {.raw = {}, .field = {}});
   EXPECT_EQ(scalar.field_name, "one");
-  EXPECT_TRUE(scalar.notes.empty());
+  EXPECT_THAT(scalar.notes, testing::ElementsAre("using 'one'; choose another with --field: flow.mag, flow.x, flow.y"));
   EXPECT_TRUE(scalar.other_fields.empty()) << "a vector is none that --field takes";
   ASSERT_EQ(scalar.vectors.size(), 1U);
 }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "formats/base/error.h"
+#include "preprocess/components.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
@@ -41,7 +42,6 @@ Json head(const std::filesystem::path& path, const char* kind) {
 Json volume_info(const std::filesystem::path& path, const preprocess::PackOptions& pack, bool with_findings) {
   preprocess::ImportVolumeOptions import;
   import.memory_limit_bytes = pack.memory_limit_bytes;
-  import.length_of_vectors = true;
   if (!pack.raw.empty()) import.raw = preprocess::parse_raw_volume(pack.raw);
   import.spacing = pack.spacing, import.origin = pack.origin, import.time = pack.time;
   const preprocess::NeutralVolume volume = preprocess::import_volume(path, import);
@@ -67,7 +67,9 @@ Json volume_info(const std::filesystem::path& path, const preprocess::PackOption
   json["other_fields"] = volume.other_fields;
   json["vectors"] = Json::array();
   for (const preprocess::VectorArray& array : volume.vectors)
-    json["vectors"].push_back({{"name", array.name}, {"components", array.component_count}});
+    json["vectors"].push_back({{"name", array.name},
+                               {"components", array.component_count},
+                               {"scalars", preprocess::scalars_text(array.name, array.component_count)}});
   json["memory"] = {{"unpacked_bytes", volume.samples.size()}};
   json["notes"] = volume.notes;
   if (with_findings) json["findings"] = findings_json(preprocess::inspect_volume(volume));
