@@ -27,6 +27,7 @@ const ForeignFormat formats_read[] = {
     {"VTK image data in pieces", ForeignKind::volume, {".pvti"}, import_worker, true},
     {"VTK rectilinear grid in pieces", ForeignKind::volume, {".pvtr"}, import_worker, true},
     {"Legacy VTK", ForeignKind::volume, {".vtk"}, import_worker},
+    {"VTKHDF image data", ForeignKind::volume, {".vtkhdf", ".hdf"}, import_worker},
     {"DICOM", ForeignKind::volume, {".dcm", ".ima", ".zip", "dicom/"}, import_worker},
     {"VolVis SLC", ForeignKind::volume, {".slc"}, import_worker},
     {"Gaussian cube", ForeignKind::volume, {".cube"}, import_worker},
@@ -41,6 +42,7 @@ const ForeignFormat formats_read[] = {
     {"VTK structured grid", ForeignKind::mesh, {".vts"}, import_worker},
     {"VTK structured grid in pieces", ForeignKind::mesh, {".pvts"}, import_worker, true},
     {"Legacy VTK", ForeignKind::mesh, {".vtk"}, import_worker},
+    {"VTKHDF unstructured grid", ForeignKind::mesh, {".vtkhdf", ".hdf"}, import_worker},
     {"TetGen", ForeignKind::mesh, {".node", ".ele"}, import_worker, true},
     {"CARP", ForeignKind::mesh, {".pts", ".elem", ".tet"}, import_worker, true},
     {"Exodus", ForeignKind::mesh, {".e", ".ex2", ".exo", ".exii", ".gen"}, import_worker},
@@ -69,7 +71,8 @@ const Advice advices[] = {
     {{".fld"}, "SCIRun's fields are not supported; use the .vtu or .ply made from it"},
     {{".sol", ".solb"}, "it holds only values; name the .mesh or .meshb beside it"},
     {{".xdmf", ".xmf"}, "XDMF is not read; convert it to .vtu, for example with ParaView or meshio"},
-    {{".h5", ".hdf5"},
+    {{".vtkhdf"}, "only image data and unstructured grids in VTKHDF are read; save it with ParaView as .vtu or .vti"},
+    {{".h5", ".hdf5", ".hdf"},
      "HDF5 by itself says nothing of meshes and volumes; convert it to .vtu, .vti or .nrrd with the program that wrote "
      "it, or with ParaView"},
     {{".cgns"}, "CGNS is not read; convert it to .vtu, for example with ParaView or meshio"},
@@ -125,6 +128,22 @@ std::string legacy_vtk_dataset(const std::filesystem::path& path) {
   return head.substr(at, head.find_first_of(spaces, at) - at);
 }
 
+/// What a VTKHDF file holds. The name of its group and its attribute Type stand in the file as text,
+/// mostly near the beginning.
+ForeignKind kind_of_vtkhdf(const std::filesystem::path& path) {
+  constexpr std::string_view signature = "\x89HDF\r\n\x1a\n", group = "VTKHDF";
+  constexpr std::size_t near_beginning = 1 << 16;
+  const std::string head = first_bytes(path, near_beginning);
+  if (!head.starts_with(signature)) return ForeignKind::unknown;
+  const auto kind_in = [&](std::string_view text) {
+    if (text.find(group) == text.npos) return ForeignKind::unknown;
+    if (text.find("UnstructuredGrid") != text.npos) return ForeignKind::mesh;
+    return text.find("ImageData") != text.npos ? ForeignKind::volume : ForeignKind::unknown;
+  };
+  if (const ForeignKind kind = kind_in(head); kind != ForeignKind::unknown) return kind;
+  return kind_in(ForeignFile(path).text());
+}
+
 }  // namespace
 
 std::string_view name_of(ForeignKind kind) {
@@ -141,6 +160,7 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
     return ForeignKind::unknown;
   }
   const ForeignFormat* format = format_of(path);
+  if (format != nullptr && format->name.starts_with("VTKHDF")) return kind_of_vtkhdf(path);
   if (format == nullptr || (format->name == "PLOT3D" && !holds_plot3d(path))) return ForeignKind::unknown;
   return format->kind;
 }

@@ -3,9 +3,12 @@
 #include <netcdf.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "formats/base/bytes.h"
 #include "preprocess/import/mesh/netcdf_classic.h"
+#include "preprocess/import/reading/samples.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -18,6 +21,17 @@ std::string text_of(std::span<const std::uint64_t> shape) {
   std::string text;
   for (const std::uint64_t size : shape) text += concat(text.empty() ? "" : " x ", size);
   return text.empty() ? "one number" : text;
+}
+
+/// The element type of a nc_type; nothing for texts and other types.
+std::optional<formats::ElementType> element_type_of(int nc_type_number) {
+  using formats::ElementType;
+  static constexpr std::pair<int, ElementType> types[] = {{NC_BYTE, ElementType::I8},   {NC_UBYTE, ElementType::U8},
+                                                          {NC_SHORT, ElementType::I16}, {NC_USHORT, ElementType::U16},
+                                                          {NC_INT, ElementType::I32},   {NC_UINT, ElementType::U32},
+                                                          {NC_INT64, ElementType::I64}, {NC_UINT64, ElementType::U64},
+                                                          {NC_FLOAT, ElementType::F32}, {NC_DOUBLE, ElementType::F64}};
+  return find_in(types, nc_type_number);
 }
 
 }  // namespace
@@ -49,17 +63,21 @@ std::optional<std::uint64_t> NetcdfFile::dimension(const std::string& name) cons
 }
 
 std::optional<NetcdfFile::Variable> NetcdfFile::variable(const std::string& name) const {
+  const std::size_t slash = name.rfind('/');
+  const std::optional<int> group = slash == std::string::npos ? std::optional(id_) : group_id(name.substr(0, slash));
   Variable result;
   result.name = name;
-  if (::nc_inq_varid(id_, name.c_str(), &result.id) != NC_NOERR) return std::nullopt;
+  result.group = group.value_or(id_);
+  const std::string own_name = name.substr(slash == std::string::npos ? 0 : slash + 1);
+  if (!group || ::nc_inq_varid(*group, own_name.c_str(), &result.id) != NC_NOERR) return std::nullopt;
   int axes = 0;
-  check(::nc_inq_vartype(id_, result.id, &result.type), name);
-  check(::nc_inq_varndims(id_, result.id, &axes), name);
+  check(::nc_inq_vartype(*group, result.id, &result.type), name);
+  check(::nc_inq_varndims(*group, result.id, &axes), name);
   std::vector<int> dimensions(static_cast<std::size_t>(axes));
-  check(::nc_inq_vardimid(id_, result.id, dimensions.data()), name);
+  check(::nc_inq_vardimid(*group, result.id, dimensions.data()), name);
   for (const int dimension : dimensions) {
     std::size_t size = 0;
-    check(::nc_inq_dimlen(id_, dimension, &size), name);
+    check(::nc_inq_dimlen(*group, dimension, &size), name);
     result.shape.push_back(size);
   }
   return result;
@@ -94,7 +112,7 @@ Array<double> NetcdfFile::numbers(const Variable& variable, std::span<const std:
     count.front() = 1;
   }
   if (!result.empty())
-    check(::nc_get_vara_double(id_, variable.id, start.data(), count.data(), result.data()), variable.name);
+    check(::nc_get_vara_double(variable.group, variable.id, start.data(), count.data(), result.data()), variable.name);
   return result;
 }
 
@@ -104,7 +122,8 @@ Array<std::int64_t> NetcdfFile::integers(const Variable& variable, std::span<con
   if (variable.type == NC_FLOAT || variable.type == NC_DOUBLE)
     refuse_input(path_, concat("variable '", variable.name, "'"), "floating-point numbers", "integers");
   if (!result.empty())
-    check(::nc_get_var_longlong(id_, variable.id, reinterpret_cast<long long*>(result.data())), variable.name);
+    check(::nc_get_var_longlong(variable.group, variable.id, reinterpret_cast<long long*>(result.data())),
+          variable.name);
   return result;
 }
 
@@ -114,7 +133,7 @@ std::vector<std::string> NetcdfFile::texts(const Variable& variable) const {
                  "a table of letters, one name in each row");
   const std::uint64_t length = variable.shape[1];
   std::string letters(checked_count(variable, variable.shape, false), '\0');
-  if (!letters.empty()) check(::nc_get_var_text(id_, variable.id, letters.data()), variable.name);
+  if (!letters.empty()) check(::nc_get_var_text(variable.group, variable.id, letters.data()), variable.name);
   std::vector<std::string> result;
   for (std::uint64_t row = 0; row < variable.shape[0]; ++row) {
     std::string text = letters.substr(row * length, length);
@@ -125,15 +144,80 @@ std::vector<std::string> NetcdfFile::texts(const Variable& variable) const {
   return result;
 }
 
-std::string NetcdfFile::text_attribute(const Variable& variable, const std::string& name) const {
+std::string NetcdfFile::text_attribute(int group, int variable, const std::string& name, std::string_view place) const {
   nc_type type = NC_NAT;
   std::size_t length = 0;
-  if (::nc_inq_att(id_, variable.id, name.c_str(), &type, &length) != NC_NOERR || type != NC_CHAR) return {};
-  std::string text(length, '\0');
-  if (length > 0) check(::nc_get_att_text(id_, variable.id, name.c_str(), text.data()), variable.name);
+  if (::nc_inq_att(group, variable, name.c_str(), &type, &length) != NC_NOERR) return {};
+  std::string text;
+  if (type == NC_STRING && length == 1) {
+    char* letters = nullptr;
+    check(::nc_get_att_string(group, variable, name.c_str(), &letters), place);
+    if (letters != nullptr) text = letters;
+    ::nc_free_string(1, &letters);
+  } else if (type == NC_CHAR && length > 0) {
+    text.resize(length);
+    check(::nc_get_att_text(group, variable, name.c_str(), text.data()), place);
+  }
   text.resize(std::min(text.find('\0'), text.size()));
   text.resize(text.find_last_not_of(" \t") + 1);
   return text;
+}
+
+std::string NetcdfFile::text_attribute(const Variable& variable, const std::string& name) const {
+  return text_attribute(variable.group, variable.id, name, variable.name);
+}
+
+std::string NetcdfFile::text_attribute(const std::string& group, const std::string& name) const {
+  const std::optional<int> id = group_id(group);
+  return id ? text_attribute(*id, NC_GLOBAL, name, group) : std::string();
+}
+
+std::optional<int> NetcdfFile::group_id(const std::string& group) const {
+  int id = 0;
+  if (::nc_inq_grp_full_ncid(id_, concat("/", group).c_str(), &id) != NC_NOERR) return std::nullopt;
+  return id;
+}
+
+bool NetcdfFile::has_group(const std::string& group) const {
+  return group_id(group).has_value();
+}
+
+std::vector<std::string> NetcdfFile::names_in(const std::string& group) const {
+  const std::optional<int> id = group_id(group);
+  if (!id) return {};
+  int count = 0;
+  check(::nc_inq_varids(*id, &count, nullptr), group);
+  std::vector<int> variables(static_cast<std::size_t>(count));
+  check(::nc_inq_varids(*id, &count, variables.data()), group);
+  std::vector<std::string> names;
+  for (const int variable : variables) {
+    std::array<char, NC_MAX_NAME + 1> name{};
+    check(::nc_inq_varname(*id, variable, name.data()), group);
+    names.emplace_back(name.data());
+  }
+  return names;
+}
+
+std::vector<double> NetcdfFile::number_attribute(const std::string& group, const std::string& name) const {
+  nc_type type = NC_NAT;
+  std::size_t length = 0;
+  constexpr std::size_t most = 1024;
+  const std::optional<int> id = group_id(group);
+  if (!id || ::nc_inq_att(*id, NC_GLOBAL, name.c_str(), &type, &length) != NC_NOERR) return {};
+  if (!element_type_of(type) || length == 0 || length > most) return {};
+  std::vector<double> numbers(length);
+  check(::nc_get_att_double(*id, NC_GLOBAL, name.c_str(), numbers.data()), concat("attribute ", name));
+  return numbers;
+}
+
+std::optional<formats::ElementType> NetcdfFile::element_type(const Variable& variable) {
+  return element_type_of(variable.type);
+}
+
+Array<std::byte> NetcdfFile::bytes(const Variable& variable, std::span<const std::uint64_t> shape) const {
+  Array<std::byte> result(checked_count(variable, shape, false) * formats::element_bytes(*element_type(variable)));
+  if (!result.empty()) check(::nc_get_var(variable.group, variable.id, result.data()), variable.name);
+  return result;
 }
 
 bool NetcdfFile::is_double_precision(const Variable& variable) {

@@ -12,8 +12,8 @@
 
 namespace rhoray::preprocess {
 
-/// A netCDF file in any of its formats, open for reading. Every refusal names the file and the
-/// variable.
+/// A netCDF file in any of its formats, or another HDF5 file, open for reading. Every refusal names
+/// the file and the variable. Names of variables may begin with groups: "VTKHDF/PointData/flow".
 ///
 /// The library reads zeros where a classic file was cut off, and accepts any size in a header. This
 /// class refuses a file that is too short for the variables in its header.
@@ -26,6 +26,7 @@ class NetcdfFile {
 
   struct Variable {
     int id = 0;
+    int group = 0;  ///< of the library
     std::string name;
     int type = 0;                      ///< nc_type
     std::vector<std::uint64_t> shape;  ///< slowest axis first
@@ -35,6 +36,20 @@ class NetcdfFile {
   std::optional<std::uint64_t> dimension(const std::string& name) const;
   std::optional<Variable> variable(const std::string& name) const;
   Variable need_variable(const std::string& name) const;
+
+  bool has_group(const std::string& group) const;
+  /// Names of the variables in a group, without it; none when there is no such group.
+  std::vector<std::string> names_in(const std::string& group) const;
+
+  /// An attribute of a group; empty when there is none of numbers, or of text.
+  std::vector<double> number_attribute(const std::string& group, const std::string& name) const;
+  std::string text_attribute(const std::string& group, const std::string& name) const;
+
+  /// The type of a variable's numbers; nothing when it holds others, such as texts.
+  static std::optional<formats::ElementType> element_type(const Variable& variable);
+
+  /// All numbers of a variable with this shape, in its element_type and native byte order.
+  Array<std::byte> bytes(const Variable& variable, std::span<const std::uint64_t> shape) const;
 
   /// Numbers of a variable with this shape or, if `first` is given, of its part [first, ...] along
   /// the slowest axis. Refuses a variable with another shape or without numbers.
@@ -53,6 +68,8 @@ class NetcdfFile {
  private:
   std::uint64_t checked_count(const Variable& variable, std::span<const std::uint64_t> shape, bool is_part) const;
   void check(int status, std::string_view place) const;
+  std::optional<int> group_id(const std::string& group) const;
+  std::string text_attribute(int group, int variable, const std::string& name, std::string_view place) const;
 
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;

@@ -27,6 +27,7 @@ NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::s
 NeutralVolume read_bov(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_dicom(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
+NeutralVolume read_vtkhdf_volume(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
 // Colours (VolumeRequest::colors).
@@ -42,6 +43,7 @@ CellMesh read_vtu(const std::filesystem::path& path);
 CellMesh read_pvtu(const std::filesystem::path& path);
 CellMesh read_vts(const std::filesystem::path& path);
 CellMesh read_pvts(const std::filesystem::path& path);
+CellMesh read_vtkhdf_mesh(const std::filesystem::path& path);
 CellMesh read_carp(const std::filesystem::path& path);
 CellMesh read_plot3d(const std::filesystem::path& path);
 CellMesh read_legacy_vtk_mesh(const std::filesystem::path& path);
