@@ -117,10 +117,12 @@ std::vector<std::uint64_t> counts(const NetcdfFile& file, const char* name) {
     refuse_input(file.path(), concat("array '", name, "'"), concat(variable.shape.size(), " axes"),
                  "one, a number for each partition");
   std::vector<std::uint64_t> result;
+  constexpr std::int64_t largest = std::int64_t{1} << 48;  // of all together: no sum overflows
+  std::int64_t left = largest;
   for (const std::int64_t count : file.integers(variable, variable.shape)) {
-    constexpr std::int64_t largest = std::int64_t{1} << 48;
-    if (count < 0 || count > largest)
-      refuse_input(file.path(), concat("array '", name, "'"), concat(count), concat("0 to ", largest));
+    if (count < 0 || count > left)
+      refuse_input(file.path(), concat("array '", name, "'"), concat(count), concat("0 to ", largest, " in all"));
+    left -= count;
     result.push_back(static_cast<std::uint64_t>(count));
   }
   return result;
