@@ -234,6 +234,25 @@ TEST(VtkHdf, refuses_cells_that_point_outside) {
   refuses({42}, {0, 1, 2, 3}, {0, 4}, {"polyhedra"});
 }
 
+TEST(VtkHdf, refuses_partitions_whose_counts_overflow_together) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.vtkhdf";
+  // 65,536 times 2^48 points are 2^64, which 64 bits would take for 0; the last partition has 4.
+  std::vector<double> points(65536, 0x1p48), ones(65537, 0);
+  points.push_back(4), ones.back() = 1;
+  {
+    HdfFile file(path, "UnstructuredGrid");
+    file.array(file.root(), "NumberOfPoints", NC_INT64, {points.size()}, points);
+    file.array(file.root(), "NumberOfCells", NC_INT64, {ones.size()}, ones);
+    file.array(file.root(), "NumberOfConnectivityIds", NC_INT64, {points.size()}, points);
+    file.array(file.root(), "Points", NC_FLOAT, {4, 3}, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+    file.array(file.root(), "Offsets", NC_INT64, {65538}, std::vector<double>(65538));
+    file.array(file.root(), "Connectivity", NC_INT64, {4}, ascending(4));
+    file.array(file.root(), "Types", NC_INT, {1}, {10});
+  }
+  expect_refusal([&] { read_cells(path, {}); }, ErrorCode::invalid, {"'NumberOfPoints'", "in all"});
+}
+
 /// HDF5 itself may end the process on some of them: through the worker, that is a sentence, too.
 TEST(VtkHdf, every_beginning_of_a_file_ends_as_a_sentence) {
   ::setenv("RHORAY_WORKER_DIR", RHORAY_WORKERS, 1);
