@@ -86,7 +86,7 @@ void metaimage(const Path& path) {
   attempt([&] { use(read_metaimage_colors(path, "")); });
 }
 void nifti(const Path& path) {
-  for (const char* time : {"", "last"}) attempt([&] { use(read_nifti(path, time)); });
+  for (const char* time : {"", "last"}) attempt([&] { use(read_nifti(path, "", time)); });
   attempt([&] { use(read_nifti_colors(path, "")); });
 }
 void npy(const Path& path) {

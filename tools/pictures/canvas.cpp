@@ -121,7 +121,7 @@ void Canvas::lines(std::span<const std::array<Spot, 2>> ends, double width, cons
   const auto columns = static_cast<std::size_t>(picture_.width);
   std::vector<float> covered(columns * static_cast<std::size_t>(picture_.height));
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const auto& [a, b] = ends[i];
+    const Spot &a = ends[i][0], &b = ends[i][1];
     for_pixels(around({a, b}).grown(width / 2), 1, ColumnsOfLine{a, b, width}, [&](int x, int y) {
       const FromLine from = from_line({x + 0.5, y + 0.5}, a, b);
       const auto share = static_cast<float>(coverage(from.distance - width / 2));

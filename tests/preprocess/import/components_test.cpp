@@ -148,7 +148,8 @@ TEST_P(Components, have_the_same_names_and_values_in_every_format) {
                                                       {4, {"0", "1", "2", "3"}},
                                                       {6, {"xx", "yy", "zz", "xy", "yz", "xz"}},
                                                       {9, {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"}}};
-  for (const auto& [components, words] : names) {
+  for (const auto& [count, words] : names) {
+    const int components = count;  // clang captures no structured bindings
     SCOPED_TRACE(components);
     const NeutralVolume shown = read(components);
     EXPECT_EQ(shown.sample_count, Index3(nx, ny, nz));
