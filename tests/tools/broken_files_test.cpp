@@ -126,6 +126,11 @@ std::vector<BrokenFile> broken_files() {
     files.push_back({"classic" + extension, "CDF\1\0\0\0\0\0\0\0\x0a\0\0\0\2"s + noise(60)});
     files.push_back({"hdf5" + extension, "\x89HDF\r\n\x1a\n"s + noise(100)});
   }
+  for (const std::string extension : {".vtkhdf", ".hdf"}) {
+    files.push_back({"noise" + extension, "\x89HDF\r\n\x1a\n"s + noise(100)});
+    for (const std::string type : {"ImageData", "UnstructuredGrid"})
+      files.push_back({type + extension, "\x89HDF\r\n\x1a\n"s + noise(100) + "VTKHDF" + noise(20) + type + noise(50)});
+  }
   for (const std::string extension : {".bin", ".xyz", ".x", ".g", ".q", ".p3d"})
     files.push_back({"cut" + extension, word(2) + word(2) + word(2) + noise(20)});
   return files;

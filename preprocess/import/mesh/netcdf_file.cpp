@@ -51,7 +51,7 @@ NetcdfFile::~NetcdfFile() {
 void NetcdfFile::check(int status, std::string_view place) const {
   if (status == NC_NOERR) return;
   if (status == NC_ENOMEM) throw Error(ErrorCode::resource, concat(path_.string(), ", ", place, ": out of memory"));
-  refuse_input(path_, place, "damaged data, or another format", "a netCDF file");
+  refuse_input(path_, place, "damaged data, or another format", "a whole file of netCDF or HDF5");
 }
 
 std::optional<std::uint64_t> NetcdfFile::dimension(const std::string& name) const {

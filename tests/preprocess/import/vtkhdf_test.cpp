@@ -196,7 +196,7 @@ TEST(VtkHdf, refuses_times_other_versions_and_types_and_damage_in_one_line) {
   expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid, {"WholeExtent"});
   write_file(path, "no HDF5");
   EXPECT_EQ(foreign_kind(path), ForeignKind::unknown);
-  expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid, {"a.vtkhdf"});
+  expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid, {"a.vtkhdf", "netCDF or HDF5"});
   {
     HdfFile file(path, "ImageData");
     file.integers("WholeExtent", {0, 1000000, 0, 1000000, 0, 1});
