@@ -147,7 +147,7 @@ const Library libraries[] = {
 
 const std::regex standard_header("[a-z_0-9]+");
 const std::regex system_header(
-    "(sys/\\w+|linux/"
+    "(sys/\\w+|arpa/inet|netinet/in|linux/"
     "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
 /// Headers that the build generates; they are in no room.
