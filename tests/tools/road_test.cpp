@@ -139,7 +139,6 @@ TEST(BenchCommand, fills_its_tables) {
   for (const nlohmann::json& row : changes["rows"]) {
     EXPECT_LE(row["change_ms_min"], row["change_ms"]);
     EXPECT_LE(row["change_ms"], row["change_ms_max"]);
-    EXPECT_LE(row["change_ms_max"].get<double>(), 1000 * row["next_s_max"].get<double>()) << "what a change adds";
   }
   for (const char* name : {"phases", "threads", "memory"})
     for (const nlohmann::json& row : table(name)["rows"]) EXPECT_FALSE(row["machine"].get<std::string>().empty());
