@@ -31,7 +31,7 @@ void keep_sides_free(const AnnotationsSpec& annotations, double aspect, View& vi
   if (annotations.legend.value_or(false)) (is_bar_left ? view.free_right : view.free_left) = width;
 }
 
-/// How many of the two stand beside what is shown.
+/// Counts the scales beside the shown data: colour bar and legend.
 int count_of_scales(const AnnotationsSpec& annotations) {
   return (annotations.color_bar ? 1 : 0) + (annotations.legend.value_or(false) ? 1 : 0);
 }
@@ -79,7 +79,7 @@ View view_of(const SceneSpec& scene_spec, const ResolvedScene& plan) {
   return view;
 }
 
-/// What a camera is fitted to: a box that is drawn, else what is shown.
+/// Returns the points that the camera is fitted to: the drawn box, or else the shown data.
 std::vector<Vec3> points_to_fit(const Shown& shown, const ResolvedScene& plan) {
   if (!plan.annotations.box.value_or(false)) return shown.corners;
   const std::array<Vec3, 8> corners = corners_of(shown.box);

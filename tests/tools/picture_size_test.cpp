@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What `rhoray render --json` prints.
+/// The JSON output of `rhoray render`.
 Json drawn(const Workbench& bench, std::vector<std::string> words) {
   words.insert(words.begin(), "render");
   words.insert(words.end(), {"--json", "--force", "--antialias", "1"});

@@ -33,7 +33,7 @@ ScalarChoice choose_scalar(const std::filesystem::path& path, const std::vector<
 void set_names(NeutralVolume& volume, const std::vector<VectorArray>& arrays, const ScalarChoice& choice,
                const std::string& field);
 
-/// What the samples of a volume are made of.
+/// The element type of a volume, and the count of numbers for each sample.
 struct SampleKind {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;

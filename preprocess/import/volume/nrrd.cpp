@@ -277,7 +277,7 @@ std::string sample_unit(const Nrrd& nrrd) {
   return unit;
 }
 
-/// What keys such as `Segment0_Name:=liver` say of a segment; 3D Slicer writes them.
+/// A segment, as keys such as `Segment0_Name:=liver` describe it; 3D Slicer writes them.
 struct Segment {
   std::string name;
   std::int64_t label = 0;

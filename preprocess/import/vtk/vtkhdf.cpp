@@ -140,7 +140,7 @@ struct WholeField {
   bool in_cells = false;
 };
 
-/// What all partitions have together.
+/// The arrays of all partitions.
 struct WholeGrid {
   std::vector<std::uint64_t> points, cells, nodes;  ///< counts, one for each partition
   Array<double> places;

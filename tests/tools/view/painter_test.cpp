@@ -16,7 +16,7 @@ namespace {
 using namespace tools;
 using std::chrono::seconds;
 
-/// What a client was sent, for a test that waits for it.
+/// Collects the messages to a client; a test can wait for them.
 class Inbox {
  public:
   ClientSink sink() {
