@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +23,8 @@ struct LayerOrigin {
   bool is_context = false;                      ///< the boundary around an isosurface (LayerSpec::context)
   std::string isovalue_alternatives{};          ///< Isovalue::alternatives
   double feature_edges_deg = no_feature_edges;  ///< as for Dataset::feature_edges
-  std::vector<std::array<Vec3, 2>> lines{};     ///< these edges: drawn over the picture
+  /// These edges, drawn over the picture; null: none. Copies of the scene share them.
+  std::shared_ptr<const FeatureEdges> lines{};
 };
 
 /// Everything that was chosen.

@@ -1,5 +1,6 @@
 #include "render/document/feature_edges.h"
 
+#include <memory>
 #include <utility>
 
 namespace rhoray::render {
@@ -25,7 +26,7 @@ void plan_feature_edges(const SceneSpec& scene_spec, ResolvedScene& plan) {
     FeatureEdges found = dataset.feature_edges(angle_deg);
     if (is_default && found.mean_distance < least_distance * dataset.bounds().size().length()) continue;
     origin.feature_edges_deg = angle_deg;
-    origin.lines = std::move(found.edges);
+    if (!found.edges.empty()) origin.lines = std::make_shared<const FeatureEdges>(std::move(found));
   }
 }
 

@@ -22,7 +22,7 @@ std::string first_line(int descriptor) {
   return line;
 }
 
-/// What the server at a port of this machine answers.
+/// Sends a request to a port of this machine and returns the answer.
 std::string answer(int port, const std::string& request) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};

@@ -6,6 +6,7 @@
 #include "formats/base/number_text.h"
 #include "formats/base/text.h"
 #include "render/scene_words.h"
+#include "tools/pictures/pictures.h"
 
 namespace rhoray::tools {
 
@@ -101,6 +102,11 @@ void add_clipped(const std::array<Vec3, 2>& line, const std::vector<render::Half
   add(inside.hi, 1);
 }
 
+bool has_lines(const render::ResolvedScene& plan) {
+  return std::any_of(plan.origins.begin(), plan.origins.end(),
+                     [](const render::LayerOrigin& origin) { return origin.lines != nullptr; });
+}
+
 /// Dark lines; light ones on dark surfaces.
 Vec3 line_color(const Vec3& surface) {
   return luminance(surface) < 0.08 ? Vec3(0.8, 0.8, 0.8) : Vec3(0.01, 0.01, 0.01);
@@ -110,12 +116,12 @@ std::vector<SurfaceLines> surface_lines(const render::ResolvedScene& plan) {
   std::vector<SurfaceLines> all;
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
     const render::Layer& layer = plan.scene.layers[i];
-    if (plan.origins[i].lines.empty()) continue;
+    if (!plan.origins[i].lines) continue;
     SurfaceLines& lines = all.emplace_back(SurfaceLines{.lines = {}, .color = line_color(layer.material.color)});
     const bool is_clipped = plan.scene.clip && layer.clipped;
     const std::vector<render::HalfSpace> region =
         is_clipped ? half_spaces_of(*plan.scene.clip) : std::vector<render::HalfSpace>{};
-    for (const auto& line : plan.origins[i].lines)
+    for (const auto& line : plan.origins[i].lines->edges)
       add_clipped(line, region, is_clipped && plan.scene.clip->cuts_away, lines.lines);
   }
   return all;
@@ -161,6 +167,23 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
   annotations.surface_lines = surface_lines(plan);
   annotations.caption = spec.caption;
   return annotations;
+}
+
+bool has_texts(const render::ResolvedScene& plan) {
+  const auto& [axes, box, bar, legend, caption] = plan.annotations;
+  return axes || box.value_or(false) || bar || legend.value_or(false) || !caption.empty();
+}
+
+render::ChannelSet channels_of_annotations(const render::ResolvedScene& plan) {
+  return {.depth = plan.annotations.box.value_or(false) || has_lines(plan)};
+}
+
+void draw_annotations(const render::ResolvedScene& plan, const Interval<double>& heat, render::Framebuffer& picture) {
+  if (!has_texts(plan) && !has_lines(plan)) return;
+  const std::filesystem::path font = has_texts(plan) ? find_font(known_fonts()) : std::filesystem::path();
+  annotate(
+      annotations_of(plan, heat),
+      [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); }, picture);
 }
 
 }  // namespace rhoray::tools

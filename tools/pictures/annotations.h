@@ -9,4 +9,14 @@ namespace rhoray::tools {
 /// @param heat  of a heat map: the numbers of its first and its last colour
 Annotations annotations_of(const render::ResolvedScene& plan, const Interval<double>& heat);
 
+/// True for a scene with annotations that contain text. They need a font and the module for pictures
+/// (tools/pictures/pictures.h).
+bool has_texts(const render::ResolvedScene& plan);
+
+/// The channels of the picture that draw_annotations reads.
+render::ChannelSet channels_of_annotations(const render::ResolvedScene& plan);
+
+/// Draws the annotations over a finished picture; nothing for a scene without annotations.
+void draw_annotations(const render::ResolvedScene& plan, const Interval<double>& heat, render::Framebuffer& picture);
+
 }  // namespace rhoray::tools

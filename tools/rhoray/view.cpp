@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "tools/pictures/annotations.h"
+#include "tools/pictures/pictures.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/asked_scene.h"
 #include "tools/rhoray/render/label_layers.h"
+#include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/reproduce.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
@@ -56,8 +59,11 @@ ViewedScene opened(const ViewCommand& command) {
                      .program = concat("rhoray ", version()),
                      .scene_spec = with_label_layers(asked, access)};
   viewed.plan = resolve_layers(viewed.scene_spec, access);
-  aim_camera(viewed.scene_spec, viewed.plan);
+  if (viewed.plan.page) throw Error(ErrorCode::usage, "the viewer shows no heat maps; `render` draws them");
   const std::filesystem::path output = default_output(command.inputs.front(), ".png");
+  settle_annotations(viewed.scene_spec, output, viewed.plan);
+  if (has_texts(viewed.plan)) find_font(known_fonts());  // refused now, not at the first picture
+  aim_camera(viewed.scene_spec, viewed.plan);
   viewed.command_of = [output](const render::ResolvedScene& plan) {
     return shell_line(reproducing_command(plan, output));
   };

@@ -7,13 +7,13 @@
 
 namespace rhoray::tools {
 
-/// Who may talk to the server. A page of another site that the user has open must not: it can send
-/// requests to the loopback interface, and a name of its own may be made to mean this machine (DNS
+/// Decides which requests the server answers. Pages of other sites in the user's browser can send
+/// requests to the loopback interface, and their own host names can be made to mean this machine (DNS
 /// rebinding).
 struct Admission {
   std::uint16_t port = 0;
   std::vector<std::string> hosts{"127.0.0.1", "localhost"};  ///< names under which the server is reached
-  std::string token;  ///< what the printed URL carries in its fragment, which browsers send to nobody
+  std::string token;  ///< in the fragment of the printed URL, which browsers do not send
 
   /// For a request's Host: one of the names with the port. Behind a proxy, a further name may stand
   /// without a port.
@@ -30,7 +30,7 @@ inline constexpr std::string_view view_protocol = "rhoray.1";
 /// 128 random bits from the kernel, in hexadecimal digits.
 std::string random_token();
 
-/// Whether two texts are equal; takes as long for any two of the same length.
+/// True for equal texts. The time depends on their lengths alone.
 bool equal_in_constant_time(std::string_view a, std::string_view b);
 
 }  // namespace rhoray::tools

@@ -9,7 +9,6 @@
 #include "formats/base/json.h"
 #include "render/render.h"
 #include "tools/pictures/annotations.h"
-#include "tools/pictures/pictures.h"
 #include "tools/view/picture_message.h"
 
 namespace rhoray::tools {
@@ -185,8 +184,7 @@ void Painter::paint(Client& client, const Wish& wish) {
   client.was_sent = client.was_sent_lossless = false;
   render::ResolvedScene plan = with_wish(viewed_, wish);
   plan.frame.threads = threads_;
-  const Annotations annotations = annotations_of(plan, {});
-  if (!wish.is_moving) plan.frame.channels |= {.depth = true};
+  if (!wish.is_moving) plan.frame.channels |= channels_of_annotations(plan);
 
   const double megapixels = 1e-6 * wish.width * wish.height;
   int spacing = 1;
@@ -215,12 +213,7 @@ void Painter::paint(Client& client, const Wish& wish) {
     client.current.reset();
   }
   if (!is_finished) return;
-  if (!wish.is_moving && can_annotate()) {
-    const std::filesystem::path font = find_font(known_fonts());
-    annotate(
-        annotations, [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); },
-        client.picture);
-  }
+  if (!wish.is_moving) draw_annotations(plan, {}, client.picture);
   client.drawn = wish;
   client.finished = Clock::now();
   client.finished_ms = ms_since(begin);

@@ -13,7 +13,7 @@
 
 namespace rhoray::tools {
 
-/// Where messages to a client go. Called by the painter's thread; must not wait.
+/// Takes the messages to a client. The painter's thread calls it; it must not wait.
 struct ClientSink {
   std::function<void(std::vector<std::byte>)> send_picture;
   std::function<void(std::string)> send_text;

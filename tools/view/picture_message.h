@@ -10,7 +10,7 @@ namespace rhoray::tools {
 
 enum class Codec : std::uint8_t { jpeg = 1, png = 2 };
 
-/// What a picture message says before the picture.
+/// The header of a picture message.
 struct PictureHeader {
   Codec codec = Codec::jpeg;
   std::uint16_t spacing = 1;  ///< of the traced pixels; the picture has one pixel for each

@@ -82,7 +82,7 @@ Response answer(const Request& request, const Admission& admission) {
   return plain(http::status::not_found, "there is no such page");
 }
 
-/// What all connections of a server share. Used by its thread alone.
+/// The state that all connections of a server share. Only the server's thread uses it.
 struct Shared {
   Admission admission;
   Painter painter;

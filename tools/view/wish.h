@@ -24,14 +24,14 @@ struct IsovalueWish {
   double isovalue = 0;
 };
 
-/// What a client wants to see. It names what differs from the opened scene, never a change, so that
-/// a wish that is passed over costs nothing.
+/// The picture that a client asks for. It states absolute values, not changes to an earlier wish, so
+/// that the server can skip wishes.
 struct Wish {
   std::uint32_t number = 0;  ///< counts up
   std::optional<render::Camera> camera{};
   std::vector<IsovalueWish> isovalues{};
   int width = 0, height = 0;  ///< pixels
-  bool is_moving = false;     ///< a newer one follows soon: no antialiasing, lossy, coarse first
+  bool is_moving = false;     ///< a newer wish follows soon: no antialiasing, lossy, coarse first
 };
 
 /// The client has drawn a picture.

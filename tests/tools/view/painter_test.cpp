@@ -8,6 +8,7 @@
 
 #include "render/png.h"
 #include "tests/tools/view/viewed.h"
+#include "tools/pictures/annotations.h"
 #include "tools/view/picture_message.h"
 
 namespace rhoray::tests {
@@ -67,16 +68,22 @@ PictureHeader header_of(const std::vector<std::byte>& message) {
 std::vector<std::byte> rendered(const ViewedScene& viewed, const Wish& wish) {
   const render::ResolvedScene plan = with_wish(viewed, wish);
   render::Framebuffer picture;
-  render::render(plan.datasets, plan.scene, plan.frame, picture);
+  render::FrameOptions frame = plan.frame;
+  frame.channels |= channels_of_annotations(plan);
+  render::render(plan.datasets, plan.scene, frame, picture);
+  draw_annotations(plan, {}, picture);
   return render::encode_png(picture, {});
 }
 
-TEST(Painter, ends_with_the_picture_of_render_without_loss) {
+class FinishedPicture : public testing::TestWithParam<render::LayerType> {};
+
+TEST_P(FinishedPicture, is_that_of_render_without_loss) {
   const TemporaryFolder folder;
-  Painter painter(viewed_box(folder), 2);
+  Painter painter(viewed_box(folder, GetParam()), 2);
   Inbox inbox;
   const Painter::ClientId client = painter.add(inbox.sink());
-  const Wish wish{.number = 3, .isovalues = {{0, 0.6}}, .width = 90, .height = 70};
+  Wish wish{.number = 3, .width = 90, .height = 70};
+  if (GetParam() == render::LayerType::isosurface) wish.isovalues = {{0, 0.6}};
   painter.take(client, wish);
   std::size_t seen = 0;
   for (;;) {  // acknowledges everything until the lossless one is here
@@ -94,6 +101,9 @@ TEST(Painter, ends_with_the_picture_of_render_without_loss) {
     break;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Layers, FinishedPicture,
+                         testing::Values(render::LayerType::isosurface, render::LayerType::boundary));
 
 TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then_the_newest) {
   const TemporaryFolder folder;

@@ -9,13 +9,18 @@
 
 namespace rhoray::tests {
 
-/// A scene with one isosurface in a mesh of a box: the field is the distance from a corner.
-inline tools::ViewedScene viewed_box(const TemporaryFolder& folder) {
+/// A mesh of a box whose field is the distance from a corner, shown by one layer: an isosurface, or
+/// the boundary with feature edges.
+inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
+                                     render::LayerType type = render::LayerType::isosurface) {
   preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}});
   add_point_field(mesh, "distance", [](const Vec3& p) { return p.length(); });
   const render::Dataset dataset = packed(folder, "box.rho", mesh);
-  render::SceneSpec scene_spec{.data = {{.name = "data", .file = folder / "box.rho"}},
-                               .layers = {{.type = render::LayerType::isosurface, .isovalues = {"0.8"}}}};
+  render::SceneSpec scene_spec{.data = {{.name = "data", .file = folder / "box.rho"}}, .layers = {{.type = type}}};
+  if (type == render::LayerType::isosurface)
+    scene_spec.layers[0].isovalues = {"0.8"};
+  else
+    scene_spec.layers[0].feature_edges = 30;
   tools::ViewedScene viewed{.title = "box", .program = "rhoray test", .scene_spec = scene_spec};
   viewed.plan = resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
   aim_camera(scene_spec, viewed.plan);

@@ -81,25 +81,6 @@ void require_writable(const RenderCommand& command, const std::filesystem::path&
     for (const render::DataSpec& each : *data) require_writable(command.common, output, each.file);
 }
 
-bool has_lines(const render::ResolvedScene& plan) {
-  return std::any_of(plan.origins.begin(), plan.origins.end(),
-                     [](const render::LayerOrigin& origin) { return !origin.lines.empty(); });
-}
-
-/// Whether there are annotations with text.
-bool has_texts(const render::ResolvedScene& plan) {
-  const auto& [axes, box, bar, legend, caption] = plan.annotations;
-  return axes || box.value_or(false) || bar || legend.value_or(false) || !caption.empty();
-}
-
-void draw_annotations(const Drawn& drawn, render::Framebuffer& framebuffer) {
-  if (!has_texts(drawn.plan) && !has_lines(drawn.plan)) return;
-  const std::filesystem::path font = has_texts(drawn.plan) ? find_font(known_fonts()) : std::filesystem::path();
-  annotate(
-      annotations_of(drawn.plan, drawn.heat),
-      [&](const std::string& text, int pixels) { return make_text_image(text, pixels, font); }, framebuffer);
-}
-
 }  // namespace
 
 Checks::Checks(const RenderCommand& command, const render::ResolvedScene& plan) {
@@ -117,7 +98,7 @@ void settle_annotations(const render::SceneSpec& asked, const std::filesystem::p
   const bool is_data = output.extension() == ".exr";  // its pixels
   for (render::LayerOrigin& origin : plan.origins)
     if (is_data && !asked.layers[origin.spec].feature_edges)
-      origin.feature_edges_deg = render::no_feature_edges, origin.lines.clear();
+      origin.feature_edges_deg = render::no_feature_edges, origin.lines.reset();
   if (!plan.has_default_annotations) return;
   const auto leave_out = [&] {
     plan.annotations = asked.annotations;
@@ -158,7 +139,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   const render::ChannelSet kept = plan.frame.channels;
   if (!command.picks.empty()) plan.frame.channels |= channels_of_picks(plan.scene);
   if (plan.page) plan.frame.channels |= render::channel_of(*plan.page);
-  if (plan.annotations.box.value_or(false) || has_lines(plan)) plan.frame.channels |= {.depth = true};
+  plan.frame.channels |= channels_of_annotations(plan);
   if (command.self_check.pixels > 0) plan.frame.channels |= channels_to_check(plan);
 
   render::Framebuffer framebuffer;
@@ -171,7 +152,7 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   if (command.self_check.pixels > 0)
     drawn.self_check = check_picture(plan, framebuffer, command.self_check, command.common.threads);
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
-  draw_annotations(drawn, framebuffer);
+  draw_annotations(plan, drawn.heat, framebuffer);
   framebuffer.keep(kept);
   plan.frame.channels = kept;
   return framebuffer;
