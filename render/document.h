@@ -66,6 +66,9 @@ ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
 /// fitted to what is shown.
 void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan);
 
+/// The axes from which angles of the camera and words of views count.
+ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan);
+
 /// The specification that says every choice of a scene; it is resolved to the same picture.
 SceneSpec to_spec(const ResolvedScene& plan);
 

@@ -36,16 +36,6 @@ int count_of_scales(const AnnotationsSpec& annotations) {
   return (annotations.color_bar ? 1 : 0) + (annotations.legend.value_or(false) ? 1 : 0);
 }
 
-/// The axes from which angles of the camera and words of views count.
-ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
-  if (scene_spec.camera.up_axis) return axes_with_up(*scene_spec.camera.up_axis);
-  const auto any_of = [&](auto&& is) { return std::any_of(plan.datasets.begin(), plan.datasets.end(), is); };
-  if (any_of([](const Dataset& dataset) { return dataset.space() != formats::Space::unknown; }))
-    return axes_of(plan.space == formats::Space::ras ? ViewFrame::anatomical_ras : ViewFrame::anatomical_lps);
-  return axes_of(any_of([](const Dataset& dataset) { return !dataset.is_y_up(); }) ? ViewFrame::engineering_z_up
-                                                                                   : ViewFrame::engineering_y_up);
-}
-
 /// The boxes around parts of a layer, before clipping.
 std::vector<std::array<Vec3, 8>> boxes_of(const Layer& layer, const ResolvedScene& plan) {
   if (layer.mode == Mode::isosurface || layer.mode == Mode::triangles)
@@ -103,6 +93,15 @@ PictureSize size_for(std::span<const Vec3> points, View view, const AnnotationsS
 }
 
 }  // namespace
+
+ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
+  if (scene_spec.camera.up_axis) return axes_with_up(*scene_spec.camera.up_axis);
+  const auto any_of = [&](auto&& is) { return std::any_of(plan.datasets.begin(), plan.datasets.end(), is); };
+  if (any_of([](const Dataset& dataset) { return dataset.space() != formats::Space::unknown; }))
+    return axes_of(plan.space == formats::Space::ras ? ViewFrame::anatomical_ras : ViewFrame::anatomical_lps);
+  return axes_of(any_of([](const Dataset& dataset) { return !dataset.is_y_up(); }) ? ViewFrame::engineering_z_up
+                                                                                   : ViewFrame::engineering_y_up);
+}
 
 Shown what_is_shown(const ResolvedScene& plan) {
   Shown shown;

@@ -46,6 +46,7 @@ const TableRow table_rows[] = {{"phases", Takes::data, only<phases_table>},
                                {"effects", Takes::data_or_scene, effects_tables, {"table_4", "table_1"}},
                                {"memory", Takes::data, only<memory_table>},
                                {"open", Takes::data, only<open_table>},
+                               {"view", Takes::data, only<viewer_table>},
                                {"pack", Takes::unpacked, only<pack_table>}};
 
 /// Refuses a scene where a table does not take it.
@@ -74,10 +75,10 @@ std::vector<TableRow> choose_tables(BenchCommand& command) {
     for (const TableRow& row : table_rows)
       if (asked == row.name) chosen.push_back(row);
     if (chosen.empty())
-      throw Error(
-          ErrorCode::usage,
-          concat("no table '", asked, "'; available: phases, threads, views, isovalue, effects, memory, open and pack"),
-          did_you_mean(asked, names_in(table_rows, &TableRow::name)));
+      throw Error(ErrorCode::usage,
+                  concat("no table '", asked,
+                         "'; available: phases, threads, views, isovalue, effects, memory, open, view and pack"),
+                  did_you_mean(asked, names_in(table_rows, &TableRow::name)));
   }
   preprocess::require_input(command.bench.input);
   const bool is_packed = formats::PackedFile::looks_packed(command.bench.input);
@@ -173,6 +174,7 @@ Subcommand bench_subcommand() {
                                 {"effects", "cost of each effect, and Tables 4 and 1 of the paper"},
                                 {"memory", "memory beyond the mapped file"},
                                 {"open", "opening with and without checksums"},
+                                {"view", "the viewer: from a wish to its picture, while something is dragged"},
                                 {"pack", "packing, compared with reading and writing once"}}}},
       .options = all_options(
           {in_group("Input", {files_option("[TABLE] FILE",

@@ -253,7 +253,7 @@ formats::PackedFile open_colors(const render::DataSpec& data, const DataAccess& 
 
 render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const DataAccess& access) {
   std::map<std::pair<std::filesystem::path, std::string>, render::Dataset> meshes;  // with labels; by file and time
-  const auto open_data = [&](const render::DataSpec& data, formats::Space world) {
+  const auto load = [&](const render::DataSpec& data, const std::vector<std::string>& others, formats::Space world) {
     if (data.label) {
       const auto known = meshes.find({data.file, data.read.time});
       if (known != meshes.end()) return known->second;
@@ -261,10 +261,16 @@ render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const 
       if (file.description().kind != "tets") return load_label(data, world, access);
       return meshes.emplace(std::pair(data.file, data.read.time), load_field_that_varies(file, world)).first->second;
     }
+    return load_shown(data.file, data.field, reading(data, access), others, world);
+  };
+  const auto open_data = [&](const render::DataSpec& data, formats::Space world) {
     std::vector<std::string> others;
     for (const render::LayerSpec& layer : scene_spec.layers)
       if (layer.data == data.name) others.push_back(layer.color_by);
-    return load_shown(data.file, data.field, reading(data, access), others, world);
+    if (!access.loaded) return load(data, others, world);
+    const std::tuple key(data.name, data.field, others);
+    if (const auto known = access.loaded->find(key); known != access.loaded->end()) return known->second;
+    return access.loaded->emplace(key, load(data, others, world)).first->second;
   };
   return render::resolve_layers(scene_spec, open_data,
                                 [&](const render::DataSpec& data) { return open_colors(data, access); });

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct DataAccess {
   /// Opened files by path and options of packing; null: files are not kept open.
   using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, preprocess::OpenedData>;
   std::shared_ptr<Opened> opened{};
+  /// Loaded data of a scene by name, field and fields that colour them; null: each scene loads its own.
+  using Loaded = std::map<std::tuple<std::string, std::string, std::vector<std::string>>, render::Dataset>;
+  std::shared_ptr<Loaded> loaded{};
 };
 /// @param display  must outlive the result
 /// @param read     of files that are not packed; a scene's data say it themselves

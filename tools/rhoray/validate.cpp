@@ -5,6 +5,7 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
+#include "tools/analysis/format_statistics.h"
 #include "tools/analysis/measure.h"
 #include "tools/analysis/validation_report.h"
 #include "tools/rhoray/cli/options.h"
@@ -12,7 +13,6 @@
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/subcommands.h"
 #include "tools/validate/request.h"
 

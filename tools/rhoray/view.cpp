@@ -49,21 +49,22 @@ void open_browser(const std::string& url) {
   ::_exit(0);
 }
 
-ViewedScene opened(const ViewCommand& command) {
+/// @param display  must outlive the scene
+ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   const render::SceneSpec asked = asked_scene(command.picture, command.inputs, command.common);
   if (asked.camera.keyframes) throw Error(ErrorCode::usage, "a scene with a camera path is a film; `render` draws it");
-  ProgressDisplay display(command.common);
   display.show(concat("opening ", asked.data[0].file.string()));
-  const DataAccess access = access_for(command.common, display);
+  DataAccess access = access_for(command.common, display);
+  access.loaded = std::make_shared<DataAccess::Loaded>();
   ViewedScene viewed{.title = command.inputs.front().filename().string(),
                      .program = concat("rhoray ", version()),
                      .scene_spec = with_label_layers(asked, access)};
   viewed.plan = resolve_layers(viewed.scene_spec, access);
-  if (viewed.plan.page) throw Error(ErrorCode::usage, "the viewer shows no heat maps; `render` draws them");
   const std::filesystem::path output = default_output(command.inputs.front(), ".png");
   settle_annotations(viewed.scene_spec, output, viewed.plan);
   if (has_texts(viewed.plan)) find_font(known_fonts());  // refused now, not at the first picture
   aim_camera(viewed.scene_spec, viewed.plan);
+  viewed.resolve = [access](const render::SceneSpec& changed) { return resolve_layers(changed, access); };
   viewed.command_of = [output](const render::ResolvedScene& plan) {
     return shell_line(reproducing_command(plan, output));
   };
@@ -71,10 +72,12 @@ ViewedScene opened(const ViewCommand& command) {
 }
 
 int run(const ViewCommand& command) {
-  Server server(opened(command), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
-                                  .socket = command.socket,
-                                  .allowed_hosts = command.hosts,
-                                  .threads = command.common.threads});
+  ProgressDisplay display(command.common);
+  Server server(opened(command, display), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
+                                           .socket = command.socket,
+                                           .allowed_hosts = command.hosts,
+                                           .threads = command.common.threads});
+  display.clear();
   std::puts(command.common.json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
   std::fflush(stdout);
   if (!command.socket.empty())

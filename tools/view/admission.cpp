@@ -14,17 +14,15 @@
 namespace rhoray::tools {
 
 bool Admission::is_own_host(std::string_view host) const {
-  for (const std::string& name : hosts)
-    if (host == concat(name, ":", port)) return true;
-  // The names that were allowed besides the first two are those of proxies, which have ports of their own.
-  return hosts.size() > 2 && std::any_of(hosts.begin() + 2, hosts.end(), [&](const std::string& name) {
-           return host == name || (host.starts_with(name) && host.size() > name.size() && host[name.size()] == ':');
-         });
+  if (host == concat("127.0.0.1:", port) || host == concat("localhost:", port)) return true;
+  return std::any_of(proxies.begin(), proxies.end(), [&](const std::string& proxy) {
+    return host == proxy || host.starts_with(proxy + ":");  // proxies have ports of their own
+  });
 }
 
 bool Admission::is_own_origin(std::string_view origin, std::string_view host) const {
-  if (!is_own_host(host)) return false;
-  return origin == concat("http://", host) || (hosts.size() > 2 && origin == concat("https://", host));
+  const bool is_same = origin == concat("http://", host) || (!proxies.empty() && origin == concat("https://", host));
+  return is_own_host(host) && is_same;
 }
 
 bool Admission::has_token(std::string_view subprotocols) const {

@@ -12,13 +12,13 @@ namespace rhoray::tools {
 /// rebinding).
 struct Admission {
   std::uint16_t port = 0;
-  std::vector<std::string> hosts{"127.0.0.1", "localhost"};  ///< names under which the server is reached
-  std::string token;  ///< in the fragment of the printed URL, which browsers do not send
+  std::vector<std::string> proxies{};  ///< host names of proxies in front of the server
+  std::string token;                   ///< in the fragment of the printed URL, which browsers do not send
 
-  /// For a request's Host: one of the names with the port. Behind a proxy, a further name may stand
-  /// without a port.
+  /// For a request's Host: 127.0.0.1 or localhost with the port, or a proxy with any port or none.
   bool is_own_host(std::string_view host) const;
-  /// For the Origin of a WebSocket's request: it must be there, and name the same host as Host.
+  /// For the Origin of a WebSocket's request: it must name the same host as Host. With proxies it may
+  /// be https.
   bool is_own_origin(std::string_view origin, std::string_view host) const;
   /// For a list of WebSocket subprotocols, in which the page sends the token.
   bool has_token(std::string_view subprotocols) const;

@@ -3,7 +3,8 @@
 #   cmake -D FOLDER=... -D OUTPUT=... -P embed.cmake
 set(text "#include \"tools/view/page.h\"\n\nnamespace rhoray::tools {\n\nnamespace {\n\n")
 set(rows "")
-foreach(name index.html view.css view.js icon.svg)
+file(GLOB names RELATIVE ${FOLDER} ${FOLDER}/*)
+foreach(name ${names})
   file(READ ${FOLDER}/${name} bytes HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
   string(MAKE_C_IDENTIFIER ${name} constant)

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,7 +25,8 @@ struct ClientSink {
 ///
 /// The newest wish of a client wins: an older one that is being drawn ends after its first pass was
 /// sent. No client has more than two pictures that it has not acknowledged. When it stops moving, the
-/// picture is refined to that of `rhoray render`, and is sent a second time without loss.
+/// picture is refined to that of `rhoray render`, and is sent a second time without loss. In idle time
+/// random pixels of it are compared with exact arithmetic. A picture takes 30 s at most.
 class Painter {
  public:
   using ClientId = std::uint64_t;
@@ -35,7 +38,7 @@ class Painter {
   ~Painter();
   void stop();  ///< ends the thread; nothing is sent afterwards
 
-  const ViewedScene& viewed() const { return viewed_; }
+  std::string hello() const;  ///< the first message to a client
 
   // Any thread may call these.
   ClientId add(ClientSink sink);
@@ -46,21 +49,37 @@ class Painter {
   struct Client;
 
   void run(const std::stop_token& stop);
+  void watch(const std::stop_token& stop);
   std::shared_ptr<Client> next_with_work();
   void work_for(Client& client);
+  void go_on(Client& client);
   void paint(Client& client, const Wish& wish);
+  void show_changes(Client& client, const Wish& wish);
   bool has_room(const Client& client) const;
   void send(Client& client, const Wish& wish, int spacing, bool lossless, double trace_ms);
-  void send_command(Client& client);
+  void send_finished(Client& client, const render::FrameStatistics& statistics);
+  void check(Client& client);
+  void answer(Client& client, const Wish& wish, const Probe& probe);
+  void keep(Client& client, const Wish& wish);
+
+  /// The picture that is being traced.
+  struct Running {
+    ClientId client = 0;
+    std::chrono::steady_clock::time_point deadline;
+    std::stop_source source;
+    bool was_first_sent = false;  ///< the first pass: from now on a newer wish ends the picture
+  };
 
   const ViewedScene viewed_;
+  const std::string document_;
   const unsigned threads_;
   std::mutex mutex_;  ///< of the clients, but for what only the painter's thread uses
   std::condition_variable_any changed_;
   std::vector<std::shared_ptr<Client>> clients_;
+  std::optional<Running> running_;
   ClientId next_id_ = 1;
   std::size_t turn_ = 0;
-  std::jthread thread_;
+  std::jthread thread_, watch_;
 };
 
 }  // namespace rhoray::tools

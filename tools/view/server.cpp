@@ -131,7 +131,7 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
         if (const auto self = weak.lock()) self->send(std::move(*message));
       });
     };
-    send(hello_text(shared_.painter.viewed()));
+    send(shared_.painter.hello());
     id_ = shared_.painter.add({.send_picture = [post](std::vector<std::byte> bytes) { post(std::move(bytes)); },
                                .send_text = [post](std::string text) { post(std::move(text)); }});
     read();
@@ -150,7 +150,7 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
     buffer_.consume(buffer_.size());
     try {
       if (!socket_.got_text()) throw Error(ErrorCode::invalid, "message: expected text");
-      shared_.painter.take(*id_, parse_client_message(text, shared_.painter.viewed().plan.scene.layers.size()));
+      shared_.painter.take(*id_, parse_client_message(text));
     } catch (const Error& error) {
       send(dump(Json{{"error", error.what()}}));
     }
@@ -258,7 +258,7 @@ class Server::Implementation {
   Implementation(ViewedScene viewed, const ServerOptions& options)
       : shared_(std::move(viewed), options.threads), socket_path_(options.socket) {
     shared_.admission.token = random_token();
-    for (const std::string& host : options.allowed_hosts) shared_.admission.hosts.push_back(host);
+    shared_.admission.proxies = options.allowed_hosts;
     if (socket_path_.empty())
       listen(options.port);
     else

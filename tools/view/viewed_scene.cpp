@@ -1,16 +1,28 @@
 #include "tools/view/viewed_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <map>
+#include <utility>
 
-#include "formats/base/json.h"
+#include "formats/base/error.h"
 #include "formats/base/text.h"
+#include "render/method_words.h"
 #include "render/png.h"
+#include "render/render.h"
+#include "render/scene_words.h"
+#include "render/truth.h"
+#include "tools/analysis/pick.h"
 #include "tools/view/admission.h"
 
 namespace rhoray::tools {
 
 namespace {
+
+[[noreturn]] void refuse(const std::string& fact) {
+  throw Error(ErrorCode::invalid, concat("scene: ", fact));
+}
 
 /// "#c7bdad", of a linear colour.
 std::string css_color(const Vec3& linear) {
@@ -20,8 +32,86 @@ std::string css_color(const Vec3& linear) {
   return text.data();
 }
 
+Box3 bounds_of(const render::ResolvedScene& plan) {
+  Box3 box;
+  for (const render::Dataset& dataset : plan.datasets) box.extendBy(dataset.bounds());
+  return box;
+}
+
+// ---- documents ----
+
+/// The layers of a document as an object by number, which a merge patch can change one by one.
+void number_layers(Json& document) {
+  Json layers = Json::object();
+  for (std::size_t i = 0; i < document["layers"].size(); ++i) layers[concat(i)] = std::move(document["layers"][i]);
+  document["layers"] = std::move(layers);
+}
+
+void list_layers(Json& document) {
+  std::map<unsigned long, Json> by_number;
+  for (auto& [key, layer] : document["layers"].items()) {
+    const bool is_number = !key.empty() && key.size() < 6 && key.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_number) refuse(concat("layer '", key, "': expected a number"));
+    by_number[std::stoul(key)] = std::move(layer);
+  }
+  document["layers"] = Json::array();
+  for (auto& [number, layer] : by_number) document["layers"].push_back(std::move(layer));
+}
+
+void require_allowed(const Json& patch, const Json& document) {
+  const auto require = [](const Json& object, const std::string& name,
+                          std::initializer_list<std::string_view> allowed) {
+    if (!object.is_object()) refuse(concat("\"", name, "\": expected an object"));
+    for (const auto& [key, value] : object.items())
+      if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
+        refuse(concat("\"", key, "\": clients cannot change it"));
+  };
+  require(patch, "scene", {"layers", "style", "lights", "effects", "clip", "annotations", "accuracy", "image", "data"});
+  if (patch.contains("layers") && !patch["layers"].is_object()) refuse("\"layers\": expected an object by number");
+  if (patch.contains("image")) require(patch["image"], "image", {"background", "show", "antialias"});
+  if (!patch.contains("data")) return;
+  if (!patch["data"].is_object()) refuse("\"data\": expected an object");
+  for (const auto& [name, value] : patch["data"].items()) {
+    if (!document["data"].contains(name)) refuse(concat("data '", name, "': there are none with this name"));
+    require(value, name, {"field"});
+  }
+}
+
+/// The most samples that a light or ambient occlusion takes.
+int most_samples(const render::SceneSpec& scene_spec) {
+  int most = 0;
+  for (const render::LightSpec& light : scene_spec.lights.value_or(std::vector<render::LightSpec>{}))
+    most = std::max(most, light.samples.value_or(0));
+  if (const auto& occlusion = scene_spec.effects.occlusion) most = std::max(most, occlusion->samples.value_or(0));
+  return most;
+}
+
+// ---- probing ----
+
+/// The camera whose only ray is that of a pixel.
+render::Camera camera_of_pixel(const render::ResolvedScene& plan, const Probe& probe) {
+  const render::PictureSize size{plan.frame.width, plan.frame.height};
+  const std::vector<std::uint32_t> pixels{static_cast<std::uint32_t>(probe.y) * static_cast<std::uint32_t>(size.width) +
+                                          static_cast<std::uint32_t>(probe.x)};
+  const render::Dataset& dataset = plan.datasets.front();  // every dataset's rays are the same in the world
+  render::Camera camera = plan.scene.camera;
+  const render::Ray ray = pixel_rays(dataset, camera, size, pixels).front();
+  const Affine& world_from_ray = world_from_ray_frame(dataset);
+  // As far away as the target was: a near target would round the direction where coordinates are large.
+  const double distance = (camera.target - camera.position).length();
+  const Vec3 eye = world_from_ray.point(ray.origin);
+  if (camera.orthographic) camera.position = eye;
+  camera.target = world_from_ray.point(ray.origin + distance * ray.direction);
+  camera.vertical_fov_deg = 1, camera.orthographic_height = distance / size.height;
+  return camera;
+}
+
+}  // namespace
+
 Json json_of_camera(const render::Camera& camera) {
-  Json json{{"position", json_of(camera.position)}, {"target", json_of(camera.target)}, {"up", json_of(camera.up)}};
+  Json json{{"position", rhoray::json_of(camera.position)},
+            {"target", rhoray::json_of(camera.target)},
+            {"up", rhoray::json_of(camera.up)}};
   if (camera.orthographic)
     json["ortho_height"] = camera.orthographic_height;
   else
@@ -29,32 +119,50 @@ Json json_of_camera(const render::Camera& camera) {
   return json;
 }
 
-Json json_of_surface(const ViewedScene& viewed, std::size_t index) {
-  const render::Layer& layer = viewed.plan.scene.layers[index];
-  const formats::FieldSummary& field = viewed.plan.datasets[layer.dataset].field();
-  return {{"layer", index},
-          {"isovalue", layer.isovalue},
-          {"color", css_color(layer.material.color)},
-          {"field", field.name},
-          {"unit", field.unit},
-          {"range", json_of(field.range)},
-          {"histogram", field.histogram}};
+std::string document_to_change(const ViewedScene& viewed) {
+  const render::SceneSpec& asked = viewed.scene_spec;
+  render::SceneSpec scene_spec = to_spec(viewed.plan);
+  scene_spec.style = asked.style;
+  scene_spec.lights = asked.lights;
+  scene_spec.effects = asked.effects;
+  scene_spec.image = {.background = asked.image.background, .antialias = asked.image.antialias};
+  scene_spec.image.show = asked.image.show, scene_spec.image.hierarchy = asked.image.hierarchy;
+  scene_spec.camera = {};
+  for (std::size_t i = 0; i < scene_spec.layers.size(); ++i) {
+    if (viewed.plan.origins[i].is_context) continue;  // its look does not come from the style
+    render::LayerSpec& layer = scene_spec.layers[i];
+    const render::LayerSpec& asked_layer = asked.layers[viewed.plan.origins[i].spec];
+    layer.normals = asked_layer.normals;
+    layer.ambient = asked_layer.ambient, layer.specular = asked_layer.specular;
+    layer.shininess = asked_layer.shininess;
+  }
+  Json document = Json::parse(scene_text(scene_spec));
+  number_layers(document);
+  return dump(document);
 }
 
-Box3 bounds_of(const render::ResolvedScene& plan) {
-  Box3 box;
-  for (const render::Dataset& dataset : plan.datasets) box.extendBy(dataset.bounds());
-  return box;
+ChangedScene changed_scene(const ViewedScene& viewed, const std::string& document, const std::string& patch) {
+  if (patch.empty()) return {viewed.scene_spec, viewed.plan};
+  Json changed = Json::parse(document);
+  const Json changes = Json::parse(patch);
+  require_allowed(changes, changed);
+  changed.merge_patch(changes);
+  if (!changed.contains("layers")) refuse("\"layers\": expected at least one");
+  list_layers(changed);
+  render::SceneDocument read = render::read_scene(dump(changed), "scene", {});
+  if (!read.warnings.empty()) throw Error(ErrorCode::invalid, read.warnings.front());
+  if (most_samples(read.scene_spec) > std::max(view_limits::samples, most_samples(viewed.scene_spec)))
+    refuse(concat("more than ", view_limits::samples, " samples"));
+  ChangedScene scene{std::move(read.scene_spec), {}};
+  scene.plan = viewed.resolve(scene.scene_spec);
+  return scene;
 }
 
-}  // namespace
-
-render::ResolvedScene with_wish(const ViewedScene& viewed, const Wish& wish) {
-  render::ResolvedScene plan = viewed.plan;
-  for (const IsovalueWish& each : wish.isovalues) plan.scene.layers[each.layer].isovalue = each.isovalue;
+render::ResolvedScene with_wish(const ViewedScene& viewed, const ChangedScene& scene, const Wish& wish) {
+  render::ResolvedScene plan = scene.plan;
   plan.frame.width = wish.width, plan.frame.height = wish.height;
   if (wish.is_moving) plan.frame.antialiasing = 1, plan.annotations = {};
-  render::SceneSpec scene_spec = viewed.scene_spec;
+  render::SceneSpec scene_spec = scene.scene_spec;
   scene_spec.image.size = render::PictureSize{wish.width, wish.height};
   const render::Camera camera = wish.camera.value_or(viewed.plan.scene.camera);
   scene_spec.camera = {.position = camera.position, .target = camera.target, .up = camera.up};
@@ -67,19 +175,89 @@ render::ResolvedScene with_wish(const ViewedScene& viewed, const Wish& wish) {
   return plan;
 }
 
-std::string hello_text(const ViewedScene& viewed) {
-  Json surfaces = Json::array();
-  for (std::size_t i = 0; i < viewed.plan.scene.layers.size(); ++i)
-    if (viewed.plan.scene.layers[i].mode == render::Mode::isosurface) surfaces.push_back(json_of_surface(viewed, i));
+std::string probe_text(render::ResolvedScene plan, const Probe& probe) {
+  if (probe.x >= plan.frame.width || probe.y >= plan.frame.height)
+    throw Error(ErrorCode::invalid, "message: \"probe\": expected a pixel of the picture");
+  plan.scene.camera = camera_of_pixel(plan, probe);
+  for (render::Layer& layer : plan.scene.layers)
+    if (layer.mode == render::Mode::isosurface || layer.mode == render::Mode::mip)
+      layer.method = method_of(render::Accuracy::certified);
+  plan.frame.width = plan.frame.height = 1;
+  plan.frame.antialiasing = 1;
+  plan.frame.channels = channels_of_picks(plan.scene);
+  render::Framebuffer pixel;
+  render::render(plan.datasets, plan.scene, plan.frame, pixel);
+  Json json = picked(plan, pixel, {0, 0});
+  json["pixel"] = {probe.x, probe.y};
+  json["id"] = probe.id;
+  return dump(Json{{"probe", json}});
+}
+
+std::string hello_text(const ViewedScene& viewed, const std::string& document) {
+  Json data = Json::object();
+  for (std::size_t i = 0; i < viewed.plan.datasets.size(); ++i) {
+    const render::Dataset& dataset = viewed.plan.datasets[i];
+    const std::string name = viewed.plan.data[i].name.empty() ? "data" : viewed.plan.data[i].name;
+    if (data.contains(name)) continue;  // the boundary of a mesh that stands before it
+    const char* kind = dataset.is_surface() ? "surface" : dataset.is_mesh() ? "mesh" : "grid";
+    data[name] = {{"kind", kind}, {"fields", dataset.field_names()}, {"colors", dataset.color_names()}};
+  }
+  Json shown = Json::parse(document);
+  for (auto& [name, value] : shown["data"].items()) value.erase("file");
   const Box3 bounds = bounds_of(viewed.plan);
+  const render::ViewAxes axes = view_axes(viewed.scene_spec, viewed.plan);
   return dump(Json{{"hello",
                     {{"protocol", view_protocol},
                      {"program", viewed.program},
                      {"title", viewed.title},
                      {"camera", json_of_camera(viewed.plan.scene.camera)},
                      {"bounds", {json_of(bounds.min), json_of(bounds.max)}},
-                     {"background", css_color(viewed.plan.scene.background)},
-                     {"surfaces", surfaces}}}});
+                     {"up", json_of(axes.up)},
+                     {"ahead", json_of(axes.ahead)},
+                     {"length_unit", viewed.plan.datasets.front().length_unit()},
+                     {"data", data},
+                     {"document", shown},
+                     {"words",
+                      {{"accuracy", render::accuracy_words()},
+                       {"style", render::style_words()},
+                       {"colormap", render::colormap_words()},
+                       {"scale", render::scale_words()},
+                       {"show", render::show_words()},
+                       {"keep", {render::keep_inside, render::keep_outside}}}}}}});
+}
+
+std::string resolved_text(const ChangedScene& scene, std::uint32_t wish) {
+  const render::ResolvedScene& plan = scene.plan;
+  render::SceneSpec scene_spec = to_spec(plan);
+  if (!scene_spec.lights) scene_spec.lights = render::lights_of_style(scene_spec.style);
+  scene_spec.camera = {};
+  Json document = Json::parse(scene_text(scene_spec));
+  for (auto& [name, value] : document["data"].items()) value.erase("file");
+  Json origins = Json::array(), fields = Json::array(), legend = Json::array();
+  for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
+    const render::Layer& layer = plan.scene.layers[i];
+    const render::Dataset& dataset = plan.datasets[layer.dataset];
+    const auto& colors = layer.material.color_by;
+    origins.push_back(plan.origins[i].spec);
+    legend.push_back(colors ? Json() : Json(css_color(layer.material.color)));
+    std::optional<formats::FieldSummary> field;
+    if (layer.mode != render::Mode::triangles)
+      field = dataset.field();
+    else if (colors)
+      field = dataset.field(colors->field);
+    fields.push_back(field ? Json{{"name", field->name},
+                                  {"unit", field->unit},
+                                  {"range", json_of(field->range)},
+                                  {"histogram", field->histogram}}
+                           : Json());
+  }
+  return dump(Json{{"resolved",
+                    {{"n", wish},
+                     {"document", document},
+                     {"origins", origins},
+                     {"fields", fields},
+                     {"legend", legend},
+                     {"notes", plan.notes}}}});
 }
 
 }  // namespace rhoray::tools

@@ -2,28 +2,57 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "formats/base/json.h"
 #include "render/document.h"
 #include "tools/view/wish.h"
 
 namespace rhoray::tools {
 
-/// The scene that a server shows, and what only the program that opened it can say.
+/// The scene that a server shows, and what only the program that opened it can do.
 struct ViewedScene {
   std::string title;             ///< for the page
   std::string program;           ///< "rhoray 0.1.0"
   render::SceneSpec scene_spec;  ///< what was asked for
   render::ResolvedScene plan{};  ///< resolved from it, with a camera
-  /// The command that draws a scene; nothing where it takes a document.
+  /// Resolves the layers of a changed scene (render::resolve_layers). The painter's thread calls it.
+  std::function<render::ResolvedScene(const render::SceneSpec&)> resolve{};
+  /// The command that draws a scene.
   std::function<std::string(const render::ResolvedScene&)> command_of{};
 };
 
-/// The scene with a wish's camera, isovalues and size; lights follow the camera. While moving there
-/// are no annotations and no antialiasing.
-render::ResolvedScene with_wish(const ViewedScene& viewed, const Wish& wish);
+/// A scene as a client changed it.
+struct ChangedScene {
+  render::SceneSpec scene_spec;
+  render::ResolvedScene plan;  ///< without a camera of its own
+};
 
-/// The first message to a client, as JSON: title, camera, bounds, and of every isosurface its layer,
-/// isovalue, colour, field, unit, range and histogram.
-std::string hello_text(const ViewedScene& viewed);
+/// The scene that clients change, as a document (PROTOCOL.md). It says every choice about layers but
+/// what they take from the style, so that another style changes it.
+std::string document_to_change(const ViewedScene& viewed);
+
+/// The scene after a client's changes. Refuses what a document refuses, keys that are not known, and
+/// what no client may choose: files, cameras, sizes, and more samples than the limit
+/// (ErrorCode::invalid).
+/// @param document  document_to_change
+/// @param patch     JSON Merge Patch (RFC 7386) of it, an object; empty: nothing is changed
+ChangedScene changed_scene(const ViewedScene& viewed, const std::string& document, const std::string& patch);
+
+/// The scene with a wish's camera and size; lights follow the camera. While moving there are no
+/// annotations and no antialiasing.
+render::ResolvedScene with_wish(const ViewedScene& viewed, const ChangedScene& scene, const Wish& wish);
+
+/// What a pixel of a wish's picture shows, by one ray at the level `certified` where layers have it
+/// (tools/analysis/pick.h). Refuses a pixel outside the picture (ErrorCode::invalid).
+/// @param plan  the scene with the wish
+std::string probe_text(render::ResolvedScene plan, const Probe& probe);
+
+/// A camera in messages.
+Json json_of_camera(const render::Camera& camera);
+
+// Messages to a client, as JSON (PROTOCOL.md).
+std::string hello_text(const ViewedScene& viewed, const std::string& document);
+std::string resolved_text(const ChangedScene& scene, std::uint32_t wish);
 
 }  // namespace rhoray::tools

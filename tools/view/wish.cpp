@@ -56,19 +56,6 @@ render::Camera camera_of(const Json& json) {
   return camera;
 }
 
-std::vector<IsovalueWish> isovalues_of(const Json& json, std::size_t layer_count) {
-  constexpr const char* expected = "pairs of a layer and its isovalue";
-  if (!json.is_array() || json.size() > layer_count) refuse("isovalues", expected);
-  std::vector<IsovalueWish> wishes;
-  for (const Json& pair : json) {
-    if (!pair.is_array() || pair.size() != 2) refuse("isovalues", expected);
-    const std::uint32_t layer = counter_of(pair[0], "isovalues");
-    if (layer >= layer_count) refuse("isovalues", concat("a layer below ", layer_count));
-    wishes.push_back({layer, number_of(pair[1], "isovalues")});
-  }
-  return wishes;
-}
-
 int side_of(const Json& json) {
   const std::uint32_t side = counter_of(json, "size");
   if (side == 0 || side > static_cast<std::uint32_t>(view_limits::largest_side))
@@ -76,8 +63,22 @@ int side_of(const Json& json) {
   return static_cast<int>(side);
 }
 
-Wish wish_of(const Json& json, std::size_t layer_count) {
-  require_keys(json, "message", {"n", "size", "moving", "isovalues", "camera"});
+int place_of(const Json& json) {
+  const std::uint32_t place = counter_of(json, "probe");
+  if (place >= static_cast<std::uint32_t>(view_limits::largest_side)) refuse("probe", "a pixel of the picture");
+  return static_cast<int>(place);
+}
+
+Probe probe_of(const Json& json) {
+  require_keys(json, "message", {"probe", "id"});
+  const Json& pixel = json["probe"];
+  if (!pixel.is_array() || pixel.size() != 2) refuse("probe", "two numbers");
+  if (!json.contains("id")) refuse("id", "a number");
+  return {.id = counter_of(json["id"], "id"), .x = place_of(pixel[0]), .y = place_of(pixel[1])};
+}
+
+Wish wish_of(const Json& json) {
+  require_keys(json, "message", {"n", "size", "moving", "camera", "scene"});
   Wish wish{.number = counter_of(json["n"], "n")};
   if (!json.contains("size") || !json["size"].is_array() || json["size"].size() != 2) refuse("size", "two numbers");
   wish.width = side_of(json["size"][0]), wish.height = side_of(json["size"][1]);
@@ -85,8 +86,11 @@ Wish wish_of(const Json& json, std::size_t layer_count) {
     if (!json["moving"].is_boolean()) refuse("moving", "true or false");
     wish.is_moving = json["moving"].get<bool>();
   }
-  if (json.contains("isovalues")) wish.isovalues = isovalues_of(json["isovalues"], layer_count);
   if (json.contains("camera")) wish.camera = camera_of(json["camera"]);
+  if (json.contains("scene")) {
+    if (!json["scene"].is_object()) refuse("scene", "an object");
+    if (!json["scene"].empty()) wish.patch = dump(json["scene"]);
+  }
   return wish;
 }
 
@@ -106,7 +110,7 @@ Json parsed(std::string_view text) {
 
 }  // namespace
 
-ClientMessage parse_client_message(std::string_view text, std::size_t layer_count) {
+ClientMessage parse_client_message(std::string_view text) {
   if (text.size() > view_limits::message_bytes)
     throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_bytes, " bytes"));
   const Json json = parsed(text);
@@ -115,12 +119,14 @@ ClientMessage parse_client_message(std::string_view text, std::size_t layer_coun
     require_keys(json, "message", {"ack"});
     return Acknowledgement{counter_of(json["ack"], "ack")};
   }
-  if (json.contains("command")) {
-    require_keys(json, "message", {"command"});
-    return CommandRequest{};
+  if (json.contains("probe")) return probe_of(json);
+  if (json.contains("keep")) {
+    require_keys(json, "message", {"keep"});
+    if (json["keep"] != true) refuse("keep", "true");
+    return KeepRequest{};
   }
   if (!json.contains("n")) refuse("n", "a number");
-  return wish_of(json, layer_count);
+  return wish_of(json);
 }
 
 }  // namespace rhoray::tools

@@ -16,20 +16,14 @@ namespace view_limits {
 inline constexpr std::size_t message_bytes = std::size_t{64} << 10;
 inline constexpr int message_depth = 16;
 inline constexpr int largest_side = 4096;  ///< of a picture, in pixels
+inline constexpr int samples = 64;         ///< of lights and of ambient occlusion, unless the scene itself has more
 }  // namespace view_limits
 
-/// The isovalue of one layer of the scene.
-struct IsovalueWish {
-  std::size_t layer = 0;  ///< index into Scene::layers
-  double isovalue = 0;
-};
-
-/// The picture that a client asks for. It states absolute values, not changes to an earlier wish, so
-/// that the server can skip wishes.
+/// The picture that a client asks for. It says everything, so that the server can skip wishes.
 struct Wish {
   std::uint32_t number = 0;  ///< counts up
   std::optional<render::Camera> camera{};
-  std::vector<IsovalueWish> isovalues{};
+  std::string patch{};        ///< of the scene, JSON (viewed_scene.h: changed_scene); empty: unchanged
   int width = 0, height = 0;  ///< pixels
   bool is_moving = false;     ///< a newer wish follows soon: no antialiasing, lossy, coarse first
 };
@@ -39,22 +33,20 @@ struct Acknowledgement {
   std::uint32_t frame = 0;
 };
 
-/// Asks for the command that draws the client's last wish.
-struct CommandRequest {};
+/// Asks what a pixel of the client's newest wish shows.
+struct Probe {
+  std::uint32_t id = 0;
+  int x = 0, y = 0;  ///< from the upper left corner
+};
 
-using ClientMessage = std::variant<Wish, Acknowledgement, CommandRequest>;
+/// Asks for the command and the document of the client's newest wish.
+struct KeepRequest {};
 
-/// Reads a client's message, a JSON object:
-///
-///     {"n": 7, "size": [800, 600], "moving": true, "isovalues": [[0, 500]],
-///      "camera": {"position": [..], "target": [..], "up": [..], "fov": 30}}   a wish
-///     {"ack": 12}                                                           an acknowledgement
-///     {"command": true}                                                     a request
-///
-/// A camera with "ortho_height" instead of "fov" is orthographic. Refuses everything else
-/// (ErrorCode::invalid): unknown keys, values of another type, numbers that are not finite or out of
-/// range, sizes beyond the limits.
-/// @param layer_count  of the scene
-ClientMessage parse_client_message(std::string_view text, std::size_t layer_count);
+using ClientMessage = std::variant<Wish, Acknowledgement, Probe, KeepRequest>;
+
+/// Reads a client's message (PROTOCOL.md). Refuses everything else (ErrorCode::invalid): unknown
+/// keys, values of another type, numbers that are not finite or out of range, sizes beyond the limits.
+/// The patch of the scene must be an object; changed_scene examines it.
+ClientMessage parse_client_message(std::string_view text);
 
 }  // namespace rhoray::tools

@@ -15,11 +15,13 @@ TEST(Admission, takes_its_own_host_and_port_only) {
   for (const char* host : {"", "127.0.0.1", "127.0.0.1:4712", "127.0.0.1:47111", "evil.com", "evil.com:4711",
                            "localhost.evil.com:4711", "127.0.0.1.evil.com:4711", "LOCALHOST:4711 ", "[::1]:4711"})
     EXPECT_FALSE(admission.is_own_host(host)) << host;
-  const Admission behind_proxy{.port = 4711, .hosts = {"127.0.0.1", "localhost", "hub.example.org"}, .token = "t"};
+  const Admission behind_proxy{.port = 4711, .proxies = {"hub.example.org"}, .token = "t"};
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org"));
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org:8443"));
   EXPECT_FALSE(behind_proxy.is_own_host("hub.example.org.evil.com"));
   EXPECT_FALSE(behind_proxy.is_own_host("127.0.0.1"));
+  EXPECT_TRUE(behind_proxy.is_own_origin("https://hub.example.org", "hub.example.org"));
+  EXPECT_FALSE(behind_proxy.is_own_origin("https://evil.com", "hub.example.org"));
 }
 
 TEST(Admission, takes_an_origin_that_is_there_and_names_the_own_host) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "formats/base/json.h"
 #include "render/png.h"
 #include "tests/tools/view/viewed.h"
 #include "tools/pictures/annotations.h"
@@ -17,7 +18,7 @@ namespace {
 using namespace tools;
 using std::chrono::seconds;
 
-/// Collects the messages to a client; a test can wait for them.
+/// Collects the messages to a client; a test can wait for them. It must outlive the painter.
 class Inbox {
  public:
   ClientSink sink() {
@@ -35,15 +36,15 @@ class Inbox {
                 }};
   }
 
-  /// Waits until so many pictures have come; a minute at most.
+  /// Waits until so many pictures have come; 20 s at most.
   std::vector<std::vector<std::byte>> pictures(std::size_t count) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, seconds(60), [&] { return pictures_.size() >= count; });
+    changed_.wait_for(lock, seconds(20), [&] { return pictures_.size() >= count; });
     return pictures_;
   }
   std::vector<std::string> texts(std::size_t count) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, seconds(60), [&] { return texts_.size() >= count; });
+    changed_.wait_for(lock, seconds(20), [&] { return texts_.size() >= count; });
     return texts_;
   }
 
@@ -66,24 +67,36 @@ PictureHeader header_of(const std::vector<std::byte>& message) {
 
 /// The picture of `render`, as a PNG.
 std::vector<std::byte> rendered(const ViewedScene& viewed, const Wish& wish) {
-  const render::ResolvedScene plan = with_wish(viewed, wish);
+  const render::ResolvedScene plan =
+      with_wish(viewed, changed_scene(viewed, document_to_change(viewed), wish.patch), wish);
   render::Framebuffer picture;
   render::FrameOptions frame = plan.frame;
   frame.channels |= channels_of_annotations(plan);
+  if (plan.page) frame.channels |= render::channel_of(*plan.page);
   render::render(plan.datasets, plan.scene, frame, picture);
-  draw_annotations(plan, {}, picture);
+  Interval<double> heat;
+  if (plan.page) heat = draw_heat_map(*plan.page, picture);
+  draw_annotations(plan, heat, picture);
   return render::encode_png(picture, {});
 }
 
-class FinishedPicture : public testing::TestWithParam<render::LayerType> {};
+struct Finish {
+  const char* name;
+  render::LayerType type;
+  const char* patch;
+
+  friend void PrintTo(const Finish& finish, std::ostream* out) { *out << finish.name; }
+};
+
+class FinishedPicture : public testing::TestWithParam<Finish> {};
 
 TEST_P(FinishedPicture, is_that_of_render_without_loss) {
   const TemporaryFolder folder;
-  Painter painter(viewed_box(folder, GetParam()), 2);
+  const ViewedScene viewed = viewed_box(folder, GetParam().type);
   Inbox inbox;
+  Painter painter(viewed, 2);
   const Painter::ClientId client = painter.add(inbox.sink());
-  Wish wish{.number = 3, .width = 90, .height = 70};
-  if (GetParam() == render::LayerType::isosurface) wish.isovalues = {{0, 0.6}};
+  const Wish wish{.number = 3, .patch = GetParam().patch, .width = 90, .height = 70};
   painter.take(client, wish);
   std::size_t seen = 0;
   for (;;) {  // acknowledges everything until the lossless one is here
@@ -97,18 +110,22 @@ TEST_P(FinishedPicture, is_that_of_render_without_loss) {
     painter.take(client, Acknowledgement{header.frame});
     if (header.codec != Codec::png) continue;
     const std::vector<std::byte> png(pictures[seen - 1].begin() + picture_header_bytes, pictures[seen - 1].end());
-    EXPECT_EQ(png, rendered(painter.viewed(), wish));
+    EXPECT_EQ(png, rendered(viewed, wish));
     break;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Layers, FinishedPicture,
-                         testing::Values(render::LayerType::isosurface, render::LayerType::boundary));
+INSTANTIATE_TEST_SUITE_P(
+    Changes, FinishedPicture,
+    testing::Values(Finish{"isosurface", render::LayerType::isosurface, R"({"layers": {"0": {"isovalue": 0.6}}})"},
+                    Finish{"boundary", render::LayerType::boundary, ""},
+                    Finish{"heat_map", render::LayerType::isosurface, R"({"image": {"show": "cost"}})"}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then_the_newest) {
   const TemporaryFolder folder;
-  Painter painter(viewed_box(folder), 2);
   Inbox inbox;
+  Painter painter(viewed_box(folder), 2);
   const Painter::ClientId client = painter.add(inbox.sink());
   for (std::uint32_t n = 1; n <= 200; ++n) {
     painter.take(client, Wish{.number = n, .width = 60, .height = 50, .is_moving = true});
@@ -125,10 +142,26 @@ TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then
   EXPECT_GE(inbox.pictures(4).size(), 4U);
 }
 
+TEST(Painter, sends_the_lossless_picture_if_the_client_has_room_for_it_before_its_time) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 2);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  painter.take(client, Wish{.number = 1, .width = 60, .height = 50, .is_moving = true});
+  inbox.pictures(1);
+  painter.take(client, Wish{.number = 2, .width = 60, .height = 50});
+  inbox.pictures(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the painter waits for room
+  painter.take(client, Acknowledgement{2});
+  const auto pictures = inbox.pictures(3);
+  ASSERT_EQ(pictures.size(), 3U);
+  EXPECT_EQ(header_of(pictures[2]).codec, Codec::png);
+}
+
 TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledges) {
   const TemporaryFolder folder;
-  Painter painter(viewed_box(folder), 2);
   Inbox good, silent, flooding;
+  Painter painter(viewed_box(folder), 2);
   const Painter::ClientId of_good = painter.add(good.sink()), of_silent = painter.add(silent.sink()),
                           of_flooding = painter.add(flooding.sink());
   const std::jthread flood([&](const std::stop_token& stop) {
@@ -148,14 +181,86 @@ TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledg
   painter.remove(of_silent);
 }
 
-TEST(Painter, tells_the_command_of_the_newest_wish) {
+/// Waits for the message with this key, among those about the picture.
+Json message(Inbox& inbox, const char* key) {
+  for (std::size_t count = 1;; ++count) {
+    const auto texts = inbox.texts(count);
+    if (texts.size() < count) return {};
+    if (Json json = Json::parse(texts[count - 1]); json.contains(key)) return json[key];
+  }
+}
+
+TEST(Painter, tells_the_command_and_the_document_of_the_newest_wish) {
   const TemporaryFolder folder;
-  Painter painter(viewed_box(folder), 1);
   Inbox inbox;
+  Painter painter(viewed_box(folder), 1);
   const Painter::ClientId client = painter.add(inbox.sink());
-  painter.take(client, Wish{.number = 1, .isovalues = {{0, 0.25}}, .width = 30, .height = 20});
-  painter.take(client, CommandRequest{});
-  EXPECT_THAT(inbox.texts(1), testing::ElementsAre(R"({"command":"iso 0.25"})"));
+  painter.take(client,
+               Wish{.number = 1, .patch = R"({"layers": {"0": {"isovalue": 0.25}}})", .width = 30, .height = 20});
+  painter.take(client, KeepRequest{});
+  const Json keep = message(inbox, "keep");
+  EXPECT_EQ(keep["command"], "iso 0.25");
+  EXPECT_EQ(keep["document"]["layers"][0]["isovalue"], 0.25);
+  EXPECT_EQ(keep["document"]["image"]["size"], Json({30, 20}));
+}
+
+TEST(Painter, says_what_was_resolved_what_it_cost_and_what_exact_arithmetic_finds) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 1);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  painter.take(client, Wish{.number = 5, .patch = R"({"style": "fast"})", .width = 60, .height = 50});
+  const Json resolved = message(inbox, "resolved");
+  EXPECT_EQ(resolved["n"], 5);
+  EXPECT_EQ(resolved["document"]["layers"][0]["isovalue"], 0.8);
+  EXPECT_EQ(resolved["document"]["lights"][0]["type"], "head");
+  EXPECT_FALSE(resolved["document"]["data"]["data"].contains("file"));
+  EXPECT_EQ(resolved["origins"], Json({0}));
+  EXPECT_EQ(resolved["fields"][0]["name"], "distance");
+  const Json finished = message(inbox, "finished");
+  EXPECT_EQ(finished["n"], 5);
+  EXPECT_GE(finished["statistics"]["rays"], 60 * 50);
+  EXPECT_EQ(finished["statistics"]["shadow_rays"], 0);
+  for (std::uint32_t frame = 1; frame <= 2; ++frame) {
+    inbox.pictures(frame);
+    painter.take(client, Acknowledgement{frame});
+  }
+  const Json check = message(inbox, "check");
+  EXPECT_EQ(check["n"], 5);
+  EXPECT_EQ(check["pixels"], 500);
+  EXPECT_EQ(check["missed"], 0);
+  EXPECT_EQ(check["false_hits"], 0);
+  EXPECT_LT(check["kept_by_99"], 1e-3);  // float decides hits in these cells to 1e-6; 1e-3 tells a wrong unit
+}
+
+TEST(Painter, probes_the_pixel_with_a_proven_error) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 1);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  for (const bool is_orthographic : {false, true}) {
+    Wish wish{.number = 1, .camera = render::Camera{}, .width = 101, .height = 101, .is_moving = true};
+    wish.camera->position = {0.5, -3, 0.5}, wish.camera->target = {0.5, 0, 0.5};
+    wish.camera->orthographic = is_orthographic;
+    painter.take(client, wish);
+    painter.take(client, Probe{.id = is_orthographic ? 2U : 1U, .x = 50, .y = 50});
+    Json probe;
+    for (std::size_t count = 1; probe.is_null() || probe["id"] != (is_orthographic ? 2 : 1); ++count) {
+      const auto texts = inbox.texts(count);
+      ASSERT_GE(texts.size(), count);
+      if (Json json = Json::parse(texts[count - 1]); json.contains("probe")) probe = json["probe"];
+    }
+    // The distance from the corner is linear in each cell: where it is 0.8, so is the exact distance
+    // but for what linear interpolation is off in cells of 1/8.
+    EXPECT_EQ(probe["pixel"], Json({50, 50}));
+    EXPECT_NEAR(probe["position"][0].get<double>(), 0.5, 1e-9);
+    EXPECT_NEAR(probe["position"][2].get<double>(), 0.5, 1e-9);
+    EXPECT_NEAR(Vec3(0.5, probe["position"][1].get<double>(), 0.5).length(), 0.8, 1.0 / 64);
+    EXPECT_EQ(probe["value"], 0.8);
+    EXPECT_LT(probe["error"].get<double>(), 1e-6);
+  }
+  painter.take(client, Probe{.id = 3, .x = 101, .y = 0});
+  EXPECT_THAT(message(inbox, "error").get<std::string>(), testing::HasSubstr("a pixel of the picture"));
 }
 
 TEST(Painter, ends_while_clients_still_wish) {

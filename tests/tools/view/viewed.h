@@ -10,11 +10,12 @@
 namespace rhoray::tests {
 
 /// A mesh of a box whose field is the distance from a corner, shown by one layer: an isosurface, or
-/// the boundary with feature edges.
+/// the boundary with feature edges. Its second field is the x coordinate.
 inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
                                      render::LayerType type = render::LayerType::isosurface) {
   preprocess::NeutralMesh mesh = box_mesh({.cells = {8, 8, 8}});
   add_point_field(mesh, "distance", [](const Vec3& p) { return p.length(); });
+  add_point_field(mesh, "x", [](const Vec3& p) { return p.x; });
   const render::Dataset dataset = packed(folder, "box.rho", mesh);
   render::SceneSpec scene_spec{.data = {{.name = "data", .file = folder / "box.rho"}}, .layers = {{.type = type}}};
   if (type == render::LayerType::isosurface)
@@ -22,7 +23,14 @@ inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
   else
     scene_spec.layers[0].feature_edges = 30;
   tools::ViewedScene viewed{.title = "box", .program = "rhoray test", .scene_spec = scene_spec};
-  viewed.plan = resolve_layers(scene_spec, [&](const render::DataSpec&, formats::Space) { return dataset; });
+  viewed.resolve = [dataset](const render::SceneSpec& changed) {
+    return render::resolve_layers(changed, [&](const render::DataSpec& data, formats::Space world) {
+      return data.field.empty() || data.field == dataset.field().name
+                 ? dataset
+                 : render::Dataset::load(data.file, data.field, world);
+    });
+  };
+  viewed.plan = viewed.resolve(scene_spec);
   aim_camera(scene_spec, viewed.plan);
   viewed.command_of = [](const render::ResolvedScene& plan) { return concat("iso ", plan.scene.layers[0].isovalue); };
   return viewed;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "formats/base/error.h"
@@ -14,28 +15,27 @@ namespace {
 using namespace tools;
 
 const char* const full =
-    R"({"n": 7, "size": [800, 600], "moving": true, "isovalues": [[1, 500.5]], "camera": {"position": [1, 2, 3],)"
+    R"({"n": 7, "size": [800, 600], "moving": true, "scene": {"layers": {"1": {"isovalue": 500.5}}}, "camera": {"position": [1, 2, 3],)"
     R"( "target": [0, 0, 0], "up": [0, 0, 1], "fov": 30}})";
 
 TEST(ClientMessage, says_what_a_client_wants_to_see) {
-  const Wish wish = std::get<Wish>(parse_client_message(full, 2));
+  const Wish wish = std::get<Wish>(parse_client_message(full));
   EXPECT_EQ(wish.number, 7U);
   EXPECT_EQ(wish.width, 800);
   EXPECT_EQ(wish.height, 600);
   EXPECT_TRUE(wish.is_moving);
-  ASSERT_EQ(wish.isovalues.size(), 1U);
-  EXPECT_EQ(wish.isovalues[0].layer, 1U);
-  EXPECT_EQ(wish.isovalues[0].isovalue, 500.5);
+  EXPECT_EQ(wish.patch, R"({"layers":{"1":{"isovalue":500.5}}})");
   ASSERT_TRUE(wish.camera);
   EXPECT_EQ(wish.camera->position, Vec3(1, 2, 3));
   EXPECT_EQ(wish.camera->vertical_fov_deg, 30);
   EXPECT_FALSE(wish.camera->orthographic);
-  EXPECT_EQ(std::get<Acknowledgement>(parse_client_message(R"({"ack": 12})", 0)).frame, 12U);
-  EXPECT_TRUE(std::holds_alternative<CommandRequest>(parse_client_message(R"({"command": true})", 0)));
+  EXPECT_EQ(std::get<Acknowledgement>(parse_client_message(R"({"ack": 12})")).frame, 12U);
+  const Probe probe = std::get<Probe>(parse_client_message(R"({"probe": [3, 4], "id": 5})"));
+  EXPECT_THAT((std::array{probe.x, probe.y, static_cast<int>(probe.id)}), testing::ElementsAre(3, 4, 5));
+  EXPECT_TRUE(std::holds_alternative<KeepRequest>(parse_client_message(R"({"keep": true})")));
   const auto orthographic = parse_client_message(
       R"({"n": 0, "size": [1, 1], "camera": {"position": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0],)"
-      R"( "ortho_height": 2}})",
-      0);
+      R"( "ortho_height": 2}})");
   EXPECT_EQ(std::get<Wish>(orthographic).camera->orthographic_height, 2);
 }
 
@@ -58,11 +58,9 @@ TEST(ClientMessage, that_lies_is_refused_in_one_sentence) {
        R"({"n": 1, "size": "1x1"})",
        R"({"n": 1, "size": [1, 1], "moving": 1})",
        R"({"n": 1, "size": [1, 1], "other": 1})",
-       R"({"n": 1, "size": [1, 1], "isovalues": [[2, 5]]})",
-       R"({"n": 1, "size": [1, 1], "isovalues": [[0, 1], [0, 1], [0, 1]]})",
-       R"({"n": 1, "size": [1, 1], "isovalues": [[0, null]]})",
-       R"({"n": 1, "size": [1, 1], "isovalues": [[0, 1e999]]})",
-       R"({"n": 1, "size": [1, 1], "isovalues": [0]})",
+       R"({"n": 1, "size": [1, 1], "isovalues": [[0, 5]]})",
+       R"({"n": 1, "size": [1, 1], "scene": []})",
+       R"({"n": 1, "size": [1, 1], "scene": "style"})",
        R"({"n": 1, "size": [1, 1], "camera": 5})",
        R"({"n": 1, "size": [1, 1], "camera": {"position": [0, 0, 1], "target": [0, 0, 0], "fov": 30}})",
        R"({"n": 1, "size": [1, 1], "camera": {"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 30}})",
@@ -70,11 +68,17 @@ TEST(ClientMessage, that_lies_is_refused_in_one_sentence) {
        R"({"n": 1, "size": [1, 1], "camera": {"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0]}})",
        R"({"ack": -1})",
        R"({"ack": 1, "n": 1})",
-       R"({"command": true, "path": "/etc/passwd"})"})
-    expect_error(ErrorCode::invalid, "message: ", [&] { parse_client_message(text, 2); });
+       R"({"probe": [1, 2]})",
+       R"({"probe": [1], "id": 1})",
+       R"({"probe": [-1, 2], "id": 1})",
+       R"({"probe": [4096, 2], "id": 1})",
+       R"({"probe": [1.5, 2], "id": 1})",
+       R"({"keep": false})",
+       R"({"keep": true, "path": "/etc/passwd"})"})
+    expect_error(ErrorCode::invalid, "message: ", [&] { parse_client_message(text); });
   const std::string deep = R"({"n": 1, "size": )" + std::string(1000, '[') + std::string(1000, ']') + "}";
-  expect_error(ErrorCode::invalid, "levels", [&] { parse_client_message(deep, 2); });
-  expect_error(ErrorCode::invalid, "bytes", [&] { parse_client_message(std::string(70000, ' '), 2); });
+  expect_error(ErrorCode::invalid, "levels", [&] { parse_client_message(deep); });
+  expect_error(ErrorCode::invalid, "bytes", [&] { parse_client_message(std::string(70000, ' ')); });
 }
 
 TEST(ClientMessage, of_random_changes_is_read_or_refused) {
@@ -94,7 +98,7 @@ TEST(ClientMessage, of_random_changes_is_read_or_refused) {
       if (text.empty()) text = "{";
     }
     try {
-      parse_client_message(text, 2);
+      parse_client_message(text);
       ++read;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::invalid) << text;

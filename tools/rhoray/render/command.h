@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/accuracy.h"
+#include "tools/analysis/pick.h"
 #include "tools/rhoray/cli/options.h"
-#include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
 
 namespace rhoray::tools {

@@ -8,10 +8,10 @@
 #include "render/document.h"
 #include "render/scene_words.h"
 #include "render/sweep.h"
+#include "tools/analysis/format_statistics.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/data_choice.h"
-#include "tools/rhoray/render/format_statistics.h"
 #include "tools/rhoray/render/picture.h"
 #include "tools/rhoray/render/picture_report.h"
 

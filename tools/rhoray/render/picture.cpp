@@ -11,12 +11,12 @@
 #include "render/document.h"
 #include "render/scene_words.h"
 #include "tools/analysis/measure.h"
+#include "tools/analysis/pick.h"
 #include "tools/pictures/annotations.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/cli/version.h"
 #include "tools/rhoray/damage.h"
-#include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/picture_options.h"
 #include "tools/rhoray/render/reproduce.h"
 

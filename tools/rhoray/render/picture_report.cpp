@@ -9,9 +9,9 @@
 #include "render/isovalue.h"
 #include "render/method_words.h"
 #include "render/scene_words.h"
+#include "tools/analysis/format_statistics.h"
+#include "tools/analysis/pick.h"
 #include "tools/rhoray/accuracy_options.h"
-#include "tools/rhoray/render/format_statistics.h"
-#include "tools/rhoray/render/pick.h"
 #include "tools/rhoray/render/reproduce.h"
 
 namespace rhoray::tools {

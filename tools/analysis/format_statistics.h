@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "formats/base/json.h"
 #include "render/render.h"
-#include "tools/rhoray/report.h"
 
 namespace rhoray::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/rhoray/render/pick.h"
+#include "tools/analysis/pick.h"
 
 #include <algorithm>
 #include <charconv>
@@ -107,7 +107,7 @@ Json picked(const render::ResolvedScene& plan, const render::Framebuffer& frameb
       pixel_rays(dataset, plan.scene.camera, {framebuffer.width, framebuffer.height}, pixels).front();
   const Affine& world_from_ray = world_from_ray_frame(dataset);
   const Vec3 position = world_from_ray.point(ray.origin + depth * ray.direction);
-  json["position"] = json_of(position);
+  json["position"] = rhoray::json_of(position);
   json["depth"] = depth;
   json["length_unit"] = dataset.length_unit();
   json["cell"] = framebuffer.cell[at];

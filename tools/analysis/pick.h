@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/json.h"
 #include "render/document.h"
 #include "render/framebuffer.h"
-#include "tools/rhoray/report.h"
 
 namespace rhoray::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/rhoray/render/format_statistics.h"
+#include "tools/analysis/format_statistics.h"
 
 #include <cmath>
 

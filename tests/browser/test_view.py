@@ -1,0 +1,343 @@
+"""The page of `rhoray view`, driven as a user drives it."""
+import json
+import os
+import statistics
+import subprocess
+import unittest
+import urllib.parse
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+from browser import RHORAY, BrowserTest, write_mesh, write_volume
+
+# Notes when each wish was sent and when its picture was drawn.
+WATCH = """
+window.sentAt = new Map(); window.latencies = []; window.drawnCount = 0;
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function(text) {
+  const message = JSON.parse(text);
+  if (message.n) sentAt.set(message.n, performance.now());
+  return send.call(this, text);
+};
+document.addEventListener("drawn", (event) => {
+  ++drawnCount;
+  for (const [n, at] of sentAt) if (n <= event.detail.wish) {
+    latencies.push(performance.now() - at);
+    sentAt.delete(n);
+  }
+});
+"""
+
+
+class PageTest(BrowserTest):
+    def volume(self, *words, fragment=""):
+        write_volume(self.folder / "ball.npy")
+        return self.view("ball.npy", *words, fragment=fragment)
+
+    def mesh(self, *words, fragment=""):
+        write_mesh(self.folder / "box.vtk")
+        return self.view("box.vtk", *words, fragment=fragment)
+
+    def find(self, element):
+        return self.driver.find_element(By.ID, element)
+
+    def open_section(self, name):
+        section = self.find(f"panel-{name}").find_element(By.XPATH, "..")
+        if section.get_attribute("open") is None:
+            section.find_element(By.TAG_NAME, "summary").click()
+
+    def canvas(self):
+        return self.find("picture")
+
+    def drag(self, element, start, steps):
+        """Presses on an element, at an offset from its middle, moves by steps, and releases."""
+        actions = ActionChains(self.driver, duration=16).move_to_element_with_offset(element, *start).click_and_hold()
+        for step in steps:
+            actions.move_by_offset(*step)
+        actions.release().perform()
+
+    def set_number(self, element, value):
+        self.find(element).send_keys(Keys.CONTROL + "a", Keys.NULL, str(value), Keys.ENTER)
+        self.settle()
+
+    def say_latencies(self, what):
+        times = sorted(self.js("latencies"))
+        print(f"\n  {what}: {len(times)} wishes, {self.js('drawnCount')} pictures, p50 {statistics.median(times):.0f} ms, "
+              f"p95 {times[int(0.95 * (len(times) - 1))]:.0f} ms", end=" ", flush=True)
+        self.assertGreater(len(times), 0)
+
+
+class Pictures(PageTest):
+    def test_settled_picture_is_that_of_the_printed_command(self):
+        self.volume()
+        self.check_against_command()
+        self.driver.find_element(By.XPATH, "//button[.='left']").click()
+        self.settle()
+        self.check_against_command()
+        self.check_console()
+
+    def test_mesh_with_colours_and_annotations_is_that_of_the_printed_command(self):
+        self.mesh()
+        self.check_against_command()
+        self.open_section("scene")
+        self.find("annotation-axes").click()
+        self.settle()
+        self.check_against_command()
+
+    def test_page_asks_nobody_else(self):
+        viewer = self.volume()
+        names = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        urls = {name["params"]["request"]["url"] for name in names if name["method"] == "Network.requestWillBeSent"}
+        urls |= {name["params"]["url"] for name in names if name["method"] == "Network.webSocketCreated"}
+        self.assertGreater(len(urls), 3)
+        for url in urls:
+            self.assertIn(urllib.parse.urlsplit(url).netloc, (f"127.0.0.1:{viewer.port}", ""), url)
+            self.assertNotIn("token", url.split("#")[0])
+
+
+class Motion(PageTest):
+    def test_drags_of_camera_and_isovalue(self):
+        self.volume()
+        self.driver.execute_script(WATCH)
+        before = self.js("rhoray.active.camera.position")
+        self.drag(self.canvas(), (0, 0), [(4, 2)] * 40)
+        self.say_latencies("camera")
+        self.settle()
+        self.assertNotEqual(self.js("rhoray.active.camera.position"), before)
+        self.driver.execute_script("latencies.length = 0; drawnCount = 0")
+        before = self.js("rhoray.active.document.layers[0].isovalue")
+        self.drag(self.find("layer-0-handle"), (0, 0), [(1, 0)] * 40)
+        self.say_latencies("isovalue")
+        self.settle()
+        self.assertGreater(self.js("rhoray.active.document.layers[0].isovalue"), before)
+        self.check_against_command()
+        self.check_console()
+
+    def test_wheel_zooms_and_a_double_click_moves_the_pivot(self):
+        self.volume()
+        distance = "Math.hypot(...rhoray.active.camera.position.map((x, i) => x - rhoray.active.camera.target[i]))"
+        before = self.js(distance)
+        ActionChains(self.driver).scroll_from_origin(ScrollOrigin.from_element(self.canvas()), 0, -300).perform()
+        self.wait(f"{distance} < {0.9 * before}")
+        self.settle()
+        target = self.js("rhoray.active.camera.target")
+        ActionChains(self.driver).move_to_element_with_offset(self.canvas(), 60, 40).double_click().perform()
+        self.wait(f"JSON.stringify(rhoray.active.camera.target) !== JSON.stringify({json.dumps(target)})")
+        self.settle()
+
+    def test_everything_by_keyboard(self):
+        self.volume()
+        for _ in range(20):
+            if self.js("document.activeElement.id") == "picture":
+                break
+            ActionChains(self.driver).send_keys(Keys.TAB).perform()
+        self.assertEqual(self.js("document.activeElement.id"), "picture")
+        outline = self.js("getComputedStyle(document.activeElement).outlineStyle")
+        self.assertNotEqual(outline, "none", "the focus can be seen")
+        for keys, changed in ((Keys.ARROW_LEFT, "position"), (Keys.ARROW_UP, "position"), ("+", "position"),
+                              ("3", "position"), ("o", "ortho_height")):
+            before = self.js(f"JSON.stringify(rhoray.active.camera.{changed} ?? null)")
+            ActionChains(self.driver).send_keys(keys).perform()
+            self.wait(f"JSON.stringify(rhoray.active.camera.{changed} ?? null) !== {json.dumps(before)}", keys)
+        self.settle()
+        ActionChains(self.driver).send_keys("p").perform()
+        self.wait("rhoray.active.probe && rhoray.active.probe.position", "the probe of the centre")
+        ActionChains(self.driver).send_keys(Keys.ENTER).perform()
+        self.wait("rhoray.pins.length === 1")
+        handle = self.find("layer-0-handle")
+        before = self.js("rhoray.active.document.layers[0].isovalue")
+        handle.send_keys(Keys.ARROW_RIGHT)
+        self.wait(f"rhoray.active.document.layers[0].isovalue > {before}")
+        ActionChains(self.driver).send_keys("h").perform()
+        self.wait("document.getElementById('help').open")
+        ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
+        self.wait("!document.getElementById('help').open")
+
+
+class Tools(PageTest):
+    def test_probe_says_position_value_cell_and_proven_error(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        ActionChains(self.driver).move_to_element(self.canvas()).perform()
+        self.wait("rhoray.active.probe && rhoray.active.probe.position")
+        probe = self.js("rhoray.active.probe")
+        self.assertEqual(probe["value"], 0.5)
+        self.assertLess(probe["error"], 1e-3)
+        # The samples stand at 0 to 63; the ball's surface for 0.5 is 16 before the middle, give or take the waves.
+        self.assertAlmostEqual(probe["position"][0], 31.5, delta=1)
+        self.assertAlmostEqual(probe["position"][1], 31.5 - 15.75, delta=3)
+        self.assertIn("0.5", self.find("probe").text)
+        for offset in (-40, 40):
+            ActionChains(self.driver).move_to_element_with_offset(self.canvas(), offset, 0).pause(0.2).click().perform()
+            self.wait(f"rhoray.pins.length === {1 if offset < 0 else 2}")
+        self.assertIn("distance from pin 1", self.find("pins").text)
+
+    def test_clipping_and_the_slice_on_the_cut(self):
+        self.volume("--iso", "0.3")
+        whole = self.pixels()
+        self.open_section("clipping")
+        self.find("clip-plane").click()
+        self.settle()
+        clipped = self.pixels()
+        self.assertNotEqual(clipped, whole)
+        self.find("clip-slice").click()
+        self.settle()
+        self.assertNotEqual(self.pixels(), clipped)
+        self.check_against_command()
+        for switch in ("clip-slice", "clip-plane", "clip-box"):
+            self.find(switch).click()
+            self.settle()
+        handle = self.driver.find_element(By.CSS_SELECTOR, ".face:not([hidden])")
+        self.drag(handle, (0, 0), [(8, 8)] * 5)
+        self.settle()
+        self.assertTrue(self.js("rhoray.active.document.clip.box"))
+        self.check_console()
+
+    def test_layers_fields_colours_and_effects(self):
+        self.mesh("--iso", "0.5", "--field", "height")
+        seen = {self.pixels()}
+
+        def changed(why):
+            self.settle()
+            now = self.pixels()
+            self.assertNotIn(now, seen, why)
+            seen.add(now)
+
+        self.find("data-0-histogram-add").click()
+        changed("another isovalue")
+        self.assertEqual(self.js("rhoray.active.layers.filter(l => l.spec.type === 'isosurface').length"), 2)
+        self.find("layer-0-visible").click()
+        changed("a hidden layer")
+        self.find("layer-0-visible").click()
+        self.settle()
+        Select(self.find("layer-0-color-by")).select_by_value("distance")
+        changed("coloured by a field")
+        self.open_section("scene")
+        self.find("annotation-box").click()
+        changed("box")
+        self.check_against_command()
+        Select(self.find("style")).select_by_value("paper")
+        changed("style")
+        Select(self.find("show")).select_by_value("cost")
+        changed("heat map")
+        self.check_console()
+
+    def test_effects_cost_rays_only_where_they_are_used(self):
+        self.volume("--iso", "0.5")
+        plain = self.pixels()
+        self.open_section("scene")
+        for effect, rays in (("shadows", "shadow_rays"), ("ambient-occlusion", "occlusion_rays")):
+            self.assertEqual(self.js(f"rhoray.active.finished.statistics.{rays}"), 0)
+            self.find(effect).click()
+            self.settle()
+            self.assertGreater(self.js(f"rhoray.active.finished.statistics.{rays}"), 0)
+            self.assertNotEqual(self.pixels(), plain)
+        self.check_against_command()
+
+    def test_accuracy_is_checked_in_idle_time(self):
+        self.volume("--iso", "0.5")
+        self.open_section("scene")
+        for level in ("double", "certified", "float"):
+            Select(self.find("accuracy")).select_by_value(level)
+            self.settle()
+            self.wait("rhoray.active.check", "the check against exact arithmetic")
+            check = self.js("rhoray.active.check")
+            self.assertEqual((check["missed"], check["false_hits"]), (0, 0))
+            self.assertGreater(check["pixels"], 100)
+        self.assertIn(" ms", self.js("document.querySelector('#accuracy option[value=double]').textContent"))
+        self.open_section("cost")
+        self.assertIn("0 missed", self.find("cost-check").text)
+
+    def test_two_views_with_linked_cameras_and_a_wipe(self):
+        self.volume("--iso", "0.5")
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 2")
+        self.settle()
+        self.set_number("layer-0-isovalue", 0.2)
+        values = self.js("rhoray.views.map((view) => view.document.layers[0].isovalue)")
+        self.assertEqual(sorted(values), [0.2, 0.5])
+        self.drag(self.canvas(), (0, 0), [(5, 0)] * 10)
+        self.settle()
+        cameras = self.js("rhoray.views.map((view) => JSON.stringify(view.camera))")
+        self.assertEqual(*cameras)
+        Select(self.find("layout")).select_by_value("wipe")
+        self.settle()
+        before = self.find("divider").get_attribute("aria-valuenow")
+        self.find("divider").send_keys(Keys.ARROW_LEFT)
+        self.assertNotEqual(self.find("divider").get_attribute("aria-valuenow"), before)
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 1")
+        self.check_console()
+
+
+class Results(PageTest):
+    def test_link_restores_the_picture(self):
+        viewer = self.volume()
+        self.set_number("layer-0-isovalue", 0.4)
+        self.drag(self.canvas(), (0, 0), [(6, 3)] * 10)
+        self.settle()
+        self.open_section("scene")
+        self.find("ambient-occlusion").click()
+        self.settle()
+        self.wait("location.hash.includes('iso=')")
+        link = self.js("location.hash.slice(1)")
+        self.assertIn("iso=0.4", link)
+        self.assertNotIn("token", link)
+        self.assertLess(len(link), 300)
+        picture = self.rendered(self.command())
+        self.open(viewer, fragment=link)
+        # The link rounds the camera: a few pixels at edges may differ.
+        width, height = self.js("[rhoray.active.canvas.width, rhoray.active.canvas.height]")
+        self.assertLess(self.different_pixels(picture), 0.01 * width * height)
+        self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
+
+    def test_scene_document_draws_the_picture(self):
+        self.volume("--iso", "0.5", "--style", "presentation")
+        self.driver.execute_script("rhoray.active.keep((kept) => { window.kept = kept; })")
+        self.wait("window.kept")
+        (self.folder / "scene.json").write_text(json.dumps(self.js("kept.document")))
+        self.assertEqual(self.different_pixels(self.rendered("rhoray render scene.json")), 0)
+
+
+class Trouble(PageTest):
+    def test_the_page_reconnects_with_its_state(self):
+        viewer = self.volume()
+        self.set_number("layer-0-isovalue", 0.4)
+        picture = self.pixels()
+        self.assertEqual(viewer.stop(), 0)
+        self.wait("/connection|reach/i.test(document.getElementById('state').textContent)", "the page says so")
+        self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
+        viewer.start()  # with another token: the page cannot get in by itself, and must be opened anew
+        self.open(viewer, fragment="iso=0.4")
+        self.assertEqual(self.pixels(), picture)
+
+    def test_a_file_cut_short_is_said_and_the_server_lives(self):
+        write_volume(self.folder / "ball.npy")
+        subprocess.run([str(RHORAY), "pack", "ball.npy", "-o", "ball.rho"], cwd=self.folder, check=True,
+                       capture_output=True)
+        viewer = self.view("ball.rho", "--iso", "0.5")
+        os.truncate(self.folder / "ball.rho", 4096)
+        self.drag(self.canvas(), (0, 0), [(6, 3)] * 5)
+        self.wait("!document.getElementById('alert').hidden", "a sentence about the damage")
+        self.assertIn("ball.rho", self.find("alert-text").text)
+        self.assertIsNone(viewer.process.poll(), "the server lives")
+        self.driver.refresh()
+        self.wait("window.rhoray && rhoray.active.hello")
+
+    def test_bad_links_are_said_and_change_nothing(self):
+        for fragment in ("iso=high", "patch=%7B", "patch=%7B%22data%22%3A%7B%22data%22%3A%7B%22file%22%3A%22x%22%7D%7D%7D",
+                         "az=left", "zoom=0", "at=1,2"):
+            with self.subTest(fragment):
+                viewer = self.volume()
+                self.driver.get("about:blank")
+                self.driver.get(f"{viewer.url}&{fragment}")
+                self.wait("window.rhoray && rhoray.active && rhoray.active.hello")
+                self.wait("rhoray.active.drawn || !document.getElementById('alert').hidden")
+                viewer.stop()
+
+
+if __name__ == "__main__":
+    unittest.main()

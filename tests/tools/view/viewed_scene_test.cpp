@@ -1,0 +1,123 @@
+#include "tools/view/viewed_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "formats/base/json.h"
+#include "render/render.h"
+#include "tests/support/expect_error.h"
+#include "tests/tools/view/viewed.h"
+
+namespace rhoray::tests {
+namespace {
+
+using namespace tools;
+
+render::Framebuffer picture_of(const ViewedScene& viewed, const ChangedScene& scene) {
+  const render::ResolvedScene plan = with_wish(viewed, scene, {.width = 60, .height = 40});
+  render::Framebuffer picture;
+  render::render(plan.datasets, plan.scene, plan.frame, picture);
+  return picture;
+}
+
+TEST(ChangedScene, of_a_patch_that_changes_nothing_draws_the_same_picture) {
+  for (const render::LayerType type : {render::LayerType::isosurface, render::LayerType::boundary}) {
+    const TemporaryFolder folder;
+    const ViewedScene viewed = viewed_box(folder, type);
+    const std::string document = document_to_change(viewed);
+    EXPECT_EQ(picture_of(viewed, changed_scene(viewed, document, R"({"style": "default"})")).color,
+              picture_of(viewed, changed_scene(viewed, document, "")).color);
+  }
+}
+
+TEST(ChangedScene, draws_what_the_same_scene_draws_when_it_is_asked_for) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const auto changed = [&](const std::string& patch) {
+    return picture_of(viewed, changed_scene(viewed, document_to_change(viewed), patch));
+  };
+  const auto asked = [&](const std::function<void(render::SceneSpec&)>& change) {
+    ViewedScene other = viewed;
+    change(other.scene_spec);
+    other.plan = other.resolve(other.scene_spec);
+    other.plan.scene.camera = viewed.plan.scene.camera;
+    return picture_of(other, changed_scene(other, {}, ""));
+  };
+  const auto before = changed("");
+  const auto expect_same = [&](const std::string& patch, const std::function<void(render::SceneSpec&)>& change) {
+    EXPECT_EQ(changed(patch).color, asked(change).color) << patch;
+    EXPECT_NE(changed(patch).color, before.color) << patch;
+  };
+  expect_same(R"({"layers": {"0": {"isovalue": 0.5}}})", [](auto& spec) { spec.layers[0].isovalues = {"0.5"}; });
+  expect_same(R"({"style": "presentation"})", [](auto& spec) { spec.style = "presentation"; });
+  expect_same(R"({"layers": {"0": {"color_by": "x", "colormap": "magma"}}})", [](auto& spec) {
+    spec.layers[0].color_by = "x";
+    spec.layers[0].colormap = "magma";
+  });
+  expect_same(R"({"data": {"data": {"field": "x"}}, "layers": {"0": {"isovalue": 0.25}}})", [](auto& spec) {
+    spec.data[0].field = "x";
+    spec.layers[0].isovalues = {"0.25"};
+  });
+  expect_same(R"({"clip": {"planes": [{"point": [0.5, 0, 0], "normal": [1, 0, 0]}]}})", [](auto& spec) {
+    spec.clip = render::ClipSpec{};
+    spec.clip->planes.push_back({.point = {0.5, 0, 0}, .normal = {1, 0, 0}});
+  });
+  expect_same(R"({"layers": {"1": {"type": "slice", "axis": "x"}}})", [](auto& spec) {
+    spec.layers.push_back({.type = render::LayerType::slice, .data = "data"});
+    spec.layers[1].axis = "x";
+  });
+}
+
+TEST(ChangedScene, refuses_what_no_client_may_choose) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const std::string document = document_to_change(viewed);
+  for (const char* patch :
+       {R"({"data": {"data": {"file": "/etc/passwd"}}})",
+        R"({"data": {"other": {"field": "x"}}})",
+        R"({"data": {"other": {"file": "/etc/passwd"}}})",
+        R"({"data": null})",
+        R"({"data": {"data": null}})",
+        R"({"camera": {"view": "front"}})",
+        R"({"image": {"size": [60000, 60000]}})",
+        R"({"image": {"channels": ["depth"]}})",
+        R"({"image": {"frames": 5}})",
+        R"({"image": 5})",
+        R"({"layers": []})",
+        R"({"layers": null})",
+        R"({"layers": {"0": null}})",
+        R"({"layers": {"x": {}}})",
+        R"({"layers": {"-1": {}}})",
+        R"({"layers": {"1": 5}})",
+        R"({"layers": {"1": {"type": "volume"}}})",
+        R"({"layers": {"0": {"data": "../other"}}})",
+        R"({"layers": {"0": {"isovalue": "high"}}})",
+        R"({"layers": {"0": {"isovalue": 99}}})",
+        R"({"layers": {"0": {"texture": "/etc/passwd"}}})",
+        R"({"layers": {"0": {"colour": "red"}}})",
+        R"({"style": "nice"})",
+        R"({"space": "lps"})",
+        R"({"effects": {"ambient_occlusion": {"samples": 65}}})",
+        R"({"lights": [{"type": "directional", "direction": [0, 0, 1], "angular_diameter": 5, "samples": 4096}]})",
+        R"({"image": {"antialias": 65}})",
+        R"({"$schema": "https://evil.com"})"})
+    expect_error(ErrorCode::invalid, "", [&] { changed_scene(viewed, document, patch); });
+}
+
+TEST(ChangedScene, keeps_what_a_patch_does_not_name) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const Json document = Json::parse(document_to_change(viewed));
+  EXPECT_FALSE(document.contains("camera"));
+  EXPECT_FALSE(document["layers"]["0"].contains("ambient")) << "the style's";
+  const ChangedScene scene = changed_scene(viewed, dump(document),
+                                           R"({"layers": {"2": {"type": "isosurface", "isovalue": 0.3},)"
+                                           R"( "10": {"type": "isosurface", "isovalue": 0.4}}})");
+  ASSERT_EQ(scene.plan.scene.layers.size(), 3U);
+  EXPECT_EQ(scene.plan.scene.layers[0].isovalue, 0.8);
+  EXPECT_EQ(scene.plan.scene.layers[1].isovalue, 0.3);
+  EXPECT_EQ(scene.plan.scene.layers[2].isovalue, 0.4) << "10 comes after 2";
+}
+
+}  // namespace
+}  // namespace rhoray::tests

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rhoray::tools {
+
+/// What a drag looked like to a client.
+struct DragFigures {
+  std::vector<double> latencies_ms;  ///< of every wish: until a picture came that shows it or a newer one
+  std::vector<double> picture_bytes;
+  std::vector<double> spacings;  ///< of the traced pixels of each picture
+  double seconds = 0;
+  std::size_t late_pictures = 0;  ///< after a stall: came before the first picture that shows a wish after it
+};
+
+/// A client that behaves as the page does: at most one wish for each frame of a display at 60 Hz, and
+/// an acknowledgement for each picture. It does not decode pictures.
+class DragClient {
+ public:
+  /// The part of a wish between its number and its end, as JSON members: "size": [..], ...
+  using WishAt = std::function<std::string(double second)>;
+
+  /// Connects to a server (Server::url) and takes its hello. Refuses a server that does not let it in
+  /// (ErrorCode::resource).
+  /// @param port  of the loopback interface: the server's own, or that of a line to it
+  DragClient(const std::string& url, std::uint16_t port);
+  DragClient(const DragClient&) = delete;
+  DragClient& operator=(const DragClient&) = delete;
+  ~DragClient();
+
+  /// Drags for a time.
+  /// @param stall_s  reads nothing for so long before it ends
+  DragFigures drag(double seconds, const WishAt& wish, double stall_s = 0);
+
+  /// Times until the whole picture and until the lossless one came, in milliseconds.
+  struct Settled {
+    double whole_ms = 0, lossless_ms = 0;
+  };
+  Settled settle(const std::string& wish);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace rhoray::tools

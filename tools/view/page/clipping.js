@@ -1,0 +1,181 @@
+// The panel of the clip region, and handles on the faces of the clip box in the picture.
+import { frameOf, project } from "./camera.js";
+import { button, describeSlider, keyValue, make } from "./controls.js";
+import { equal, put } from "./patch.js";
+import { add, clamp, corners, distance, dot, length, middle, scale, subtract, unit } from "./vectors.js";
+
+const axes = ["x", "y", "z"], thinnestShare = 1e-3;
+/** A slice on the cut is moved by this share of the diagonal into what is shown. */
+const sliceShift = 1e-6;
+
+const clipOf = (view) => view.document.clip ?? {};
+const planeOf = (view) => clipOf(view).planes?.[0];
+const diagonal = (view) => distance(...view.hello.bounds);
+const pictureSize = ({ canvas }) => [canvas.clientWidth, canvas.clientHeight];
+
+/** Changes keys of the clip region; the slice on the cut follows. */
+function setClip(view, changes, moving = false) {
+  const { box, planes = [], keep } = { ...clipOf(view), ...changes }, cuts = cutLayers(view);
+  const clip = { ...box && { box }, ...planes.length && { planes } };
+  const isRegion = Object.keys(clip).length > 0;
+  if (isRegion && keep) clip.keep = keep;
+  view.edit((patch) => {
+    for (const key of ["box", "planes", "keep"]) put(patch, ["clip", key], clip[key] ?? null);
+    if (!isRegion) patch.clip = null;
+    for (const number of planes.length ? cuts : [])
+      Object.assign(patch.layers[number], cutPlane(view, planes[0], keep));
+  }, moving);
+  if (planes.length === 0) removeCuts(view, cuts);
+}
+
+function cutPlane(view, { point, normal }, keep) {
+  const way = (keep === "outside" ? -1 : 1) * sliceShift * diagonal(view);
+  return { point: add(point, scale(way, unit(normal))), normal };
+}
+
+/** Numbers of the added slices that are on the cut. */
+function cutLayers(view) {
+  const plane = planeOf(view), near = 1e3 * sliceShift * diagonal(view);
+  const isCut = ({ spec, isAdded }) => isAdded && spec.type === "slice" && spec.point &&
+    equal(spec.normal, plane.normal) && distance(spec.point, plane.point) < near;
+  return plane ? view.layers.filter(isCut).map((layer) => layer.number) : [];
+}
+
+function addCut(view) {
+  const data = Object.keys(view.hello.data).find((name) => view.hello.data[name].kind !== "surface");
+  if (data) view.addLayer({ type: "slice", data, ...cutPlane(view, planeOf(view), clipOf(view).keep) });
+  else view.app.showError("A slice needs a grid or a mesh, and there is none.");
+}
+
+/** The last goes first: it leaves the numbers of the others. */
+function removeCuts(view, cuts) {
+  for (const number of cuts.reverse()) view.removeLayer(number);
+}
+
+function setFace(view, end, axis, value, moving) {
+  const { bounds } = view.hello, box = structuredClone(clipOf(view).box ?? bounds);
+  const least = thinnestShare * (bounds[1][axis] - bounds[0][axis]);
+  box[end][axis] = end ? Math.max(value, box[0][axis] + least) : Math.min(value, box[1][axis] - least);
+  setClip(view, { box }, moving);
+}
+
+/** Offsets along a plane's normal: of the plane, and the least and largest of the data. */
+function offsets(view) {
+  const { point, normal } = planeOf(view) ?? { point: [0, 0, 0], normal: axisVector(0) };
+  const all = corners(view.hello.bounds).map((corner) => dot(corner, unit(normal)));
+  return { now: dot(point, unit(normal)), low: Math.min(...all), high: Math.max(...all) };
+}
+
+/** Puts the plane at an offset along its normal, by default in the middle of the data. */
+function setPlane(view, direction, offset, moving) {
+  const normal = unit(direction), centre = middle(...view.hello.bounds), middleOffset = dot(centre, normal);
+  const point = add(centre, scale((offset ?? middleOffset) - middleOffset, normal));
+  setClip(view, { planes: [{ point, normal }, ...clipOf(view).planes?.slice(1) ?? []] }, moving);
+}
+
+const away = (view) => scale(-1, frameOf(view.camera).back);
+const axisVector = (axis) => [0, 1, 2].map((i) => Number(i === axis));
+const axisOf = ({ normal }) => axes.find((_, i) => Math.abs(unit(normal)[i]) > 1 - 1e-9) ?? "camera";
+
+/** @param onHandles  is called with the view when its handles are to be shown or hidden */
+export function showClipping(panel, view, onHandles) {
+  const hasBox = Boolean(clipOf(view).box), hasPlane = Boolean(planeOf(view));
+  const { bounds, length_unit: lengthUnit, words } = view.hello;
+  panel.show([view.name, hasBox, hasPlane], () => [
+    panel.checkbox({ id: "clip-box", label: "Clip box", get: () => clipOf(view).box,
+                     set: (on) => setClip(view, { box: on ? bounds : null }) }),
+    hasBox && axes.map((name, axis) => [0, 1].map((end) => panel.slider({
+      id: `clip-${name}-${end ? "high" : "low"}`, label: `${name} ${end ? "to" : "from"}`, unit: lengthUnit,
+      min: bounds[0][axis], max: bounds[1][axis], get: () => clipOf(view).box?.[end][axis],
+      set: (value, moving) => setFace(view, end, axis, value, moving) }))),
+    hasBox && panel.checkbox({ id: "clip-handles", label: "Show handles in the picture",
+      get: () => !view.hidesHandles, set: (on) => { view.hidesHandles = !on; onHandles(view); } }),
+    panel.checkbox({ id: "clip-plane", label: "Clip plane", get: () => planeOf(view),
+      set: (on) => on ? setPlane(view, axisVector(0))
+        : setClip(view, { planes: clipOf(view).planes.slice(1) }) }),
+    hasPlane && planePart(panel, view, lengthUnit),
+    (hasBox || hasPlane) && panel.select({ id: "clip-keep", label: "Show",
+      options: words.keep ?? ["inside", "outside"], get: () => clipOf(view).keep ?? "inside",
+      set: (keep) => setClip(view, { keep }) })]);
+}
+
+function planePart(panel, view, lengthUnit) {
+  return [
+    panel.select({ id: "clip-direction", label: "Plane direction",
+      options: [...axes, ["camera", "facing me"]], get: () => planeOf(view) && axisOf(planeOf(view)),
+      set: (name) => setPlane(view, name === "camera" ? away(view) : axisVector(axes.indexOf(name))) }),
+    panel.slider({ id: "clip-position", label: "Plane position", unit: lengthUnit,
+      min: () => offsets(view).low, max: () => offsets(view).high, get: () => offsets(view).now,
+      set: (offset, moving) => setPlane(view, planeOf(view).normal, offset, moving) }),
+    make("div", { class: "buttons" },
+      button("Face me again", () => setPlane(view, away(view)), { id: "clip-face" }),
+      button("Flip the plane", () => setPlane(view, scale(-1, planeOf(view).normal), -offsets(view).now),
+             { id: "clip-flip" })),
+    panel.checkbox({ id: "clip-slice", label: "Slice on the cut", get: () => cutLayers(view).length > 0,
+      set: (on) => on ? addCut(view) : removeCuts(view, cutLayers(view)) })];
+}
+
+/** Places a small square on each face of the clip box. Dragging it moves the face. */
+export function placeHandles(view) {
+  const { box } = clipOf(view), isShown = box && !view.hidesHandles, size = pictureSize(view);
+  if (!isShown) {
+    for (const { element } of view.faceHandles) element.remove();
+    view.faceHandles = [];
+    return;
+  }
+  if (view.faceHandles.length === 0)
+    view.faceHandles = axes.flatMap((_, axis) => [makeHandle(view, 0, axis), makeHandle(view, 1, axis)]);
+  for (const { element, end, axis } of view.faceHandles) {
+    placeAt(element, project(view.camera, size, faceCentre(box, end, axis)), size);
+    const [low, high] = view.hello.bounds.map((corner) => corner[axis]);
+    describeSlider(element, low, high, box[end][axis], view.hello.length_unit);
+  }
+}
+
+/** Places an element over the picture, or hides it if the place is outside. */
+export function placeAt(element, place, size) {
+  element.hidden = !place || place.some((x, i) => x < 0 || x > size[i]);
+  if (place) [element.style.left, element.style.top] = place.map((x) => `${x}px`);
+}
+
+function faceCentre(box, end, axis) {
+  return middle(...box).map((x, i) => i === axis ? box[end][axis] : x);
+}
+
+function makeHandle(view, end, axis) {
+  const label = `${end ? "Upper" : "Lower"} ${axes[axis]} face of the clip box, view ${view.name}`;
+  const [low, high] = view.hello.bounds.map((corner) => corner[axis]);
+  const now = () => clipOf(view).box[end][axis];
+  const moveTo = (value) => setFace(view, end, axis, clamp(value, low, high), true);
+  let held = null;  // where the pointer was pressed, and the face then
+  const drop = () => { held = null; };
+  const element = make("div", { class: "face", role: "slider", tabIndex: 0, "aria-label": label,
+    onpointerup: drop, onpointercancel: drop,
+    onpointerdown: (event) => {
+      element.setPointerCapture(event.pointerId);
+      element.focus();
+      event.preventDefault();
+      held = { x: event.clientX, y: event.clientY, value: now(), way: wayOf(view, end, axis) };
+    },
+    onpointermove: (event) => {
+      if (!held?.way) return;
+      const moved = [event.clientX - held.x, event.clientY - held.y];
+      moveTo(held.value + (moved[0] * held.way[0] + moved[1] * held.way[1]) / length(held.way) ** 2);
+    },
+    onkeydown: (event) => {
+      const value = keyValue(event, now(), low, high);
+      if (value !== undefined) moveTo(value);
+    } });
+  view.overlay.append(element);
+  return { element, end, axis };
+}
+
+/** How many pixels a face moves in the picture for each world unit; null if it moves straight to the eye. */
+function wayOf(view, end, axis) {
+  const centre = faceCentre(clipOf(view).box, end, axis), step = 1e-3 * diagonal(view);
+  const [from, to] = [centre, add(centre, scale(step, axisVector(axis)))]
+    .map((place) => project(view.camera, pictureSize(view), place));
+  if (!from || !to) return null;
+  const way = scale(1 / step, subtract(to, from));
+  return length(way) * diagonal(view) > 10 ? way : null;
+}

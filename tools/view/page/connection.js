@@ -1,0 +1,57 @@
+// The WebSocket to the server: it connects again by itself, and hands over messages.
+const firstRetryMs = 250, longestRetryMs = 8000;
+
+/** Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab. */
+export function takeToken() {
+  const items = location.hash.slice(1).split("&");
+  const given = items.find((item) => item.startsWith("token="));
+  if (!given) return;
+  sessionStorage.setItem("token", decodeURIComponent(given.slice("token=".length)));
+  const rest = items.filter((item) => item !== given).join("&");
+  history.replaceState(null, "", `${location.pathname}${rest && `#${rest}`}`);
+}
+
+export class Connection {
+  /** @param listeners  onOpen(), onMessage(object), onPicture(buffer, socket), onLost(ms to the next try) */
+  constructor(listeners) {
+    Object.assign(this, listeners, { retryMs: firstRetryMs, isClosed: false });
+    this.connect();
+  }
+
+  /** Sends an object; returns false without a connection. */
+  send(message) {
+    const isOpen = this.socket.readyState === WebSocket.OPEN;
+    if (isOpen) this.socket.send(JSON.stringify(message));
+    return isOpen;
+  }
+
+  close() {
+    this.isClosed = true;
+    clearTimeout(this.timer);
+    this.socket.close();
+  }
+
+  connect() {
+    const url = new URL("ws", location.href);
+    url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+    const token = sessionStorage.getItem("token");
+    const socket = new WebSocket(url, token ? ["rhoray.1", token] : ["rhoray.1"]);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.retryMs = firstRetryMs;
+      this.onOpen();
+    };
+    socket.onmessage = ({ data }) => {
+      if (this.isClosed) return;
+      if (typeof data === "string") this.onMessage(JSON.parse(data));
+      else this.onPicture(data, socket);
+    };
+    socket.onclose = () => {
+      if (this.isClosed) return;
+      this.onLost(this.retryMs);
+      this.timer = setTimeout(() => this.connect(), this.retryMs);
+      this.retryMs = Math.min(longestRetryMs, 2 * this.retryMs);
+    };
+  }
+}

@@ -1,0 +1,43 @@
+// The panel of what the newest finished picture cost, and how exact it is.
+import { make } from "./controls.js";
+import { rounded } from "./vectors.js";
+
+const counts = {
+  rays: "Rays", shadow_rays: "Shadow rays", occlusion_rays: "Ambient occlusion rays",
+  edge_samples: "Samples for smooth edges", clear_crossings: "Transparent hits",
+  rays_redone_in_double: "Rays traced again in double", rays_judged_exactly: "Rays decided exactly" };
+const effects = { shadow_rays: "shadows", occlusion_rays: "ambient occlusion", edge_samples: "smooth edges",
+                  clear_crossings: "transparency", slice_lookups: "slices", rays_clipped: "clipping" };
+
+export const grouped = (n) => Number(n).toLocaleString("en");
+
+/** A sentence about the comparison of random pixels with exact arithmetic. */
+export function checkSentence(check) {
+  if (!check) return "Random pixels are compared with exact arithmetic when the picture rests.";
+  if (check.why_not) return check.why_not;
+  const within = Number.isFinite(check.kept_by_99)
+    ? `, 99 % within ${rounded(check.kept_by_99, 1)} ${check.unit ?? ""}`.trimEnd() : "";
+  return `In ${grouped(check.pixels)} random pixels: ${grouped(check.missed)} missed, ` +
+    `${grouped(check.false_hits)} false hits${within}`;
+}
+
+export function showCost(panel, view) {
+  panel.show([view.name], () => {
+    const time = make("p", { id: "cost-time" }), table = make("dl", { id: "cost-counts", class: "pairs" });
+    const unused = make("p", { id: "cost-unused" }), check = make("p", { id: "cost-check" });
+    panel.onRefresh(() => {
+      const { finished } = view, statistics = finished?.statistics ?? {};
+      time.textContent = finished
+        ? `The picture took ${rounded(finished.ms, 4)} ms. Threads: ${finished.threads}.`
+        : "No picture is finished yet.";
+      const used = Object.keys(counts).filter((key) => statistics[key] > 0);
+      table.hidden = used.length === 0;
+      table.replaceChildren(...used.flatMap((key) =>
+        [make("dt", { text: counts[key] }), make("dd", { text: grouped(statistics[key]) })]));
+      const free = Object.keys(effects).filter((key) => statistics[key] === 0).map((key) => effects[key]);
+      unused.textContent = free.length ? `Not used here, and without cost: ${free.join(", ")}.` : "";
+      check.textContent = checkSentence(view.check);
+    });
+    return [time, table, unused, check];
+  });
+}

@@ -1,0 +1,270 @@
+// The page of `rhoray view`: connects the views with the panels, the keys and the URL.
+import { Bookmarks } from "./bookmarks.js";
+import { look, pan, standardViews, turn, zoom, lookAt } from "./camera.js";
+import { placeHandles, showClipping } from "./clipping.js";
+import { Comparison } from "./compare.js";
+import { takeToken } from "./connection.js";
+import { Panel, button, make } from "./controls.js";
+import { showCost } from "./cost.js";
+import { connectGestures } from "./gestures.js";
+import { showLayers } from "./layers.js";
+import { fromFragment, toFragment } from "./link.js";
+import { download, downloadJson } from "./pictures.js";
+import { Pins, probeText } from "./pins.js";
+import { setOrthographic, showScene } from "./scene_controls.js";
+import { View } from "./view.js";
+
+const $ = (id) => document.getElementById(id);
+const linkMs = 300, keyStep = Math.PI / 36, keyZoom = 1.15, keyPan = 0.05;
+
+let isScheduled = false, needsRefresh = true, linkTimer = 0;
+
+/** What the views and the panels call when something changes. */
+const app = {
+  views: [],
+  active: null,
+
+  /** Sends changes and updates the panels in the next animation frame. */
+  schedule() {
+    if (isScheduled) return;
+    isScheduled = true;
+    requestAnimationFrame(frame);
+  },
+  refresh() {
+    needsRefresh = true;
+    app.schedule();
+  },
+  addView(view) {
+    app.views.push(view);
+    connectGestures(view, { hover, click, doubleClick });
+    for (const name of ["pointerdown", "focusin"])
+      view.section.addEventListener(name, () => app.activate(view), { capture: true });
+  },
+  activate(view) {
+    if (app.active === view) return;
+    app.active = view;
+    app.mark();
+    app.stateChanged(view);
+    app.refresh();
+  },
+  /** Marks the view that the panels edit. */
+  mark() {
+    const areTwo = app.views.length > 1;
+    for (const view of app.views) {
+      const isActive = view === app.active;
+      view.section.classList.toggle("active", areTwo && isActive);
+      view.label.hidden = !areTwo;
+      view.label.textContent = `View ${view.name}${isActive ? ", edited by the panels" : ""}`;
+    }
+  },
+  greeted(view) {
+    if (view !== app.views[0]) return;
+    document.title = `${view.hello.title}: Rhoray`;
+    $("title").textContent = view.hello.title;
+    $("program").textContent = view.hello.program;
+    makeStandardViews(view);
+    restore(view);
+  },
+  cameraMoved(view, moving, tellsOthers) {
+    app.placeOverlay(view);
+    if (view === app.active) $("probe").textContent = "";
+    const others = tellsOthers && comparison.areLinked ? app.views.filter((each) => each !== view) : [];
+    for (const other of others) other.setCamera(view.camera, moving, false);
+  },
+  placeOverlay(view) {
+    if (!view.hello || !view.camera) return;
+    placeHandles(view);
+    pins.place(view);
+  },
+  stateChanged(view) {
+    if (view !== app.active) return;
+    const text = app.views.length > 1 ? `View ${view.name}: ${view.state}` : view.state;
+    if ($("state").textContent !== text) $("state").textContent = text;
+    $("numbers").textContent = view.numbers;
+  },
+  rested() {
+    clearTimeout(linkTimer);
+    linkTimer = setTimeout(writeLink, linkMs);
+  },
+  showError(text) {
+    $("alert-text").textContent = text;
+    $("alert").hidden = false;
+  },
+};
+
+const pins = new Pins(app.refresh), bookmarks = new Bookmarks(app.refresh);
+const comparison = new Comparison($("views"), app);
+const panels = Object.fromEntries([...document.querySelectorAll("[id^=panel-]")]
+  .map((root) => [root.id.slice("panel-".length), new Panel(root, app.refresh)]));
+
+function frame() {
+  isScheduled = false;
+  for (const view of app.views) view.sendWish();
+  const view = app.active;
+  if (!needsRefresh || !view?.hello) return;
+  needsRefresh = false;
+  showLayers(panels.layers, view);
+  showClipping(panels.clipping, view, app.placeOverlay);
+  showScene(panels.scene, view);
+  pins.show(panels.measuring, view.hello.title);
+  showCost(panels.cost, view);
+  bookmarks.show(panels.bookmarks, view);
+  comparison.show(panels.compare);
+  const notes = view.resolved?.notes ?? [];
+  panels.notes.show(notes, () => notes.map((text) => make("li", { text })));
+  app.views.forEach(app.placeOverlay);
+}
+
+function makeStandardViews(view) {
+  $("standard-views").replaceChildren(
+    ...standardViews(view.hello).map(([name], i) =>
+      button(name, () => lookFrom(i), { title: `Key ${i + 1}` })),
+    button("first view", reset, { title: "Key R", id: "reset" }));
+}
+
+function hover(view, pixel) {
+  view.prober.hover(pixel, (answer) => {
+    if (answer && view.isAtRest) $("probe").textContent = probeText(answer);
+  });
+}
+
+async function click(view, pixel) {
+  const answer = await view.prober.ask(pixel);
+  if (answer) $("probe").textContent = probeText(answer);
+  pins.add(answer);
+}
+
+/** The point that was hit becomes the pivot. */
+async function doubleClick(view, pixel) {
+  const answer = await view.prober.ask(pixel);
+  if (answer?.position) view.setCamera(lookAt(view.camera, answer.position), false);
+}
+
+async function probeCentre() {
+  const { canvas, prober } = app.active;
+  const answer = await prober.ask([canvas.width, canvas.height].map((side) => Math.floor(side / 2)));
+  if (answer) say(probeText(answer));
+}
+
+function pinNewest() {
+  const answer = app.active.prober.newest;
+  say(pins.add(answer) ? `Pinned. ${probeText(answer)}` : "There is no point to pin. Press P first.");
+}
+
+/** Shows a text in the line of the probe, and has it read aloud. */
+function say(text) {
+  $("probe").textContent = $("announcement").textContent = text;
+}
+
+const fragment = () => toFragment(app.active.hello, app.active.camera, app.active.patch);
+
+/** Writes the state into the URL. The token is never part of it. */
+function writeLink() {
+  if (app.active.hello)
+    history.replaceState(null, "", `${location.pathname}#${fragment()}`.replace(/#$/, ""));
+}
+
+function restore(view) {
+  try {
+    const { camera, patch } = fromFragment(view.hello, location.hash.slice(1));
+    view.replacePatch(patch);
+    view.setCamera(camera, false);
+  } catch (error) {
+    app.showError(error.message);
+  }
+}
+
+window.addEventListener("hashchange", () => {
+  takeToken();
+  if (app.active.hello) restore(app.active);
+});
+
+const lookFrom = (i) => {
+  const [, direction, up] = standardViews(app.active.hello)[i];
+  app.active.setCamera(look(app.active.camera, direction, up), false);
+};
+const reset = () => app.active.setCamera(app.active.hello.camera, false);
+const move = (act) => app.active.setCamera(act(app.active.camera, app.active.hello.up));
+const enlarge = (factor) => move((camera) => zoom(camera, factor));
+const showHelp = () => $("help").showModal();
+
+/** Copies a text, and shows it in case that the browser does not allow to copy. */
+async function copy(text, what) {
+  $("copied").textContent = text;
+  try {
+    await navigator.clipboard.writeText(text);
+    say(`${what} copied.`);
+  } catch {
+    getSelection().selectAllChildren($("copied"));
+    say(`${what}: select and copy the text in the panel.`);
+  }
+}
+
+const askCommand = () => app.active.keep(({ command }) => copy(command, "Command"));
+const saveScene = () => app.active.keep((kept) =>
+  downloadJson(kept.document, `${app.active.hello.title}.json`));
+
+function savePng() {
+  const { png, isAtRest, hello } = app.active;
+  if (png && isAtRest) download(png, `${hello.title}.png`);
+  else app.showError("The picture is not finished yet. Try again when it is lossless.");
+}
+
+const buttons = { command: askCommand, "save-scene": saveScene, save: savePng,
+                  "copy-link": () => { writeLink(); copy(location.href, "Link"); } };
+for (const [id, act] of Object.entries(buttons))
+  $(id).addEventListener("click", () => { if (app.active.hello) act(); });
+$("help-button").addEventListener("click", showHelp);
+$("alert-close").addEventListener("click", () => { $("alert").hidden = true; app.active.canvas.focus(); });
+
+const keys = {
+  "+": () => enlarge(keyZoom), "=": () => enlarge(keyZoom), "-": () => enlarge(1 / keyZoom),
+  r: reset, c: askCommand, s: savePng, d: saveScene,
+  l: buttons["copy-link"], p: probeCentre, b: () => bookmarks.add(app.active), v: () => comparison.toggle(),
+  o: () => setOrthographic(app.active, !app.active.camera.ortho_height), "?": showHelp, h: showHelp,
+};
+const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/** What a key does; in panels the arrow keys and Enter keep their own meaning. */
+function actOf(event) {
+  const arrow = arrows[event.key], isPicture = event.target.matches("body, .view canvas");
+  if (arrow || event.key === "Enter") {
+    if (!isPicture) return null;
+    if (!arrow) return pinNewest;
+    const [x, y] = arrow;
+    if (event.shiftKey) return () => move((camera) => pan(camera, x * keyPan, y * keyPan));
+    return () => move((camera, up) => turn(camera, up, x * keyStep, y * keyStep));
+  }
+  if (event.key >= "1" && event.key <= "6") return () => lookFrom(Number(event.key) - 1);
+  return keys[event.key.toLowerCase()];
+}
+
+document.addEventListener("keydown", (event) => {
+  const isTaken = event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey ||
+    $("help").open || event.target.matches("input:not([type=checkbox], [type=range]), select");
+  if (isTaken || !app.active.hello) return;
+  const act = actOf(event);
+  if (!act) return;
+  event.preventDefault();
+  act();
+});
+document.addEventListener("visibilitychange", () => {
+  if (!document.hidden) app.views.forEach((view) => view.change(false));
+});
+
+takeToken();
+app.addView(new View("A", $("views"), app));
+app.activate(app.views[0]);
+comparison.arrange();
+
+/**
+ * For tests and for curious users: `views` and `active` are View objects (view.js) with name, canvas,
+ * camera, patch, resolved, drawn ({wish, spacing, isLossless}), isAtRest, state, probe, finished and
+ * check; `pins` are the pinned probes; `fragment` is the state as in a link.
+ */
+window.rhoray = {
+  views: app.views,
+  pins: pins.list,
+  get active() { return app.active; },
+  get fragment() { return fragment(); },
+};
