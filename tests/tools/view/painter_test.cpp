@@ -215,7 +215,7 @@ TEST(Painter, says_what_was_resolved_what_it_cost_and_what_exact_arithmetic_find
   EXPECT_EQ(resolved["document"]["layers"][0]["isovalue"], 0.8);
   EXPECT_EQ(resolved["document"]["lights"][0]["type"], "head");
   EXPECT_FALSE(resolved["document"]["data"]["data"].contains("file"));
-  EXPECT_EQ(resolved["origins"], Json({0}));
+  EXPECT_EQ(resolved["origins"], Json::array({0}));
   EXPECT_EQ(resolved["fields"][0]["name"], "distance");
   const Json finished = message(inbox, "finished");
   EXPECT_EQ(finished["n"], 5);

@@ -7,6 +7,8 @@ import { Prober } from "./prober.js";
 import { clamp } from "./vectors.js";
 
 const restMs = 150, largestSide = 4096;
+/** Opacity of a boundary around something else, as that of `rhoray render --context`. */
+const faint = 0.12;
 
 export class View {
   hello = null;
@@ -116,8 +118,14 @@ export class View {
       number: Number(key), spec, isAdded: !(key in base), info: this.layerInfo.get(Number(key)) ?? [] }));
   }
 
+  /** What is added inside an opaque boundary would not be seen: the boundary becomes faint. */
   addLayer(spec) {
-    this.set(["layers", String(this.layers.length)], spec);
+    const around = spec.type === "boundary" ? [] : this.layers.filter(({ spec: other }) =>
+      other.type === "boundary" && other.data === spec.data && (other.opacity ?? 1) === 1);
+    this.edit((patch) => {
+      put(patch, ["layers", String(this.layers.length)], spec);
+      for (const { number } of around) put(patch, ["layers", String(number), "opacity"], faint);
+    });
   }
 
   /** Removes a layer that the user added; those behind it get new numbers, because there may be no gap. */
