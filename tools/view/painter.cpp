@@ -1,7 +1,9 @@
 #include "tools/view/painter.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -23,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 constexpr auto longest_picture = std::chrono::seconds(30);
-constexpr double first_pass_ms = 20;  ///< while moving
+constexpr double first_pass_ms = 16;  ///< while moving: a wish waits for half of one pass and for its own
 constexpr std::uint64_t checked_pixels = 500;
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
@@ -35,6 +37,40 @@ double ms_since(Clock::time_point begin) {
 std::string error_text(const std::string& what) {
   return dump(Json{{"error", what}});
 }
+
+/// Chooses the spacing of the first pass so that it fits its time. A pass with half the spacing takes 4
+/// times the rays, but less time for each: neighbours share their way. How much less, only trying says.
+class FirstPass {
+ public:
+  /// 1, 2, 4, 8 or 16.
+  int spacing_for(double megapixels) const {
+    std::size_t step = 0;
+    while (step + 1 < ms_.size() && expected_ms(step) * megapixels > first_pass_ms) ++step;
+    return 1 << step;
+  }
+
+  void took(double ms, int spacing, double megapixels) {
+    std::size_t step = 0;
+    while (1 << step < spacing) ++step;
+    ms_[step] = ms / megapixels;
+    // What was too slow once is tried again some time.
+    if (step > 0 && ms_[step - 1] > 0) ms_[step - 1] += 0.01 * (growth * ms_[step] - ms_[step - 1]);
+  }
+
+ private:
+  static constexpr double growth = 1.8;  ///< usual, of the time when the spacing is halved
+
+  double expected_ms(std::size_t step) const {
+    if (ms_[step] > 0) return ms_[step];
+    for (std::size_t coarser = step + 1; coarser < ms_.size(); ++coarser)
+      if (ms_[coarser] > 0) return std::pow(growth, static_cast<double>(coarser - step)) * ms_[coarser];
+    for (std::size_t finer = step; finer-- > 0;)
+      if (ms_[finer] > 0) return ms_[finer] / std::pow(growth, static_cast<double>(step - finer));
+    return 50 / std::pow(growth, static_cast<double>(step));
+  }
+
+  std::array<double, 5> ms_{};  ///< per megapixel of the whole picture, by the logarithm of the spacing; 0: not known
+};
 
 }  // namespace
 
@@ -58,7 +94,7 @@ struct Painter::Client {
   bool was_sent = false, was_sent_lossless = false, was_checked = false;
   Clock::time_point finished{};
   double finished_ms = 0;
-  double ms_per_megapixel = 50;  ///< of the last pass; a guess at first
+  FirstPass first_pass{};
   render::ResolvedScene plan{};  ///< of `picture`
   render::Framebuffer picture{};
   render::RenderContext memory{};
@@ -253,14 +289,16 @@ void Painter::paint(Client& client, const Wish& wish) {
   }
 
   const double megapixels = 1e-6 * wish.width * wish.height;
-  int spacing = 1;
-  while (spacing < 16 && client.ms_per_megapixel * megapixels / (spacing * spacing) > first_pass_ms) spacing *= 2;
+  const int spacing = client.first_pass.spacing_for(megapixels);
   std::stop_source source;
   bool is_finished = false, is_first = true;
   Interval<double> heat;
+  // With the time to encode it, which counts on small scenes.
+  const auto note_first = [&](int traced_spacing) {
+    if (std::exchange(is_first, false)) client.first_pass.took(ms_since(begin), traced_spacing, megapixels);
+  };
   const auto pass_done = [&](int traced_spacing) {
     const double ms = ms_since(begin);
-    if (std::exchange(is_first, false)) client.ms_per_megapixel = ms * traced_spacing * traced_spacing / megapixels;
     is_finished = traced_spacing == 1;
     bool is_current = false, may_send = false;
     {
@@ -270,7 +308,10 @@ void Painter::paint(Client& client, const Wish& wish) {
       may_send = has_room(client);
     }
     if (plan.page) heat = draw_heat_map(*plan.page, client.picture);
-    if (!is_finished && may_send) send(client, wish, traced_spacing, false, ms);
+    if (!is_finished && may_send) {
+      send(client, wish, traced_spacing, false, ms);
+      note_first(traced_spacing);
+    }
     return is_current || is_finished;
   };
   {
@@ -307,7 +348,10 @@ void Painter::paint(Client& client, const Wish& wish) {
     const std::lock_guard lock(mutex_);
     may_send = has_room(client);
   }
-  if (may_send) send(client, wish, 1, false, client.finished_ms);
+  if (may_send) {
+    send(client, wish, 1, false, client.finished_ms);
+    if (wish.is_moving && spacing == 1) note_first(1);
+  }
   send_finished(client, statistics);
 }
 

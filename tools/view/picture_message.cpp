@@ -4,6 +4,9 @@
 
 #include <jpeglib.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -43,18 +46,41 @@ std::vector<std::byte> started(const PictureHeader& header) {
   throw Error(ErrorCode::internal, concat("libjpeg: ", text));
 }
 
+/// 8-bit sRGB for JPEG, which loses more: of values within 2^-11 of the next level some are one level
+/// too low, at most 6 % of all values. It takes a fifth of the time of render::srgb_byte.
+class QuickSrgb {
+ public:
+  QuickSrgb() {
+    for (std::uint32_t i = 0; i < levels_.size(); ++i)
+      levels_[i] = render::srgb_byte(std::bit_cast<float>((first_ + i) << dropped_bits));
+  }
+
+  std::uint8_t operator()(float linear) const {
+    const auto bits = std::bit_cast<std::int32_t>(linear);  // ordered like floats that are not negative
+    return levels_[static_cast<std::size_t>(std::clamp(bits, least_, most_) - least_) >> dropped_bits];
+  }
+
+ private:
+  static constexpr int dropped_bits = 12;
+  static constexpr std::int32_t least_ = std::bit_cast<std::int32_t>(0x1p-14F);  // level 0
+  static constexpr std::int32_t most_ = std::bit_cast<std::int32_t>(1.0F);
+  static constexpr std::uint32_t first_ = static_cast<std::uint32_t>(least_) >> dropped_bits;
+
+  std::array<std::uint8_t, (static_cast<std::uint32_t>(most_ - least_) >> dropped_bits) + 1> levels_{};
+};
+
 /// Every s-th pixel of every s-th row, as 8-bit sRGB.
 std::vector<std::uint8_t> thinned(const render::Framebuffer& picture, int spacing, int& width, int& height) {
+  static const QuickSrgb quick_srgb;
   width = (picture.width + spacing - 1) / spacing, height = (picture.height + spacing - 1) / spacing;
   std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   std::uint8_t* out = rgb.data();
-  for (int y = 0; y < picture.height; y += spacing)
-    for (int x = 0; x < picture.width; x += spacing) {
-      const float* pixel =
-          picture.color.data() +
-          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x));
-      for (int c = 0; c < 3; ++c) *out++ = render::srgb_byte(pixel[c]);
-    }
+  for (int y = 0; y < picture.height; y += spacing) {
+    const float* pixel =
+        picture.color.data() + 4 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width);
+    for (int x = 0; x < picture.width; x += spacing, pixel += 4 * static_cast<std::ptrdiff_t>(spacing))
+      for (int c = 0; c < 3; ++c) *out++ = quick_srgb(pixel[c]);
+  }
   return rgb;
 }
 
@@ -78,6 +104,7 @@ std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::F
   jpeg.input_components = 3, jpeg.in_color_space = JCS_RGB;
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, quality.quality, TRUE);
+  if (!quality.has_full_color) jpeg.dct_method = JDCT_IFAST;  // differs by less than the coefficients are rounded
   if (quality.has_full_color) jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
   jpeg_start_compress(&jpeg, TRUE);
   while (jpeg.next_scanline < jpeg.image_height) {

@@ -16,19 +16,21 @@ import { View } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
 const linkMs = 300, keyStep = Math.PI / 36, keyZoom = 1.15, keyPan = 0.05;
+const halfFrameMs = 8;  // of a display at 60 Hz
 
-let isScheduled = false, needsRefresh = true, linkTimer = 0;
+let isScheduled = false, needsRefresh = true, linkTimer = 0, sentAt = 0;
 
 /** What the views and the panels call when something changes. */
 const app = {
   views: [],
   active: null,
 
-  /** Sends changes and updates the panels in the next animation frame. */
+  /** Sends changes at once, unless it has just done so, and updates the panels in the next animation frame. */
   schedule() {
     if (isScheduled) return;
     isScheduled = true;
     requestAnimationFrame(frame);
+    if (performance.now() - sentAt > halfFrameMs) queueMicrotask(sendWishes);
   },
   refresh() {
     needsRefresh = true;
@@ -97,9 +99,13 @@ const comparison = new Comparison($("views"), app);
 const panels = Object.fromEntries([...document.querySelectorAll("[id^=panel-]")]
   .map((root) => [root.id.slice("panel-".length), new Panel(root, app.refresh)]));
 
+function sendWishes() {
+  for (const view of app.views) if (view.sendWish()) sentAt = performance.now();
+}
+
 function frame() {
   isScheduled = false;
-  for (const view of app.views) view.sendWish();
+  sendWishes();
   const view = app.active;
   if (!needsRefresh || !view?.hello) return;
   needsRefresh = false;

@@ -167,17 +167,18 @@ export class View {
     this.app.cameraMoved(this, moving, tellsOthers);
   }
 
-  /** Sends the newest wish, if there is a change. The page calls it once in each animation frame. */
+  /** Sends the newest wish, if there is a change; returns whether it did. */
   sendWish() {
-    if (!this.#isDirty || !this.#hasSize || !this.isOnline || !this.camera || document.hidden) return;
+    if (!this.#isDirty || !this.#hasSize || !this.isOnline || !this.camera || document.hidden) return false;
     this.#isDirty = false;
     const n = ++this.wishNumber, size = [this.canvas.width, this.canvas.height];
     const { isMoving: moving, camera, patch: scene } = this;
-    if (!this.connection.send({ n, size, moving, camera, scene })) return;
+    if (!this.connection.send({ n, size, moving, camera, scene })) return false;
     this.check = null;
-    if (moving) return;
+    if (moving) return true;
     this.#rest = { n, accuracy: this.accuracy };
     this.app.rested();
+    return true;
   }
 
   get probe() {
@@ -268,6 +269,7 @@ export class View {
           `${this.#drawnAt.length} pictures/s`;
         this.#setState(this.#pictureState());
         const detail = { ...this.drawn, view: this.name };
+        if (!performance.getEntriesByName("first picture").length) performance.mark("first picture");
         document.dispatchEvent(new CustomEvent("drawn", { detail }));
       }
       bitmap.close();
