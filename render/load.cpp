@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <tuple>
+#include <vector>
 
 #include "formats/base/box_corners.h"
 #include "formats/base/error.h"
@@ -62,8 +66,26 @@ struct Dataset::ProofState {
   bool is_done = false;
 };
 
+/// The boundaries that are in use: what is prepared to trace them stays when a scene changes.
+struct Dataset::Boundaries {
+  using Key = std::tuple<std::string, int, std::vector<int>>;  ///< of a label: its field, and those left out
+  std::mutex guard;
+  std::map<Key, std::weak_ptr<const LoadedDataset>> known;
+
+  template <class Load>
+  std::shared_ptr<const LoadedDataset> of(const Key& key, const Load& load) {
+    const std::lock_guard lock(guard);
+    std::weak_ptr<const LoadedDataset>& place = known[key];
+    std::shared_ptr<const LoadedDataset> boundary = place.lock();
+    if (!boundary) place = boundary = load();
+    return boundary;
+  }
+};
+
 Dataset::Dataset(std::shared_ptr<const LoadedDataset> implementation)
-    : implementation_(std::move(implementation)), proof_(std::make_shared<ProofState>()) {}
+    : implementation_(std::move(implementation)),
+      proof_(std::make_shared<ProofState>()),
+      boundaries_(std::make_shared<Boundaries>()) {}
 
 Dataset Dataset::load(const std::filesystem::path& path, const std::string& field, formats::Space world) {
   const DefaultFloatingPoint default_floating_point;
@@ -127,12 +149,13 @@ const std::vector<std::string>& Dataset::notes() const {
 
 Dataset Dataset::boundary() const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(load_boundary(*implementation_));
+  return Dataset(boundaries_->of({}, [&] { return load_boundary(*implementation_); }));
 }
 
 Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without) const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(load_boundary(*implementation_, cell_field, label, without));
+  return Dataset(boundaries_->of({cell_field, label, {without.begin(), without.end()}},
+                                 [&] { return load_boundary(*implementation_, cell_field, label, without); }));
 }
 
 FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {

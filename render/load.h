@@ -58,7 +58,8 @@ class Dataset {
 
   /// Returns the boundary of a mesh: a surface of the triangles that belong to one cell only. A
   /// triangle has the fields of its cell. If the file does not store the boundary, this function
-  /// computes it. Refuses a dataset of another kind (ErrorCode::usage).
+  /// computes it. While a boundary is in use, further calls return it again; any thread may call.
+  /// Refuses a dataset of another kind (ErrorCode::usage).
   Dataset boundary() const;
   /// Returns the boundary of the cells of a mesh that have this label in a field of cells: a closed
   /// surface, unless a face belongs to three cells. A face between two labels is part of both
@@ -126,6 +127,8 @@ class Dataset {
   std::shared_ptr<const LoadedDataset> implementation_;
   /// Kept with the loaded data, so that it never applies to data loaded later.
   std::shared_ptr<ProofState> proof_;
+  struct Boundaries;
+  std::shared_ptr<Boundaries> boundaries_;
 };
 
 }  // namespace rhoray::render

@@ -6,7 +6,6 @@
 #include <boost/beast/websocket.hpp>
 
 #include <chrono>
-#include <cstring>
 #include <deque>
 #include <map>
 
@@ -31,17 +30,6 @@ constexpr auto longest_wait = std::chrono::seconds(60);
 
 double ms_between(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - begin).count();
-}
-
-PictureHeader header_of(const beast::flat_buffer& buffer) {
-  PictureHeader header;
-  if (buffer.size() < picture_header_bytes) throw Error(ErrorCode::internal, "the viewer sent a short picture");
-  const auto* const bytes = static_cast<const char*>(buffer.data().data());
-  std::memcpy(&header.codec, bytes + 1, sizeof header.codec);
-  std::memcpy(&header.spacing, bytes + 2, sizeof header.spacing);
-  std::memcpy(&header.frame, bytes + 4, sizeof header.frame);
-  std::memcpy(&header.wish, bytes + 8, sizeof header.wish);
-  return header;
 }
 
 }  // namespace
@@ -105,7 +93,7 @@ class DragClient::Implementation {
     Settled settled;
     const Clock::time_point begin = Clock::now();
     on_picture_ = [&](const PictureHeader& header, std::size_t) {
-      if (header.wish != number_ || header.spacing != 1) return;
+      if (header.wish != number_ || header.spacing > 1) return;
       (header.codec == Codec::png ? settled.lossless_ms : settled.whole_ms) = ms_between(begin, Clock::now());
     };
     send(concat(R"({"n": )", ++number_, ", ", wish, "}"));
@@ -152,7 +140,8 @@ class DragClient::Implementation {
         return;
       }
       if (!socket_.got_text()) {
-        const PictureHeader header = header_of(buffer_);
+        const PictureHeader header =
+            read_picture_header({static_cast<const std::byte*>(buffer_.data().data()), buffer_.size()});
         if (on_picture_) on_picture_(header, bytes);
         send(concat(R"({"ack": )", header.frame, "}"));
       } else if (const std::string text = beast::buffers_to_string(buffer_.data()); text.starts_with(R"({"error")")) {

@@ -14,7 +14,6 @@
 #include "render/render.h"
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
-#include "tools/view/picture_message.h"
 
 namespace rhoray::tools {
 
@@ -25,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 constexpr auto longest_picture = std::chrono::seconds(30);
-constexpr double first_pass_ms = 16;  ///< while moving: a wish waits for half of one pass and for its own
+constexpr double motion_ms = 13;  ///< of a picture in motion: a wish waits for half of one and for its own
 constexpr std::uint64_t checked_pixels = 500;
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
@@ -38,38 +37,25 @@ std::string error_text(const std::string& what) {
   return dump(Json{{"error", what}});
 }
 
-/// Chooses the spacing of the first pass so that it fits its time. A pass with half the spacing takes 4
-/// times the rays, but less time for each: neighbours share their way. How much less, only trying says.
-class FirstPass {
+/// Chooses how many pixels a picture in motion has, so that it takes its time.
+class MotionPixels {
  public:
-  /// 1, 2, 4, 8 or 16.
-  int spacing_for(double megapixels) const {
-    std::size_t step = 0;
-    while (step + 1 < ms_.size() && expected_ms(step) * megapixels > first_pass_ms) ++step;
-    return 1 << step;
+  /// The size of a picture, of the same shape; at least a 16th of the width and height.
+  render::PictureSize size_for(const Wish& wish) const {
+    const double scale = std::clamp(std::sqrt(pixels_ / wish.width / wish.height), 1.0 / 16, 1.0);
+    if (scale > 0.9) return {wish.width, wish.height};
+    const auto scaled = [&](int side) { return std::max(1, static_cast<int>(std::lround(scale * side))); };
+    return {scaled(wish.width), scaled(wish.height)};
   }
 
-  void took(double ms, int spacing, double megapixels) {
-    std::size_t step = 0;
-    while (1 << step < spacing) ++step;
-    ms_[step] = ms / megapixels;
-    // What was too slow once is tried again some time.
-    if (step > 0 && ms_[step - 1] > 0) ms_[step - 1] += 0.01 * (growth * ms_[step] - ms_[step - 1]);
+  void took(double ms, const render::PictureSize& size) {
+    // Time grows more slowly than the count of pixels, since neighbours share their way. Half of the
+    // step keeps the size calm.
+    pixels_ = static_cast<double>(size.width) * size.height * std::clamp(std::sqrt(motion_ms / ms), 0.7, 1.3);
   }
 
  private:
-  static constexpr double growth = 1.8;  ///< usual, of the time when the spacing is halved
-
-  double expected_ms(std::size_t step) const {
-    if (ms_[step] > 0) return ms_[step];
-    for (std::size_t coarser = step + 1; coarser < ms_.size(); ++coarser)
-      if (ms_[coarser] > 0) return std::pow(growth, static_cast<double>(coarser - step)) * ms_[coarser];
-    for (std::size_t finer = step; finer-- > 0;)
-      if (ms_[finer] > 0) return ms_[finer] / std::pow(growth, static_cast<double>(step - finer));
-    return 50 / std::pow(growth, static_cast<double>(step));
-  }
-
-  std::array<double, 5> ms_{};  ///< per megapixel of the whole picture, by the logarithm of the spacing; 0: not known
+  double pixels_ = 2e5;
 };
 
 }  // namespace
@@ -94,13 +80,15 @@ struct Painter::Client {
   bool was_sent = false, was_sent_lossless = false, was_checked = false;
   Clock::time_point finished{};
   double finished_ms = 0;
-  FirstPass first_pass{};
+  MotionPixels motion{};
+  double sent_spacing = 16;  ///< of the picture that was sent last
+  Clock::time_point sent_at{};
   render::ResolvedScene plan{};  ///< of `picture`
-  render::Framebuffer picture{};
+  render::Framebuffer picture{}, moving_picture{};
   render::RenderContext memory{};
 
   /// Something is to be done for a picture at rest, once its time has come and the client has room.
-  bool waits_at_rest() const { return drawn && !drawn->is_moving && (!was_sent_lossless || !was_checked); }
+  bool waits_at_rest() const { return drawn && (!was_sent_lossless || !was_checked); }
   bool is_rest_over() const { return waits_at_rest() && Clock::now() >= finished + rest_before_lossless; }
 };
 
@@ -256,12 +244,20 @@ void Painter::work_for(Client& client) {
 
 /// Sends the picture that was drawn, then the lossless one, then checks it.
 void Painter::go_on(Client& client) {
-  if (!client.was_sent)
-    send(client, *client.drawn, 1, false, client.finished_ms);
-  else if (client.is_rest_over() && !client.was_sent_lossless)
-    send(client, *client.drawn, 1, true, client.finished_ms);
-  else if (client.is_rest_over())
+  PictureHeader header{.wish = client.drawn->number,
+                       .width = client.drawn->width,
+                       .height = client.drawn->height,
+                       .trace_ms = static_cast<float>(client.finished_ms)};
+  if (!client.was_sent) {
+    send(client, client.picture, header, still_quality);
+    client.was_sent = true;
+  } else if (client.is_rest_over() && !client.was_sent_lossless) {
+    header.codec = Codec::png;
+    send(client, client.picture, header, {});
+    client.was_sent_lossless = true;
+  } else if (client.is_rest_over()) {
     check(client);
+  }
 }
 
 /// Resolves the scene of a wish, unless it was the last one's.
@@ -277,69 +273,70 @@ void Painter::paint(Client& client, const Wish& wish) {
   client.drawn.reset();
   client.was_sent = client.was_sent_lossless = client.was_checked = false;
   show_changes(client, wish);
-  if (!wish.is_moving && !std::exchange(client.was_resolved_sent, true))
-    client.sink.send_text(resolved_text(*client.scene, wish.number));
+  if (wish.is_moving)
+    paint_moving(client, wish, begin);
+  else
+    paint_at_rest(client, wish, begin);
+}
+
+/// A picture with as many pixels as there is time for.
+void Painter::paint_moving(Client& client, const Wish& wish, Clock::time_point begin) {
+  Wish smaller = wish;
+  const render::PictureSize size = client.motion.size_for(wish);
+  smaller.width = size.width, smaller.height = size.height;
+  render::ResolvedScene plan = with_wish(viewed_, *client.scene, smaller);
+  render::Framebuffer& picture = client.moving_picture;
+  if (!trace(client, plan, {.first_spacing = 1}, begin, picture)) return;
+  if (plan.page) draw_heat_map(*plan.page, picture);
+  const double traced_ms = ms_since(begin);
+  send(client, picture,
+       {.wish = wish.number,
+        .width = wish.width,
+        .height = wish.height,
+        .trace_ms = static_cast<float>(traced_ms),
+        .spacing = static_cast<float>(wish.width) / static_cast<float>(size.width)},
+       moving_quality);
+  client.motion.took(ms_since(begin), size);
+}
+
+/// The picture of `rhoray render`, refined in passes.
+void Painter::paint_at_rest(Client& client, const Wish& wish, Clock::time_point begin) {
+  if (!std::exchange(client.was_resolved_sent, true)) client.sink.send_text(resolved_text(*client.scene, wish.number));
   client.plan = with_wish(viewed_, *client.scene, wish);
   render::ResolvedScene& plan = client.plan;
-  plan.frame.threads = threads_;
   if (plan.page) plan.frame.channels |= channel_of(*plan.page);
-  if (!wish.is_moving) {
-    plan.frame.channels |= channels_of_annotations(plan);
-    if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
-  }
-
-  const double megapixels = 1e-6 * wish.width * wish.height;
-  const int spacing = client.first_pass.spacing_for(megapixels);
-  std::stop_source source;
-  bool is_finished = false, is_first = true;
+  plan.frame.channels |= channels_of_annotations(plan);
+  if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
+  // After a motion the page shows this view already, though with fewer pixels.
+  const double worst_spacing = begin < client.sent_at + rest_before_lossless ? client.sent_spacing : 16;
+  const int across = client.motion.size_for(wish).width;
+  int first_spacing = 1;
+  while (first_spacing < 16 && first_spacing * across < wish.width) first_spacing *= 2;
   Interval<double> heat;
-  // With the time to encode it, which counts on small scenes.
-  const auto note_first = [&](int traced_spacing) {
-    if (std::exchange(is_first, false)) client.first_pass.took(ms_since(begin), traced_spacing, megapixels);
-  };
-  const auto pass_done = [&](int traced_spacing) {
-    const double ms = ms_since(begin);
-    is_finished = traced_spacing == 1;
+  const auto pass_done = [&](int spacing) {
     bool is_current = false, may_send = false;
     {
       const std::lock_guard lock(mutex_);
-      if (running_) running_->was_first_sent = true;
-      is_current = !client.is_new && !client.has_left && Clock::now() < begin + longest_picture;
+      if (running_) running_->was_first_sent = true;  // from now on a newer wish ends this one
+      is_current = !client.is_new && !client.has_left;
       may_send = has_room(client);
     }
     if (plan.page) heat = draw_heat_map(*plan.page, client.picture);
-    if (!is_finished && may_send) {
-      send(client, wish, traced_spacing, false, ms);
-      note_first(traced_spacing);
-    }
-    return is_current || is_finished;
+    if (spacing > 1 && spacing <= worst_spacing && may_send)
+      send(client, client.picture,
+           {.is_thinned = true,
+            .wish = wish.number,
+            .width = wish.width,
+            .height = wish.height,
+            .trace_ms = static_cast<float>(ms_since(begin)),
+            .spacing = static_cast<float>(spacing)},
+           moving_quality);
+    return is_current || spacing == 1;
   };
-  {
-    const std::lock_guard lock(mutex_);
-    running_ = Running{client.id, begin + longest_picture, source};
-  }
-  changed_.notify_all();
-  const auto end = [&] {
-    const std::lock_guard lock(mutex_);
-    running_.reset();
-  };
-  render::FrameStatistics statistics;
-  try {
-    statistics = render::refine(plan.datasets, plan.scene, plan.frame,
-                                {.first_spacing = spacing, .pass_done = pass_done, .stop = source.get_token()},
-                                client.picture, client.memory);
-  } catch (...) {
-    end();
-    throw;
-  }
-  end();
-  if (!is_finished) {
-    if (Clock::now() >= begin + longest_picture)
-      throw Error(ErrorCode::resource, concat("the picture takes more than ", longest_picture.count(),
-                                              " s; choose fewer samples or a smaller window"));
-    return;
-  }
-  if (!wish.is_moving) draw_annotations(plan, heat, client.picture);
+  const auto statistics =
+      trace(client, plan, {.first_spacing = first_spacing, .pass_done = pass_done}, begin, client.picture);
+  if (!statistics) return;
+  draw_annotations(plan, heat, client.picture);
   client.drawn = wish;
   client.finished = Clock::now();
   client.finished_ms = ms_since(begin);
@@ -348,29 +345,59 @@ void Painter::paint(Client& client, const Wish& wish) {
     const std::lock_guard lock(mutex_);
     may_send = has_room(client);
   }
-  if (may_send) {
-    send(client, wish, 1, false, client.finished_ms);
-    if (wish.is_moving && spacing == 1) note_first(1);
-  }
-  send_finished(client, statistics);
+  if (may_send) go_on(client);
+  send_finished(client, *statistics);
 }
 
-void Painter::send(Client& client, const Wish& wish, int spacing, bool lossless, double trace_ms) {
-  PictureHeader header{.codec = lossless ? Codec::png : Codec::jpeg,
-                       .spacing = static_cast<std::uint16_t>(spacing),
-                       .wish = wish.number,
-                       .width = wish.width,
-                       .height = wish.height,
-                       .trace_ms = static_cast<float>(trace_ms)};
+/// Traces a picture, in passes. Nothing if it was ended before it was whole. Refuses a picture that
+/// takes too long (ErrorCode::resource).
+std::optional<render::FrameStatistics> Painter::trace(Client& client, render::ResolvedScene& plan,
+                                                      render::Refinement refinement, Clock::time_point begin,
+                                                      render::Framebuffer& picture) {
+  plan.frame.threads = threads_;
+  bool is_whole = false;
+  std::stop_source source;
+  {
+    const std::lock_guard lock(mutex_);
+    if (client.has_left || thread_.get_stop_token().stop_requested()) return std::nullopt;
+    running_ = Running{client.id, begin + longest_picture, source};
+  }
+  changed_.notify_all();
+  refinement.stop = source.get_token();
+  refinement.pass_done = [&is_whole, then = std::move(refinement.pass_done)](int spacing) {
+    is_whole = spacing == 1;
+    return then ? then(spacing) : true;
+  };
+  const auto end = [&] {
+    const std::lock_guard lock(mutex_);
+    running_.reset();
+  };
+  render::FrameStatistics statistics;
+  try {
+    statistics = render::refine(plan.datasets, plan.scene, plan.frame, refinement, picture, client.memory);
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+  if (Clock::now() >= begin + longest_picture && source.stop_requested())
+    throw Error(ErrorCode::resource, concat("the picture takes more than ", longest_picture.count(),
+                                            " s; choose fewer samples or a smaller window"));
+  if (!is_whole) return std::nullopt;
+  return statistics;
+}
+
+/// @param header  all but the frame
+void Painter::send(Client& client, const render::Framebuffer& picture, PictureHeader header,
+                   const JpegQuality& quality) {
   {
     const std::lock_guard lock(mutex_);
     header.frame = ++client.sent;
   }
-  client.sink.send_picture(
-      lossless ? png_message(header, client.picture)
-               : jpeg_message(header, client.picture, wish.is_moving || spacing > 1 ? moving_quality : still_quality));
-  if (spacing == 1) client.was_sent = true;
-  if (lossless) client.was_sent_lossless = true;
+  client.sent_spacing = static_cast<double>(header.spacing);
+  client.sent_at = Clock::now();
+  client.sink.send_picture(header.codec == Codec::png ? png_message(header, picture)
+                                                      : jpeg_message(header, picture, quality));
 }
 
 void Painter::send_finished(Client& client, const render::FrameStatistics& statistics) {

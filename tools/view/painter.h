@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "render/render.h"
+#include "tools/view/picture_message.h"
 #include "tools/view/viewed_scene.h"
 
 namespace rhoray::tools {
@@ -24,9 +26,10 @@ struct ClientSink {
 /// Draws what clients wish, on one thread that uses all cores. Clients take turns.
 ///
 /// The newest wish of a client wins: an older one that is being drawn ends after its first pass was
-/// sent. No client has more than two pictures that it has not acknowledged. When it stops moving, the
-/// picture is refined to that of `rhoray render`, and is sent a second time without loss. In idle time
-/// random pixels of it are compared with exact arithmetic. A picture takes 30 s at most.
+/// sent. In motion a picture has as many pixels as can be traced in 13 ms. No client has more than two
+/// pictures that it has not acknowledged. When it stops moving, the picture is refined to that of
+/// `rhoray render`, and is sent a second time without loss. In idle time random pixels of it are
+/// compared with exact arithmetic. A picture takes 30 s at most.
 class Painter {
  public:
   using ClientId = std::uint64_t;
@@ -47,6 +50,7 @@ class Painter {
 
  private:
   struct Client;
+  using Clock = std::chrono::steady_clock;
 
   void run(const std::stop_token& stop);
   void watch(const std::stop_token& stop);
@@ -54,9 +58,14 @@ class Painter {
   void work_for(Client& client);
   void go_on(Client& client);
   void paint(Client& client, const Wish& wish);
+  void paint_moving(Client& client, const Wish& wish, Clock::time_point begin);
+  void paint_at_rest(Client& client, const Wish& wish, Clock::time_point begin);
+  std::optional<render::FrameStatistics> trace(Client& client, render::ResolvedScene& plan,
+                                               render::Refinement refinement, Clock::time_point begin,
+                                               render::Framebuffer& picture);
   void show_changes(Client& client, const Wish& wish);
   bool has_room(const Client& client) const;
-  void send(Client& client, const Wish& wish, int spacing, bool lossless, double trace_ms);
+  void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality);
   void send_finished(Client& client, const render::FrameStatistics& statistics);
   void check(Client& client);
   void answer(Client& client, const Wish& wish, const Probe& probe);
@@ -65,7 +74,7 @@ class Painter {
   /// The picture that is being traced.
   struct Running {
     ClientId client = 0;
-    std::chrono::steady_clock::time_point deadline;
+    Clock::time_point deadline;
     std::stop_source source;
     bool was_first_sent = false;  ///< the first pass: from now on a newer wish ends the picture
   };

@@ -30,13 +30,13 @@ std::vector<std::byte> started(const PictureHeader& header) {
   std::vector<std::byte> bytes;
   append(std::uint8_t{1}, bytes);
   append(static_cast<std::uint8_t>(header.codec), bytes);
-  append(header.spacing, bytes);
+  append(static_cast<std::uint16_t>(header.is_thinned), bytes);
   append(header.frame, bytes);
   append(header.wish, bytes);
   append(static_cast<std::uint16_t>(header.width), bytes);
   append(static_cast<std::uint16_t>(header.height), bytes);
   append(header.trace_ms, bytes);
-  append(std::uint32_t{0}, bytes);  // reserved
+  append(header.spacing, bytes);
   return bytes;
 }
 
@@ -86,10 +86,29 @@ std::vector<std::uint8_t> thinned(const render::Framebuffer& picture, int spacin
 
 }  // namespace
 
+PictureHeader read_picture_header(std::span<const std::byte> message) {
+  if (message.size() < picture_header_bytes) throw Error(ErrorCode::internal, "the viewer sent a short picture");
+  PictureHeader header;
+  const auto read = [&](std::size_t at, auto number) {
+    std::memcpy(&number, message.data() + at, sizeof number);
+    return number;
+  };
+  header.codec = static_cast<Codec>(read(1, std::uint8_t{}));
+  header.is_thinned = read(2, std::uint16_t{}) != 0;
+  header.frame = read(4, std::uint32_t{});
+  header.wish = read(8, std::uint32_t{});
+  header.width = read(12, std::uint16_t{});
+  header.height = read(14, std::uint16_t{});
+  header.trace_ms = read(16, float{});
+  header.spacing = read(20, float{});
+  return header;
+}
+
 std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::Framebuffer& picture,
                                     const JpegQuality& quality) {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb = thinned(picture, header.spacing, width, height);
+  std::vector<std::uint8_t> rgb =
+      thinned(picture, header.is_thinned ? static_cast<int>(header.spacing) : 1, width, height);
   jpeg_error_mgr errors;
   jpeg_compress_struct jpeg;
   jpeg.err = jpeg_std_error(&errors);

@@ -69,6 +69,13 @@ render::Dataset as_surface(const Meshes& meshes) {
   return render::Dataset::load(meshes.folder / "s.rho");
 }
 
+TEST(MeshBoundary, is_the_same_for_all_copies_of_a_mesh_while_it_is_in_use) {
+  const Meshes meshes;
+  const render::Dataset copy = meshes.mesh;
+  EXPECT_EQ(&copy.boundary().implementation(), &meshes.boundary.implementation());
+  EXPECT_NE(&Meshes().boundary.implementation(), &meshes.boundary.implementation());
+}
+
 TEST(MeshBoundary, is_a_surface_with_the_fields_of_the_mesh) {
   const Meshes meshes;
   EXPECT_TRUE(meshes.boundary.is_surface());

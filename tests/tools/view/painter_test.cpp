@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstring>
 
 #include "formats/base/json.h"
 #include "render/png.h"
@@ -55,16 +54,6 @@ class Inbox {
   std::vector<std::string> texts_;
 };
 
-PictureHeader header_of(const std::vector<std::byte>& message) {
-  PictureHeader header;
-  const auto read = [&](std::size_t at, auto& out) { std::memcpy(&out, message.data() + at, sizeof out); };
-  std::uint16_t width = 0, height = 0;
-  read(1, header.codec), read(2, header.spacing), read(4, header.frame), read(8, header.wish);
-  read(12, width), read(14, height), read(16, header.trace_ms);
-  header.width = width, header.height = height;
-  return header;
-}
-
 /// The picture of `render`, as a PNG.
 std::vector<std::byte> rendered(const ViewedScene& viewed, const Wish& wish) {
   const render::ResolvedScene plan =
@@ -102,7 +91,7 @@ TEST_P(FinishedPicture, is_that_of_render_without_loss) {
   for (;;) {  // acknowledges everything until the lossless one is here
     const auto pictures = inbox.pictures(seen + 1);
     ASSERT_GT(pictures.size(), seen) << "nothing more came";
-    const PictureHeader header = header_of(pictures[seen++]);
+    const PictureHeader header = read_picture_header(pictures[seen++]);
     EXPECT_EQ(header.wish, 3U);
     EXPECT_EQ(header.frame, seen);
     EXPECT_EQ(header.width, 90);
@@ -135,7 +124,7 @@ TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then
   painter.take(client, Acknowledgement{2});
   const auto after = inbox.pictures(3);
   ASSERT_GE(after.size(), 3U);
-  EXPECT_EQ(header_of(after[2]).wish, 200U);
+  EXPECT_EQ(read_picture_header(after[2]).wish, 200U);
   // An acknowledgement of what was never sent makes no room for more.
   painter.take(client, Acknowledgement{4000000000U});
   painter.take(client, Wish{.number = 201, .width = 60, .height = 50, .is_moving = true});
@@ -155,7 +144,7 @@ TEST(Painter, sends_the_lossless_picture_if_the_client_has_room_for_it_before_it
   painter.take(client, Acknowledgement{2});
   const auto pictures = inbox.pictures(3);
   ASSERT_EQ(pictures.size(), 3U);
-  EXPECT_EQ(header_of(pictures[2]).codec, Codec::png);
+  EXPECT_EQ(read_picture_header(pictures[2]).codec, Codec::png);
 }
 
 TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledges) {
@@ -175,7 +164,7 @@ TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledg
     painter.take(of_good, Wish{.number = n, .width = 60, .height = 50, .is_moving = true});
     const auto pictures = good.pictures(n);
     ASSERT_GE(pictures.size(), n) << "the good client waits for picture " << n;
-    painter.take(of_good, Acknowledgement{header_of(pictures.back()).frame});
+    painter.take(of_good, Acknowledgement{read_picture_header(pictures.back()).frame});
   }
   EXPECT_LE(silent.pictures(0).size(), 2U);
   painter.remove(of_silent);

@@ -9,7 +9,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "formats/base/error.h"
 #include "render/png.h"
+#include "tests/support/expect_error.h"
 
 namespace rhoray::tests {
 namespace {
@@ -54,8 +56,8 @@ TEST(PictureMessage, of_jpeg_shows_every_traced_pixel) {
   const render::Framebuffer picture = ramp(65, 48);
   for (const int spacing : {1, 2, 16}) {
     int width = 0;
-    const std::vector<int> pixels = decoded(jpeg_message({.spacing = static_cast<std::uint16_t>(spacing)}, picture,
-                                                         {.quality = 100, .has_full_color = true}),
+    const std::vector<int> pixels = decoded(jpeg_message({.is_thinned = true, .spacing = static_cast<float>(spacing)},
+                                                         picture, {.quality = 100, .has_full_color = true}),
                                             width);
     EXPECT_EQ(width, (65 + spacing - 1) / spacing);
     ASSERT_EQ(pixels.size(), static_cast<std::size_t>(width * ((48 + spacing - 1) / spacing)));
@@ -67,6 +69,29 @@ TEST(PictureMessage, of_jpeg_shows_every_traced_pixel) {
       EXPECT_LE(std::abs(pixels[i] - level), 2) << x << ", " << y << " at spacing " << spacing;
     }
   }
+}
+
+TEST(PictureMessage, has_a_header_that_is_read_again) {
+  const PictureHeader header{.codec = Codec::png,
+                             .is_thinned = true,
+                             .frame = 4000000000U,
+                             .wish = 7,
+                             .width = 4096,
+                             .height = 3,
+                             .trace_ms = 1.5F,
+                             .spacing = 2.25F};
+  std::vector<std::byte> message = png_message(header, ramp(4, 3));
+  const PictureHeader read = read_picture_header(message);
+  EXPECT_EQ(read.codec, header.codec);
+  EXPECT_EQ(read.is_thinned, header.is_thinned);
+  EXPECT_EQ(read.frame, header.frame);
+  EXPECT_EQ(read.wish, header.wish);
+  EXPECT_EQ(read.width, header.width);
+  EXPECT_EQ(read.height, header.height);
+  EXPECT_EQ(read.trace_ms, header.trace_ms);
+  EXPECT_EQ(read.spacing, header.spacing);
+  message.resize(picture_header_bytes - 1);
+  expect_error(ErrorCode::internal, "short picture", [&] { read_picture_header(message); });
 }
 
 TEST(PictureMessage, of_values_that_are_no_numbers_has_levels) {

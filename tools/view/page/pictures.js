@@ -6,12 +6,13 @@ export function readPicture(buffer) {
   const isLossless = view.getUint8(1) === codecPng;
   return {
     isLossless,
-    spacing: view.getUint16(2, true),
+    isThinned: view.getUint16(2, true) !== 0,
     frame: view.getUint32(4, true),
     wish: view.getUint32(8, true),
     width: view.getUint16(12, true),
     height: view.getUint16(14, true),
     ms: view.getFloat32(16, true),
+    spacing: view.getFloat32(20, true),
     blob: new Blob([new Uint8Array(buffer, headerBytes)], { type: isLossless ? "image/png" : "image/jpeg" }),
   };
 }
@@ -20,13 +21,13 @@ export function decode(picture) {
   return createImageBitmap(picture.blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
 }
 
-/** Draws a decoded picture; a coarse one is enlarged without smoothing. */
-export function drawPicture(canvas, bitmap, { spacing, width, height }) {
+/** Draws a decoded picture; one with fewer pixels is enlarged. */
+export function drawPicture(canvas, bitmap, { isThinned, spacing, width, height }) {
   const pen = canvas.getContext("2d", { alpha: false });
   pen.imageSmoothingEnabled = false;
-  // A coarse picture has one pixel for each spacing; the last column and row may reach beyond the canvas.
-  pen.drawImage(bitmap, 0, 0, bitmap.width * spacing * canvas.width / width,
-                bitmap.height * spacing * canvas.height / height);
+  // The last column and row of a thinned picture may reach beyond the canvas.
+  const [across, down] = isThinned ? [bitmap.width * spacing / width, bitmap.height * spacing / height] : [1, 1];
+  pen.drawImage(bitmap, 0, 0, across * canvas.width, down * canvas.height);
 }
 
 export function download(blob, name) {

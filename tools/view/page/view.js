@@ -4,7 +4,7 @@ import { make } from "./controls.js";
 import { at, difference, equal, merge, put } from "./patch.js";
 import { decode, drawPicture, readPicture } from "./pictures.js";
 import { Prober } from "./prober.js";
-import { clamp } from "./vectors.js";
+import { clamp, rounded } from "./vectors.js";
 
 const restMs = 150, largestSide = 4096;
 /** Opacity of a boundary around something else, as that of `rhoray render --context`. */
@@ -286,7 +286,7 @@ export class View {
     const annotations = { ...this.chosen("annotations"), ...this.document.annotations };
     if (Object.values(annotations).some(Boolean)) waiting.push("annotations are drawn");
     const rest = waiting.length && !this.isAtRest ? `; ${waiting.join(" and ")} at rest` : "";
-    if (spacing > 1) return `tracing, every ${spacing}${spacing === 2 ? "nd" : "th"} pixel is shown${rest}`;
+    if (spacing > 1) return `tracing; traced pixels are ${rounded(spacing, 2)} pixels apart${rest}`;
     return this.isAtRest ? "finished; the lossless picture follows" : `every pixel traced${rest}`;
   }
 
