@@ -249,12 +249,12 @@ void Painter::go_on(Client& client) {
                        .height = client.drawn->height,
                        .trace_ms = static_cast<float>(client.finished_ms)};
   if (!client.was_sent) {
+    client.was_sent = true;  // also if it fails: it is not tried for ever
     send(client, client.picture, header, still_quality);
-    client.was_sent = true;
   } else if (client.is_rest_over() && !client.was_sent_lossless) {
     header.codec = Codec::png;
-    send(client, client.picture, header, {});
     client.was_sent_lossless = true;
+    send(client, client.picture, header, {});
   } else if (client.is_rest_over()) {
     check(client);
   }

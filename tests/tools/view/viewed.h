@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdlib>
+#include <random>
+#include <string>
+
 #include "preprocess/pack_mesh.h"
 #include "render/document.h"
 #include "tests/agreement/pictures.h"
@@ -34,6 +38,27 @@ inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
   aim_camera(scene_spec, viewed.plan);
   viewed.command_of = [](const render::ResolvedScene& plan) { return concat("iso ", plan.scene.layers[0].isovalue); };
   return viewed;
+}
+
+/// The number of malformed messages that a test sends; RHORAY_VIEW_MESSAGES, for runs that take hours.
+inline int message_count(int usual) {
+  const char* const asked = std::getenv("RHORAY_VIEW_MESSAGES");
+  return asked == nullptr ? usual : std::stoi(asked);
+}
+
+/// A message with some letters changed, left out or repeated.
+inline std::string mutated(std::string text, std::mt19937_64& random) {
+  for (int change = static_cast<int>(random() % 4); change >= 0; --change) {
+    const std::size_t at = random() % text.size();
+    if (random() % 3 == 0)
+      text.erase(at, random() % 8);
+    else if (random() % 2 == 0)
+      text[at] = static_cast<char>(random() % 128);
+    else
+      text.insert(at, text.substr(random() % text.size(), random() % 20));
+    if (text.empty()) text = "{";
+  }
+  return text;
 }
 
 }  // namespace rhoray::tests

@@ -104,6 +104,31 @@ TEST(ChangedScene, refuses_what_no_client_may_choose) {
     expect_error(ErrorCode::invalid, "", [&] { changed_scene(viewed, document, patch); });
 }
 
+TEST(ChangedScene, of_random_changes_of_a_patch_is_resolved_or_refused) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const std::string document = document_to_change(viewed);
+  const std::string seeds[] = {
+      R"({"layers": {"0": {"isovalue": 0.5, "opacity": 0.5, "color": "#102030"}, "1": {"type": "slice", "axis": "x"}}})",
+      R"({"style": "fast", "accuracy": "exact", "clip": {"planes": [{"point": [0, 0, 0], "normal": [1, 0, 0]}]}})",
+      R"({"data": {"data": {"field": "x"}}, "layers": {"0": {"isovalue": "p50", "color_by": "x", "range": [0, 1]}}})",
+      R"({"effects": {"ambient_occlusion": {"samples": 4}}, "image": {"show": "cost", "antialias": 2}})"};
+  std::mt19937_64 random(20261127);
+  int resolved = 0;
+  for (int round = message_count(4000); round > 0; --round) {
+    const std::string wish = concat(R"({"n": 1, "size": [9, 9], "scene": )", mutated(seeds[random() % 4], random), "}");
+    try {
+      const auto message = std::get<Wish>(parse_client_message(wish));
+      const ChangedScene scene = changed_scene(viewed, document, message.patch);
+      with_wish(viewed, scene, message);
+      ++resolved;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid) << wish << "\n" << error.what();
+    }
+  }
+  EXPECT_GT(resolved, 20);
+}
+
 TEST(ChangedScene, keeps_what_a_patch_does_not_name) {
   const TemporaryFolder folder;
   const ViewedScene viewed = viewed_box(folder);

@@ -8,6 +8,7 @@
 
 #include "formats/base/error.h"
 #include "tests/support/expect_error.h"
+#include "tests/tools/view/viewed.h"
 
 namespace rhoray::tests {
 namespace {
@@ -83,20 +84,9 @@ TEST(ClientMessage, that_lies_is_refused_in_one_sentence) {
 
 TEST(ClientMessage, of_random_changes_is_read_or_refused) {
   std::mt19937_64 random(20261126);
-  const std::string seed = full;
   int read = 0;
-  for (int round = 0; round < 20000; ++round) {
-    std::string text = seed;
-    for (int change = static_cast<int>(random() % 4); change >= 0; --change) {
-      const std::size_t at = random() % text.size();
-      if (random() % 3 == 0)
-        text.erase(at, random() % 8);
-      else if (random() % 2 == 0)
-        text[at] = static_cast<char>(random());
-      else
-        text.insert(at, text.substr(random() % text.size(), random() % 20));
-      if (text.empty()) text = "{";
-    }
+  for (int round = message_count(20000); round > 0; --round) {
+    const std::string text = mutated(full, random);
     try {
       parse_client_message(text);
       ++read;
