@@ -11,13 +11,13 @@ const effects = { shadow_rays: "shadows", occlusion_rays: "ambient occlusion", e
 
 export const grouped = (n) => Number(n).toLocaleString("en");
 
-/** A sentence about the comparison of random pixels with exact arithmetic. */
+/** A sentence about the comparison of pixels with exact arithmetic. */
 export function checkSentence(check) {
-  if (!check) return "Random pixels are compared with exact arithmetic when the picture rests.";
+  if (!check) return "Pixels are compared with exact arithmetic when the picture rests.";
   if (check.why_not) return check.why_not;
   const within = Number.isFinite(check.kept_by_99)
     ? `, 99 % within ${rounded(check.kept_by_99, 1)} ${check.unit ?? ""}`.trimEnd() : "";
-  return `In ${grouped(check.pixels)} random pixels: ${grouped(check.missed)} missed, ` +
+  return `In ${grouped(check.pixels)} pixels, many of them at edges: ${grouped(check.missed)} missed, ` +
     `${grouped(check.false_hits)} false hits${within}`;
 }
 
