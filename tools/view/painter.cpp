@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 constexpr auto longest_picture = std::chrono::seconds(30);
-constexpr double motion_ms = 13;  ///< of a picture in motion: a wish waits for half of one and for its own
+constexpr double motion_ms = 13;               ///< of a picture in motion: a wish waits for half of one and for its own
 constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edges
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
