@@ -31,10 +31,10 @@ WebSocket.prototype.send = function(text) {
   if (n) eventAt.set(n, moved);
   return send.call(this, text);
 };
-const drawn = ({detail: {wish, spacing}}) => {
+const drawn = ({detail: {request, spacing}}) => {
   ++pictures;
   spacings.push(spacing);
-  for (const [n, time] of eventAt) if (n <= wish) {
+  for (const [n, time] of eventAt) if (n <= request) {
     if (!isOver) latencies.push(performance.now() - time);
     eventAt.delete(n);
   }

@@ -14,7 +14,7 @@ from selenium.webdriver.support.ui import Select
 
 from browser import RHORAY, BrowserTest, write_mesh, write_volume
 
-# Notes when each wish was sent and when its picture was drawn.
+# Notes when each request was sent and when its picture was drawn.
 WATCH = """
 window.sentAt = new Map(); window.latencies = []; window.drawnCount = 0;
 const send = WebSocket.prototype.send;
@@ -25,7 +25,7 @@ WebSocket.prototype.send = function(text) {
 };
 document.addEventListener("drawn", (event) => {
   ++drawnCount;
-  for (const [n, at] of sentAt) if (n <= event.detail.wish) {
+  for (const [n, at] of sentAt) if (n <= event.detail.request) {
     latencies.push(performance.now() - at);
     sentAt.delete(n);
   }
@@ -66,7 +66,7 @@ class PageTest(BrowserTest):
 
     def say_latencies(self, what):
         times = sorted(self.js("latencies"))
-        print(f"\n  {what}: {len(times)} wishes, {self.js('drawnCount')} pictures, p50 {statistics.median(times):.0f} ms, "
+        print(f"\n  {what}: {len(times)} requests, {self.js('drawnCount')} pictures, p50 {statistics.median(times):.0f} ms, "
               f"p95 {times[int(0.95 * (len(times) - 1))]:.0f} ms", end=" ", flush=True)
         self.assertGreater(len(times), 0)
 

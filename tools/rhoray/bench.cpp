@@ -174,7 +174,7 @@ Subcommand bench_subcommand() {
                                 {"effects", "cost of each effect, and Tables 4 and 1 of the paper"},
                                 {"memory", "memory beyond the mapped file"},
                                 {"open", "opening with and without checksums"},
-                                {"view", "the viewer: from a wish to its picture, while something is dragged"},
+                                {"view", "the viewer: from a request to its picture, while something is dragged"},
                                 {"pack", "packing, compared with reading and writing once"}}}},
       .options = all_options(
           {in_group("Input", {files_option("[TABLE] FILE",

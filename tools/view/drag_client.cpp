@@ -55,9 +55,9 @@ class DragClient::Implementation {
     read();
   }
 
-  DragFigures drag(double seconds, const WishAt& wish, double stall_s) {
+  DragFigures drag(double seconds, const RequestAt& request, double stall_s) {
     DragFigures figures;
-    std::map<std::uint32_t, Clock::time_point> open;  // wishes that no picture has shown
+    std::map<std::uint32_t, Clock::time_point> open;  // requests that no picture has shown
     const Clock::time_point begin = Clock::now();
     const auto elapsed = [&] { return 1e-3 * ms_between(begin, Clock::now()); };
     std::uint32_t first_after_stall = 0;
@@ -65,20 +65,20 @@ class DragClient::Implementation {
       const Clock::time_point now = Clock::now();
       figures.picture_bytes.push_back(static_cast<double>(bytes));
       figures.spacings.push_back(header.spacing);
-      if (stall_s > 0 && first_after_stall != 0 && header.wish < first_after_stall) ++figures.late_pictures;
-      while (!open.empty() && open.begin()->first <= header.wish) {
+      if (stall_s > 0 && first_after_stall != 0 && header.request < first_after_stall) ++figures.late_pictures;
+      while (!open.empty() && open.begin()->first <= header.request) {
         figures.latencies_ms.push_back(ms_between(open.begin()->second, now));
         open.erase(open.begin());
       }
     };
-    const auto send_wish = [&] {
+    const auto send_request = [&] {
       open.emplace(++number_, Clock::now());
-      send(concat(R"({"n": )", number_, ", ", wish(elapsed()), R"(, "moving": true})"));
+      send(concat(R"({"n": )", number_, ", ", request(elapsed()), R"(, "moving": true})"));
     };
-    each_frame([&] { return elapsed() < seconds; }, send_wish);
+    each_frame([&] { return elapsed() < seconds; }, send_request);
     if (stall_s > 0) {
       is_reading_ = false;
-      each_frame([&] { return elapsed() < seconds + stall_s; }, send_wish);
+      each_frame([&] { return elapsed() < seconds + stall_s; }, send_request);
       first_after_stall = number_;
       is_reading_ = true;
       read();
@@ -89,14 +89,14 @@ class DragClient::Implementation {
     return figures;
   }
 
-  Settled settle(const std::string& wish) {
+  Settled settle(const std::string& request) {
     Settled settled;
     const Clock::time_point begin = Clock::now();
     on_picture_ = [&](const PictureHeader& header, std::size_t) {
-      if (header.wish != number_ || header.spacing > 1) return;
+      if (header.request != number_ || header.spacing > 1) return;
       (header.codec == Codec::png ? settled.lossless_ms : settled.whole_ms) = ms_between(begin, Clock::now());
     };
-    send(concat(R"({"n": )", ++number_, ", ", wish, "}"));
+    send(concat(R"({"n": )", ++number_, ", ", request, "}"));
     run_until([&] { return settled.lossless_ms > 0; });
     on_picture_ = nullptr;
     return settled;
@@ -184,11 +184,11 @@ DragClient::DragClient(const std::string& url, std::uint16_t port)
     : implementation_(std::make_unique<Implementation>(url, port)) {}
 DragClient::~DragClient() = default;
 
-DragFigures DragClient::drag(double seconds, const WishAt& wish, double stall_s) {
-  return implementation_->drag(seconds, wish, stall_s);
+DragFigures DragClient::drag(double seconds, const RequestAt& request, double stall_s) {
+  return implementation_->drag(seconds, request, stall_s);
 }
-DragClient::Settled DragClient::settle(const std::string& wish) {
-  return implementation_->settle(wish);
+DragClient::Settled DragClient::settle(const std::string& request) {
+  return implementation_->settle(request);
 }
 
 }  // namespace rhoray::tools

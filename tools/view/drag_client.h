@@ -10,19 +10,19 @@ namespace rhoray::tools {
 
 /// What a drag looked like to a client.
 struct DragFigures {
-  std::vector<double> latencies_ms;  ///< of every wish: until a picture came that shows it or a newer one
+  std::vector<double> latencies_ms;  ///< of every request: until a picture came that shows it or a newer one
   std::vector<double> picture_bytes;
   std::vector<double> spacings;  ///< of the traced pixels of each picture
   double seconds = 0;
-  std::size_t late_pictures = 0;  ///< after a stall: came before the first picture that shows a wish after it
+  std::size_t late_pictures = 0;  ///< after a stall: came before the first picture that shows a request after it
 };
 
-/// A client that behaves as the page does: at most one wish for each frame of a display at 60 Hz, and
+/// A client that behaves as the page does: at most one request for each frame of a display at 60 Hz, and
 /// an acknowledgement for each picture. It does not decode pictures.
 class DragClient {
  public:
-  /// The part of a wish between its number and its end, as JSON members: "size": [..], ...
-  using WishAt = std::function<std::string(double second)>;
+  /// The part of a request between its number and its end, as JSON members: "size": [..], ...
+  using RequestAt = std::function<std::string(double second)>;
 
   /// Connects to a server (Server::url) and takes its hello. Refuses a server that does not let it in
   /// (ErrorCode::resource).
@@ -34,13 +34,13 @@ class DragClient {
 
   /// Drags for a time.
   /// @param stall_s  reads nothing for so long before it ends
-  DragFigures drag(double seconds, const WishAt& wish, double stall_s = 0);
+  DragFigures drag(double seconds, const RequestAt& request, double stall_s = 0);
 
   /// Times until the whole picture and until the lossless one came, in milliseconds.
   struct Settled {
     double whole_ms = 0, lossless_ms = 0;
   };
-  Settled settle(const std::string& wish);
+  Settled settle(const std::string& request);
 
  private:
   class Implementation;

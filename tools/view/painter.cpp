@@ -23,8 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
-constexpr auto longest_picture = std::chrono::seconds(30);
-constexpr double motion_ms = 13;               ///< of a picture in motion: a wish waits for half of one and for its own
+constexpr double motion_ms = 13;  ///< of a picture in motion: a request waits for half of one and for its own
 constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edges
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
@@ -41,11 +40,11 @@ std::string error_text(const std::string& what) {
 class MotionPixels {
  public:
   /// The size of a picture, of the same shape; at least a 16th of the width and height.
-  render::PictureSize size_for(const Wish& wish) const {
-    const double scale = std::clamp(std::sqrt(pixels_ / wish.width / wish.height), 1.0 / 16, 1.0);
-    if (scale > 0.9) return {wish.width, wish.height};
+  render::PictureSize size_for(const PictureRequest& request) const {
+    const double scale = std::clamp(std::sqrt(pixels_ / request.width / request.height), 1.0 / 16, 1.0);
+    if (scale > 0.9) return {request.width, request.height};
     const auto scaled = [&](int side) { return std::max(1, static_cast<int>(std::lround(scale * side))); };
-    return {scaled(wish.width), scaled(wish.height)};
+    return {scaled(request.width), scaled(request.height)};
   }
 
   void took(double ms, const render::PictureSize& size) {
@@ -65,8 +64,8 @@ struct Painter::Client {
   ClientSink sink;
 
   // Guarded by the painter's mutex.
-  std::optional<Wish> newest{};
-  bool is_new = false;  ///< the newest wish was not taken up
+  std::optional<PictureRequest> newest{};
+  bool is_new = false;  ///< the newest request was not taken up
   bool wants_to_keep = false;
   std::optional<Probe> probe{};
   bool has_left = false;
@@ -75,8 +74,8 @@ struct Painter::Client {
   // Of the painter's thread.
   std::optional<ChangedScene> scene{};  ///< with `patch`
   std::string patch{};
-  bool was_resolved_sent = false;  ///< of this scene
-  std::optional<Wish> drawn{};     ///< whose finished picture `picture` holds
+  bool was_resolved_sent = false;         ///< of this scene
+  std::optional<PictureRequest> drawn{};  ///< whose finished picture `picture` holds
   bool was_sent = false, was_sent_lossless = false, was_checked = false;
   Clock::time_point finished{};
   double finished_ms = 0;
@@ -92,10 +91,11 @@ struct Painter::Client {
   bool is_rest_over() const { return waits_at_rest() && Clock::now() >= finished + rest_before_lossless; }
 };
 
-Painter::Painter(ViewedScene viewed, unsigned threads)
+Painter::Painter(ViewedScene viewed, unsigned threads, std::chrono::milliseconds longest_picture)
     : viewed_(std::move(viewed)),
       document_(document_to_change(viewed_)),
       threads_(threads),
+      longest_picture_(longest_picture),
       thread_([this](const std::stop_token& stop) { run(stop); }),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
@@ -158,10 +158,10 @@ void Painter::take(ClientId id, const ClientMessage& message) {
   const auto found = std::find_if(clients_.begin(), clients_.end(), [&](const auto& each) { return each->id == id; });
   if (found == clients_.end()) return;
   Client& client = **found;
-  if (const auto* wish = std::get_if<Wish>(&message)) {
-    client.newest = *wish;
+  if (const auto* request = std::get_if<PictureRequest>(&message)) {
+    client.newest = *request;
     client.is_new = true;
-    if (running_ && running_->client == id && running_->was_first_sent) running_->source.request_stop();
+    if (running_ && running_->client == id && running_->may_be_ended) running_->source.request_stop();
   } else if (const auto* acknowledgement = std::get_if<Acknowledgement>(&message)) {
     // A client that claims what was never sent gains nothing.
     client.acknowledged = std::clamp(acknowledgement->frame, client.acknowledged, client.sent);
@@ -171,6 +171,11 @@ void Painter::take(ClientId id, const ClientMessage& message) {
     client.wants_to_keep = true;
   }
   changed_.notify_all();
+}
+
+bool Painter::may_send(const Client& client) {
+  const std::lock_guard lock(mutex_);
+  return has_room(client);
 }
 
 bool Painter::has_room(const Client& client) const {
@@ -215,7 +220,7 @@ void Painter::run(const std::stop_token& stop) {
 }
 
 void Painter::work_for(Client& client) {
-  std::optional<Wish> newest;
+  std::optional<PictureRequest> newest;
   std::optional<Probe> probe;
   bool wants_to_keep = false, may_send = false, is_new = false;
   {
@@ -244,7 +249,7 @@ void Painter::work_for(Client& client) {
 
 /// Sends the picture that was drawn, then the lossless one, then checks it.
 void Painter::go_on(Client& client) {
-  PictureHeader header{.wish = client.drawn->number,
+  PictureHeader header{.request = client.drawn->number,
                        .width = client.drawn->width,
                        .height = client.drawn->height,
                        .trace_ms = static_cast<float>(client.finished_ms)};
@@ -260,109 +265,110 @@ void Painter::go_on(Client& client) {
   }
 }
 
-/// Resolves the scene of a wish, unless it was the last one's.
-void Painter::show_changes(Client& client, const Wish& wish) {
-  if (client.scene && client.patch == wish.patch) return;
-  client.scene = changed_scene(viewed_, document_, wish.patch);
-  client.patch = wish.patch;
+/// Resolves the scene of a request, unless it was the last one's.
+void Painter::show_changes(Client& client, const PictureRequest& request) {
+  if (client.scene && client.patch == request.patch) return;
+  client.scene = changed_scene(viewed_, document_, request.patch);
+  client.patch = request.patch;
   client.was_resolved_sent = false;
 }
 
-void Painter::paint(Client& client, const Wish& wish) {
+void Painter::paint(Client& client, const PictureRequest& request) {
   const Clock::time_point begin = Clock::now();
   client.drawn.reset();
   client.was_sent = client.was_sent_lossless = client.was_checked = false;
-  show_changes(client, wish);
-  if (wish.is_moving)
-    paint_moving(client, wish, begin);
+  show_changes(client, request);
+  if (request.is_moving)
+    paint_moving(client, request, begin);
   else
-    paint_at_rest(client, wish, begin);
+    paint_at_rest(client, request, begin);
 }
 
 /// A picture with as many pixels as there is time for.
-void Painter::paint_moving(Client& client, const Wish& wish, Clock::time_point begin) {
-  Wish smaller = wish;
-  const render::PictureSize size = client.motion.size_for(wish);
+void Painter::paint_moving(Client& client, const PictureRequest& request, Clock::time_point begin) {
+  PictureRequest smaller = request;
+  const render::PictureSize size = client.motion.size_for(request);
   smaller.width = size.width, smaller.height = size.height;
-  render::ResolvedScene plan = with_wish(viewed_, *client.scene, smaller);
+  render::ResolvedScene plan = with_request(viewed_, *client.scene, smaller);
   render::Framebuffer& picture = client.moving_picture;
   if (!trace(client, plan, {.first_spacing = 1}, begin, picture)) return;
   if (plan.page) draw_heat_map(*plan.page, picture);
   const double traced_ms = ms_since(begin);
   send(client, picture,
-       {.wish = wish.number,
-        .width = wish.width,
-        .height = wish.height,
+       {.request = request.number,
+        .width = request.width,
+        .height = request.height,
         .trace_ms = static_cast<float>(traced_ms),
-        .spacing = static_cast<float>(wish.width) / static_cast<float>(size.width)},
+        .spacing = static_cast<float>(request.width) / static_cast<float>(size.width)},
        moving_quality);
   client.motion.took(ms_since(begin), size);
 }
 
 /// The picture of `rhoray render`, refined in passes.
-void Painter::paint_at_rest(Client& client, const Wish& wish, Clock::time_point begin) {
-  if (!std::exchange(client.was_resolved_sent, true)) client.sink.send_text(resolved_text(*client.scene, wish.number));
-  client.plan = with_wish(viewed_, *client.scene, wish);
+void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock::time_point begin) {
+  if (!std::exchange(client.was_resolved_sent, true))
+    client.sink.send_text(resolved_text(*client.scene, request.number));
+  client.plan = with_request(viewed_, *client.scene, request);
   render::ResolvedScene& plan = client.plan;
   if (plan.page) plan.frame.channels |= channel_of(*plan.page);
   plan.frame.channels |= channels_of_annotations(plan);
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
   // After a motion the page shows this view already, though with fewer pixels.
   const double worst_spacing = begin < client.sent_at + rest_before_lossless ? client.sent_spacing : 16;
-  const int across = client.motion.size_for(wish).width;
+  const int across = client.motion.size_for(request).width;
   int first_spacing = 1;
-  while (first_spacing < 16 && first_spacing * across < wish.width) first_spacing *= 2;
+  while (first_spacing < 16 && first_spacing * across < request.width) first_spacing *= 2;
   Interval<double> heat;
+  bool is_sent = false, has_all_passes = false;
+  const auto send_pass = [&](int spacing) {
+    send(client, client.picture,
+         {.is_thinned = true,
+          .request = request.number,
+          .width = request.width,
+          .height = request.height,
+          .trace_ms = static_cast<float>(ms_since(begin)),
+          .spacing = static_cast<float>(spacing)},
+         moving_quality);
+    is_sent = true;
+  };
   const auto pass_done = [&](int spacing) {
-    bool is_current = false, may_send = false;
-    {
-      const std::lock_guard lock(mutex_);
-      if (running_) running_->was_first_sent = true;  // from now on a newer wish ends this one
-      is_current = !client.is_new && !client.has_left;
-      may_send = has_room(client);
-    }
+    has_all_passes = spacing == 1;
     if (plan.page) heat = draw_heat_map(*plan.page, client.picture);
-    if (spacing > 1 && spacing <= worst_spacing && may_send)
-      send(client, client.picture,
-           {.is_thinned = true,
-            .wish = wish.number,
-            .width = wish.width,
-            .height = wish.height,
-            .trace_ms = static_cast<float>(ms_since(begin)),
-            .spacing = static_cast<float>(spacing)},
-           moving_quality);
-    return is_current || spacing == 1;
+    if (spacing > 1 && spacing <= worst_spacing && may_send(client)) send_pass(spacing);
+    const std::lock_guard lock(mutex_);
+    if (running_) running_->may_be_ended = is_sent || has_all_passes;
+    const bool is_current = !client.is_new && !client.has_left;
+    return is_current || !is_sent || has_all_passes;
   };
   const auto statistics =
       trace(client, plan, {.first_spacing = first_spacing, .pass_done = pass_done}, begin, client.picture);
-  if (!statistics) return;
+  if (!statistics) {  // ended; edges may not be smooth
+    if (has_all_passes && !is_sent && may_send(client)) send_pass(1);
+    return;
+  }
   draw_annotations(plan, heat, client.picture);
-  client.drawn = wish;
+  client.drawn = request;
   client.finished = Clock::now();
   client.finished_ms = ms_since(begin);
-  bool may_send = false;
-  {
-    const std::lock_guard lock(mutex_);
-    may_send = has_room(client);
-  }
-  if (may_send) go_on(client);
+  if (may_send(client)) go_on(client);
   send_finished(client, *statistics);
 }
 
-/// Traces a picture, in passes. Nothing if it was ended before it was whole. Refuses a picture that
+/// Traces a picture, in passes. Nothing if it was ended before it was finished. Refuses a picture that
 /// takes too long (ErrorCode::resource).
 std::optional<render::FrameStatistics> Painter::trace(Client& client, render::ResolvedScene& plan,
                                                       render::Refinement refinement, Clock::time_point begin,
                                                       render::Framebuffer& picture) {
   plan.frame.threads = threads_;
-  bool is_whole = false;
+  const Clock::time_point deadline = begin + longest_picture_;
   std::stop_source source;
   {
     const std::lock_guard lock(mutex_);
     if (client.has_left || thread_.get_stop_token().stop_requested()) return std::nullopt;
-    running_ = Running{client.id, begin + longest_picture, source};
+    running_ = Running{client.id, deadline, source};
   }
   changed_.notify_all();
+  bool is_whole = false;
   refinement.stop = source.get_token();
   refinement.pass_done = [&is_whole, then = std::move(refinement.pass_done)](int spacing) {
     is_whole = spacing == 1;
@@ -380,10 +386,11 @@ std::optional<render::FrameStatistics> Painter::trace(Client& client, render::Re
     throw;
   }
   end();
-  if (Clock::now() >= begin + longest_picture && source.stop_requested())
-    throw Error(ErrorCode::resource, concat("the picture takes more than ", longest_picture.count(),
-                                            " s; choose fewer samples or a smaller window"));
-  if (!is_whole) return std::nullopt;
+  if (source.stop_requested() && Clock::now() >= deadline)
+    throw Error(ErrorCode::resource,
+                concat("the picture takes more than ", 1e-3 * static_cast<double>(longest_picture_.count()),
+                       " s; choose fewer samples or a smaller window"));
+  if (!is_whole || source.stop_requested()) return std::nullopt;
   return statistics;
 }
 
@@ -408,7 +415,7 @@ void Painter::send_finished(Client& client, const render::FrameStatistics& stati
                                     {"statistics", statistics_json(statistics)}}}}));
 }
 
-/// Compares random pixels of the picture with exact arithmetic.
+/// Compares random pixels of the picture, and pixels at edges, with exact arithmetic.
 void Painter::check(Client& client) {
   client.was_checked = true;
   Json json{{"n", client.drawn->number}};
@@ -429,18 +436,18 @@ void Painter::check(Client& client) {
   client.sink.send_text(dump(Json{{"check", json}}));
 }
 
-void Painter::answer(Client& client, const Wish& wish, const Probe& probe) {
-  show_changes(client, wish);
-  client.sink.send_text(probe_text(with_wish(viewed_, *client.scene, wish), probe));
+void Painter::answer(Client& client, const PictureRequest& request, const Probe& probe) {
+  show_changes(client, request);
+  client.sink.send_text(probe_text(with_request(viewed_, *client.scene, request), probe));
 }
 
-void Painter::keep(Client& client, const Wish& wish) {
+void Painter::keep(Client& client, const PictureRequest& request) {
   Json json;
   try {
-    show_changes(client, wish);
-    Wish still = wish;
+    show_changes(client, request);
+    PictureRequest still = request;
     still.is_moving = false;
-    const render::ResolvedScene plan = with_wish(viewed_, *client.scene, still);
+    const render::ResolvedScene plan = with_request(viewed_, *client.scene, still);
     json = {{"command", viewed_.command_of(plan)}, {"document", Json::parse(scene_text(to_spec(plan)))}};
   } catch (const std::exception& error) {
     json = {{"error", error.what()}};

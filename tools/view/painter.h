@@ -23,19 +23,20 @@ struct ClientSink {
   std::function<void(std::string)> send_text;
 };
 
-/// Draws what clients wish, on one thread that uses all cores. Clients take turns.
+/// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
 ///
-/// The newest wish of a client wins: an older one that is being drawn ends after its first pass was
-/// sent. In motion a picture has as many pixels as can be traced in 13 ms. No client has more than two
-/// pictures that it has not acknowledged. When it stops moving, the picture is refined to that of
-/// `rhoray render`, and is sent a second time without loss. In idle time random pixels of it are
-/// compared with exact arithmetic. A picture takes 30 s at most.
+/// The newest request of a client wins. It ends an older one that is being traced, but not before a
+/// picture of the older one was sent. In motion a picture has as many pixels as can be traced and
+/// encoded in 13 ms. No client has more than two pictures that it has not acknowledged. When it stops
+/// moving, the picture is refined to that of `rhoray render`, and is sent a second time without loss.
+/// In idle time random pixels of it are compared with exact arithmetic.
 class Painter {
  public:
   using ClientId = std::uint64_t;
 
-  /// @param threads  0 = all cores
-  Painter(ViewedScene viewed, unsigned threads);
+  /// @param threads          0 = all cores
+  /// @param longest_picture  a picture that takes longer is ended, and the client told so
+  Painter(ViewedScene viewed, unsigned threads, std::chrono::milliseconds longest_picture = std::chrono::seconds(30));
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
   ~Painter();
@@ -57,31 +58,33 @@ class Painter {
   std::shared_ptr<Client> next_with_work();
   void work_for(Client& client);
   void go_on(Client& client);
-  void paint(Client& client, const Wish& wish);
-  void paint_moving(Client& client, const Wish& wish, Clock::time_point begin);
-  void paint_at_rest(Client& client, const Wish& wish, Clock::time_point begin);
+  void paint(Client& client, const PictureRequest& request);
+  void paint_moving(Client& client, const PictureRequest& request, Clock::time_point begin);
+  void paint_at_rest(Client& client, const PictureRequest& request, Clock::time_point begin);
   std::optional<render::FrameStatistics> trace(Client& client, render::ResolvedScene& plan,
                                                render::Refinement refinement, Clock::time_point begin,
                                                render::Framebuffer& picture);
-  void show_changes(Client& client, const Wish& wish);
-  bool has_room(const Client& client) const;
+  void show_changes(Client& client, const PictureRequest& request);
+  bool may_send(const Client& client);
+  bool has_room(const Client& client) const;  ///< with the mutex held
   void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality);
   void send_finished(Client& client, const render::FrameStatistics& statistics);
   void check(Client& client);
-  void answer(Client& client, const Wish& wish, const Probe& probe);
-  void keep(Client& client, const Wish& wish);
+  void answer(Client& client, const PictureRequest& request, const Probe& probe);
+  void keep(Client& client, const PictureRequest& request);
 
   /// The picture that is being traced.
   struct Running {
     ClientId client = 0;
     Clock::time_point deadline;
     std::stop_source source;
-    bool was_first_sent = false;  ///< the first pass: from now on a newer wish ends the picture
+    bool may_be_ended = false;  ///< by a newer request
   };
 
   const ViewedScene viewed_;
   const std::string document_;
   const unsigned threads_;
+  const std::chrono::milliseconds longest_picture_;
   std::mutex mutex_;  ///< of the clients, but for what only the painter's thread uses
   std::condition_variable_any changed_;
   std::vector<std::shared_ptr<Client>> clients_;

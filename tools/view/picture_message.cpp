@@ -32,7 +32,7 @@ std::vector<std::byte> started(const PictureHeader& header) {
   append(static_cast<std::uint8_t>(header.codec), bytes);
   append(static_cast<std::uint16_t>(header.is_thinned), bytes);
   append(header.frame, bytes);
-  append(header.wish, bytes);
+  append(header.request, bytes);
   append(static_cast<std::uint16_t>(header.width), bytes);
   append(static_cast<std::uint16_t>(header.height), bytes);
   append(header.trace_ms, bytes);
@@ -96,7 +96,7 @@ PictureHeader read_picture_header(std::span<const std::byte> message) {
   header.codec = static_cast<Codec>(read(1, std::uint8_t{}));
   header.is_thinned = read(2, std::uint16_t{}) != 0;
   header.frame = read(4, std::uint32_t{});
-  header.wish = read(8, std::uint32_t{});
+  header.request = read(8, std::uint32_t{});
   header.width = read(12, std::uint16_t{});
   header.height = read(14, std::uint16_t{});
   header.trace_ms = read(16, float{});

@@ -16,9 +16,9 @@ struct PictureHeader {
   Codec codec = Codec::jpeg;
   bool is_thinned = false;    ///< the picture has every s-th pixel of every s-th row, s the spacing
   std::uint32_t frame = 0;    ///< counts up; the client acknowledges it
-  std::uint32_t wish = 0;     ///< number of the wish that is shown
+  std::uint32_t request = 0;  ///< number of the request that is shown
   int width = 0, height = 0;  ///< that the picture is to fill, in pixels
-  float trace_ms = 0;         ///< since the wish was taken up
+  float trace_ms = 0;         ///< since the request was taken up
   float spacing = 1;          ///< of the traced pixels, in pixels that are to be filled
 };
 inline constexpr std::size_t picture_header_bytes = 24;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <map>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -47,15 +46,16 @@ void number_layers(Json& document) {
   document["layers"] = std::move(layers);
 }
 
+/// The reverse. Refuses layers whose numbers are not 0, 1, 2 and so on.
 void list_layers(Json& document) {
-  std::map<unsigned long, Json> by_number;
-  for (auto& [key, layer] : document["layers"].items()) {
-    const bool is_number = !key.empty() && key.size() < 6 && key.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_number) refuse(concat("layer '", key, "': expected a number"));
-    by_number[std::stoul(key)] = std::move(layer);
+  Json& by_number = document["layers"];
+  Json layers = Json::array();
+  for (std::size_t i = 0; i < by_number.size(); ++i) {
+    const auto layer = by_number.find(concat(i));
+    if (layer == by_number.end()) refuse(concat("\"layers\": there is no layer ", i, " of ", by_number.size()));
+    layers.push_back(std::move(*layer));
   }
-  document["layers"] = Json::array();
-  for (auto& [number, layer] : by_number) document["layers"].push_back(std::move(layer));
+  by_number = std::move(layers);
 }
 
 void require_allowed(const Json& patch, const Json& document) {
@@ -88,7 +88,7 @@ int most_samples(const render::SceneSpec& scene_spec) {
 
 // ---- probing ----
 
-/// The camera whose only ray is that of a pixel.
+/// The camera of a picture of one pixel, whose ray is that of a pixel of the plan's picture.
 render::Camera camera_of_pixel(const render::ResolvedScene& plan, const Probe& probe) {
   const render::PictureSize size{plan.frame.width, plan.frame.height};
   const std::vector<std::uint32_t> pixels{static_cast<std::uint32_t>(probe.y) * static_cast<std::uint32_t>(size.width) +
@@ -97,7 +97,7 @@ render::Camera camera_of_pixel(const render::ResolvedScene& plan, const Probe& p
   render::Camera camera = plan.scene.camera;
   const render::Ray ray = pixel_rays(dataset, camera, size, pixels).front();
   const Affine& world_from_ray = world_from_ray_frame(dataset);
-  // As far away as the target was: a near target would round the direction where coordinates are large.
+  // The target keeps its distance: a nearer one would round the direction where coordinates are large.
   const double distance = (camera.target - camera.position).length();
   const Vec3 eye = world_from_ray.point(ray.origin);
   if (camera.orthographic) camera.position = eye;
@@ -158,13 +158,14 @@ ChangedScene changed_scene(const ViewedScene& viewed, const std::string& documen
   return scene;
 }
 
-render::ResolvedScene with_wish(const ViewedScene& viewed, const ChangedScene& scene, const Wish& wish) {
+render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene& scene,
+                                   const PictureRequest& request) {
   render::ResolvedScene plan = scene.plan;
-  plan.frame.width = wish.width, plan.frame.height = wish.height;
-  if (wish.is_moving) plan.frame.antialiasing = 1, plan.annotations = {};
+  plan.frame.width = request.width, plan.frame.height = request.height;
+  if (request.is_moving) plan.frame.antialiasing = 1, plan.annotations = {};
   render::SceneSpec scene_spec = scene.scene_spec;
-  scene_spec.image.size = render::PictureSize{wish.width, wish.height};
-  const render::Camera camera = wish.camera.value_or(viewed.plan.scene.camera);
+  scene_spec.image.size = render::PictureSize{request.width, request.height};
+  const render::Camera camera = request.camera.value_or(viewed.plan.scene.camera);
   scene_spec.camera = {.position = camera.position, .target = camera.target, .up = camera.up};
   if (camera.orthographic)
     scene_spec.camera.orthographic_height = camera.orthographic_height;
@@ -198,7 +199,7 @@ std::string hello_text(const ViewedScene& viewed, const std::string& document) {
   for (std::size_t i = 0; i < viewed.plan.datasets.size(); ++i) {
     const render::Dataset& dataset = viewed.plan.datasets[i];
     const std::string name = viewed.plan.data[i].name.empty() ? "data" : viewed.plan.data[i].name;
-    if (data.contains(name)) continue;  // the boundary of a mesh that stands before it
+    if (data.contains(name)) continue;  // a boundary, listed as its mesh
     const char* kind = dataset.is_surface() ? "surface" : dataset.is_mesh() ? "mesh" : "grid";
     data[name] = {{"kind", kind}, {"fields", dataset.field_names()}, {"colors", dataset.color_names()}};
   }
@@ -226,7 +227,7 @@ std::string hello_text(const ViewedScene& viewed, const std::string& document) {
                        {"keep", {render::keep_inside, render::keep_outside}}}}}}});
 }
 
-std::string resolved_text(const ChangedScene& scene, std::uint32_t wish) {
+std::string resolved_text(const ChangedScene& scene, std::uint32_t request) {
   const render::ResolvedScene& plan = scene.plan;
   render::SceneSpec scene_spec = to_spec(plan);
   if (!scene_spec.lights) scene_spec.lights = render::lights_of_style(scene_spec.style);
@@ -252,7 +253,7 @@ std::string resolved_text(const ChangedScene& scene, std::uint32_t wish) {
                            : Json());
   }
   return dump(Json{{"resolved",
-                    {{"n", wish},
+                    {{"n", request},
                      {"document", document},
                      {"origins", origins},
                      {"fields", fields},

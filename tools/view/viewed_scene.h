@@ -6,11 +6,11 @@
 
 #include "formats/base/json.h"
 #include "render/document.h"
-#include "tools/view/wish.h"
+#include "tools/view/client_message.h"
 
 namespace rhoray::tools {
 
-/// The scene that a server shows, and what only the program that opened it can do.
+/// The scene that a server shows, and functions of the program that opened it.
 struct ViewedScene {
   std::string title;             ///< for the page
   std::string program;           ///< "rhoray 0.1.0"
@@ -28,8 +28,8 @@ struct ChangedScene {
   render::ResolvedScene plan;  ///< without a camera of its own
 };
 
-/// The scene that clients change, as a document (PROTOCOL.md). It says every choice about layers but
-/// what they take from the style, so that another style changes it.
+/// The scene that clients change, as a document (PROTOCOL.md). It contains every choice about layers
+/// except those that the style makes, so that another style can change them.
 std::string document_to_change(const ViewedScene& viewed);
 
 /// The scene after a client's changes. Refuses what a document refuses, keys that are not known, and
@@ -39,13 +39,13 @@ std::string document_to_change(const ViewedScene& viewed);
 /// @param patch     JSON Merge Patch (RFC 7386) of it, an object; empty: nothing is changed
 ChangedScene changed_scene(const ViewedScene& viewed, const std::string& document, const std::string& patch);
 
-/// The scene with a wish's camera and size; lights follow the camera. While moving there are no
+/// The scene with a request's camera and size; lights follow the camera. While moving there are no
 /// annotations and no antialiasing.
-render::ResolvedScene with_wish(const ViewedScene& viewed, const ChangedScene& scene, const Wish& wish);
+render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request);
 
-/// What a pixel of a wish's picture shows, by one ray at the level `certified` where layers have it
+/// What a pixel of a request's picture shows, by one ray at the level `certified` where layers have it
 /// (tools/analysis/pick.h). Refuses a pixel outside the picture (ErrorCode::invalid).
-/// @param plan  the scene with the wish
+/// @param plan  the scene with the request
 std::string probe_text(render::ResolvedScene plan, const Probe& probe);
 
 /// A camera in messages.
@@ -53,6 +53,6 @@ Json json_of_camera(const render::Camera& camera);
 
 // Messages to a client, as JSON (PROTOCOL.md).
 std::string hello_text(const ViewedScene& viewed, const std::string& document);
-std::string resolved_text(const ChangedScene& scene, std::uint32_t wish);
+std::string resolved_text(const ChangedScene& scene, std::uint32_t request);
 
 }  // namespace rhoray::tools

@@ -17,7 +17,7 @@ namespace {
 
 using namespace tools;
 
-const DragClient::WishAt small = [](double) { return std::string(R"("size": [40, 30])"); };
+const DragClient::RequestAt small = [](double) { return std::string(R"("size": [40, 30])"); };
 
 class DragClientTest : public testing::Test {
  protected:
@@ -30,7 +30,7 @@ TEST_F(DragClientTest, sees_a_picture_for_every_wish) {
   DragClient client(server_.url(), server_.port());
   const DragFigures figures = client.drag(0.5, small);
   EXPECT_FALSE(figures.latencies_ms.empty());
-  EXPECT_LE(figures.latencies_ms.size(), 32U) << "60 wishes a second at most";
+  EXPECT_LE(figures.latencies_ms.size(), 32U) << "60 requests a second at most";
   EXPECT_EQ(figures.picture_bytes.size(), figures.spacings.size());
   EXPECT_THAT(figures.picture_bytes, testing::Each(testing::Gt(24)));
   const DragClient::Settled settled = client.settle(small(0));

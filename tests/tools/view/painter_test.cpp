@@ -54,10 +54,20 @@ class Inbox {
   std::vector<std::string> texts_;
 };
 
+/// Waits for the message with this key, and with this id if it is given.
+Json message(Inbox& inbox, const char* key, std::optional<std::uint32_t> id = {}) {
+  for (std::size_t count = 1;; ++count) {
+    const auto texts = inbox.texts(count);
+    if (texts.size() < count) return {};
+    if (Json json = Json::parse(texts[count - 1]); json.contains(key) && (!id || json[key]["id"] == *id))
+      return json[key];
+  }
+}
+
 /// The picture of `render`, as a PNG.
-std::vector<std::byte> rendered(const ViewedScene& viewed, const Wish& wish) {
+std::vector<std::byte> rendered(const ViewedScene& viewed, const PictureRequest& request) {
   const render::ResolvedScene plan =
-      with_wish(viewed, changed_scene(viewed, document_to_change(viewed), wish.patch), wish);
+      with_request(viewed, changed_scene(viewed, document_to_change(viewed), request.patch), request);
   render::Framebuffer picture;
   render::FrameOptions frame = plan.frame;
   frame.channels |= channels_of_annotations(plan);
@@ -85,21 +95,21 @@ TEST_P(FinishedPicture, is_that_of_render_without_loss) {
   Inbox inbox;
   Painter painter(viewed, 2);
   const Painter::ClientId client = painter.add(inbox.sink());
-  const Wish wish{.number = 3, .patch = GetParam().patch, .width = 90, .height = 70};
-  painter.take(client, wish);
+  const PictureRequest request{.number = 3, .patch = GetParam().patch, .width = 90, .height = 70};
+  painter.take(client, request);
   std::size_t seen = 0;
   for (;;) {  // acknowledges everything until the lossless one is here
     const auto pictures = inbox.pictures(seen + 1);
     ASSERT_GT(pictures.size(), seen) << "nothing more came";
     const PictureHeader header = read_picture_header(pictures[seen++]);
-    EXPECT_EQ(header.wish, 3U);
+    EXPECT_EQ(header.request, 3U);
     EXPECT_EQ(header.frame, seen);
     EXPECT_EQ(header.width, 90);
     EXPECT_EQ(header.height, 70);
     painter.take(client, Acknowledgement{header.frame});
     if (header.codec != Codec::png) continue;
     const std::vector<std::byte> png(pictures[seen - 1].begin() + picture_header_bytes, pictures[seen - 1].end());
-    EXPECT_EQ(png, rendered(viewed, wish));
+    EXPECT_EQ(png, rendered(viewed, request));
     break;
   }
 }
@@ -117,17 +127,17 @@ TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then
   Painter painter(viewed_box(folder), 2);
   const Painter::ClientId client = painter.add(inbox.sink());
   for (std::uint32_t n = 1; n <= 200; ++n) {
-    painter.take(client, Wish{.number = n, .width = 60, .height = 50, .is_moving = true});
+    painter.take(client, PictureRequest{.number = n, .width = 60, .height = 50, .is_moving = true});
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_EQ(inbox.pictures(2).size(), 2U);
   painter.take(client, Acknowledgement{2});
   const auto after = inbox.pictures(3);
   ASSERT_GE(after.size(), 3U);
-  EXPECT_EQ(read_picture_header(after[2]).wish, 200U);
+  EXPECT_EQ(read_picture_header(after[2]).request, 200U);
   // An acknowledgement of what was never sent makes no room for more.
   painter.take(client, Acknowledgement{4000000000U});
-  painter.take(client, Wish{.number = 201, .width = 60, .height = 50, .is_moving = true});
+  painter.take(client, PictureRequest{.number = 201, .width = 60, .height = 50, .is_moving = true});
   EXPECT_GE(inbox.pictures(4).size(), 4U);
 }
 
@@ -136,15 +146,80 @@ TEST(Painter, sends_the_lossless_picture_if_the_client_has_room_for_it_before_it
   Inbox inbox;
   Painter painter(viewed_box(folder), 2);
   const Painter::ClientId client = painter.add(inbox.sink());
-  painter.take(client, Wish{.number = 1, .width = 60, .height = 50, .is_moving = true});
+  painter.take(client, PictureRequest{.number = 1, .width = 60, .height = 50, .is_moving = true});
   inbox.pictures(1);
-  painter.take(client, Wish{.number = 2, .width = 60, .height = 50});
+  painter.take(client, PictureRequest{.number = 2, .width = 60, .height = 50});
   inbox.pictures(2);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the painter waits for room
   painter.take(client, Acknowledgement{2});
   const auto pictures = inbox.pictures(3);
   ASSERT_EQ(pictures.size(), 3U);
   EXPECT_EQ(read_picture_header(pictures[2]).codec, Codec::png);
+}
+
+TEST(Painter, sends_nothing_more_for_a_probe_while_two_pictures_are_not_acknowledged) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 2);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  painter.take(client, PictureRequest{.number = 1, .width = 60, .height = 50, .is_moving = true});
+  inbox.pictures(1);
+  painter.take(client, PictureRequest{.number = 2, .width = 60, .height = 50});
+  inbox.pictures(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(350));  // now the lossless picture waits for room
+  for (std::uint32_t id = 1; id <= 3; ++id) {
+    painter.take(client, Probe{.id = id, .x = 30, .y = 25});
+    EXPECT_FALSE(message(inbox, "probe", id).is_null());
+  }
+  painter.take(client, KeepRequest{});
+  EXPECT_FALSE(message(inbox, "keep").is_null());
+  EXPECT_EQ(inbox.pictures(0).size(), 2U);
+}
+
+TEST(Painter, sends_pictures_to_a_client_that_always_requests_another_picture_at_rest) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 2);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  const std::jthread flood([&](const std::stop_token& stop) {
+    for (std::uint32_t n = 1; !stop.stop_requested(); ++n) {
+      painter.take(client, PictureRequest{.number = n, .width = 440, .height = 440});  // one pass, then edges
+      painter.take(client, Acknowledgement{n});
+    }
+  });
+  EXPECT_GE(inbox.pictures(5).size(), 5U);
+}
+
+/// A picture that takes many seconds.
+PictureRequest heavy(std::uint32_t number) {
+  return {.number = number,
+          .patch = R"({"effects": {"ambient_occlusion": {"samples": 64}}, "image": {"antialias": 64}})",
+          .width = 4000,
+          .height = 4000};
+}
+
+TEST(Painter, ends_a_picture_that_takes_too_long_and_says_so) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 1, std::chrono::milliseconds(100));
+  const Painter::ClientId client = painter.add(inbox.sink());
+  painter.take(client, heavy(1));
+  EXPECT_EQ(message(inbox, "error"), "the picture takes more than 0.1 s; choose fewer samples or a smaller window");
+  painter.take(client, PictureRequest{.number = 2, .width = 6, .height = 5, .is_moving = true});
+  EXPECT_EQ(read_picture_header(inbox.pictures(1).back()).request, 2U);
+}
+
+TEST(Painter, ends_the_first_pass_of_a_client_that_leaves) {
+  const TemporaryFolder folder;
+  Inbox heavy_inbox, inbox;
+  Painter painter(viewed_box(folder), 1);
+  const Painter::ClientId of_heavy = painter.add(heavy_inbox.sink()), client = painter.add(inbox.sink());
+  painter.take(of_heavy, heavy(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  painter.remove(of_heavy);
+  painter.take(client, PictureRequest{.number = 2, .width = 6, .height = 5, .is_moving = true});
+  EXPECT_EQ(inbox.pictures(1).size(), 1U);
+  EXPECT_EQ(heavy_inbox.pictures(0).size(), 0U);
 }
 
 TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledges) {
@@ -155,13 +230,13 @@ TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledg
                           of_flooding = painter.add(flooding.sink());
   const std::jthread flood([&](const std::stop_token& stop) {
     for (std::uint32_t n = 1; !stop.stop_requested(); ++n) {
-      painter.take(of_flooding, Wish{.number = n, .width = 300, .height = 300, .is_moving = true});
+      painter.take(of_flooding, PictureRequest{.number = n, .width = 300, .height = 300, .is_moving = true});
       painter.take(of_flooding, Acknowledgement{n});
     }
   });
-  painter.take(of_silent, Wish{.number = 1, .width = 300, .height = 300});
+  painter.take(of_silent, PictureRequest{.number = 1, .width = 300, .height = 300});
   for (std::uint32_t n = 1; n <= 10; ++n) {
-    painter.take(of_good, Wish{.number = n, .width = 60, .height = 50, .is_moving = true});
+    painter.take(of_good, PictureRequest{.number = n, .width = 60, .height = 50, .is_moving = true});
     const auto pictures = good.pictures(n);
     ASSERT_GE(pictures.size(), n) << "the good client waits for picture " << n;
     painter.take(of_good, Acknowledgement{read_picture_header(pictures.back()).frame});
@@ -170,22 +245,14 @@ TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledg
   painter.remove(of_silent);
 }
 
-/// Waits for the message with this key, among those about the picture.
-Json message(Inbox& inbox, const char* key) {
-  for (std::size_t count = 1;; ++count) {
-    const auto texts = inbox.texts(count);
-    if (texts.size() < count) return {};
-    if (Json json = Json::parse(texts[count - 1]); json.contains(key)) return json[key];
-  }
-}
-
 TEST(Painter, tells_the_command_and_the_document_of_the_newest_wish) {
   const TemporaryFolder folder;
   Inbox inbox;
   Painter painter(viewed_box(folder), 1);
   const Painter::ClientId client = painter.add(inbox.sink());
-  painter.take(client,
-               Wish{.number = 1, .patch = R"({"layers": {"0": {"isovalue": 0.25}}})", .width = 30, .height = 20});
+  painter.take(
+      client,
+      PictureRequest{.number = 1, .patch = R"({"layers": {"0": {"isovalue": 0.25}}})", .width = 30, .height = 20});
   painter.take(client, KeepRequest{});
   const Json keep = message(inbox, "keep");
   EXPECT_EQ(keep["command"], "iso 0.25");
@@ -198,7 +265,7 @@ TEST(Painter, says_what_was_resolved_what_it_cost_and_what_exact_arithmetic_find
   Inbox inbox;
   Painter painter(viewed_box(folder), 1);
   const Painter::ClientId client = painter.add(inbox.sink());
-  painter.take(client, Wish{.number = 5, .patch = R"({"style": "fast"})", .width = 60, .height = 50});
+  painter.take(client, PictureRequest{.number = 5, .patch = R"({"style": "fast"})", .width = 60, .height = 50});
   const Json resolved = message(inbox, "resolved");
   EXPECT_EQ(resolved["n"], 5);
   EXPECT_EQ(resolved["document"]["layers"][0]["isovalue"], 0.8);
@@ -228,17 +295,12 @@ TEST(Painter, probes_the_pixel_with_a_proven_error) {
   Painter painter(viewed_box(folder), 1);
   const Painter::ClientId client = painter.add(inbox.sink());
   for (const bool is_orthographic : {false, true}) {
-    Wish wish{.number = 1, .camera = render::Camera{}, .width = 101, .height = 101, .is_moving = true};
-    wish.camera->position = {0.5, -3, 0.5}, wish.camera->target = {0.5, 0, 0.5};
-    wish.camera->orthographic = is_orthographic;
-    painter.take(client, wish);
+    PictureRequest request{.number = 1, .camera = render::Camera{}, .width = 101, .height = 101, .is_moving = true};
+    request.camera->position = {0.5, -3, 0.5}, request.camera->target = {0.5, 0, 0.5};
+    request.camera->orthographic = is_orthographic;
+    painter.take(client, request);
     painter.take(client, Probe{.id = is_orthographic ? 2U : 1U, .x = 50, .y = 50});
-    Json probe;
-    for (std::size_t count = 1; probe.is_null() || probe["id"] != (is_orthographic ? 2 : 1); ++count) {
-      const auto texts = inbox.texts(count);
-      ASSERT_GE(texts.size(), count);
-      if (Json json = Json::parse(texts[count - 1]); json.contains("probe")) probe = json["probe"];
-    }
+    const Json probe = message(inbox, "probe", is_orthographic ? 2U : 1U);
     // The distance from the corner is linear in each cell: where it is 0.8, so is the exact distance
     // but for what linear interpolation is off in cells of 1/8.
     EXPECT_EQ(probe["pixel"], Json({50, 50}));
@@ -252,11 +314,12 @@ TEST(Painter, probes_the_pixel_with_a_proven_error) {
   EXPECT_THAT(message(inbox, "error").get<std::string>(), testing::HasSubstr("a pixel of the picture"));
 }
 
-TEST(Painter, ends_while_clients_still_wish) {
+TEST(Painter, ends_while_clients_still_ask) {
   const TemporaryFolder folder;
   Inbox inbox;
   Painter painter(viewed_box(folder), 1);
-  for (int i = 0; i < 3; ++i) painter.take(painter.add(inbox.sink()), Wish{.number = 1, .width = 2000, .height = 2000});
+  for (int i = 0; i < 3; ++i)
+    painter.take(painter.add(inbox.sink()), PictureRequest{.number = 1, .width = 2000, .height = 2000});
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   painter.stop();
   const std::size_t count = inbox.pictures(0).size();

@@ -75,7 +75,7 @@ TEST(PictureMessage, has_a_header_that_is_read_again) {
   const PictureHeader header{.codec = Codec::png,
                              .is_thinned = true,
                              .frame = 4000000000U,
-                             .wish = 7,
+                             .request = 7,
                              .width = 4096,
                              .height = 3,
                              .trace_ms = 1.5F,
@@ -85,7 +85,7 @@ TEST(PictureMessage, has_a_header_that_is_read_again) {
   EXPECT_EQ(read.codec, header.codec);
   EXPECT_EQ(read.is_thinned, header.is_thinned);
   EXPECT_EQ(read.frame, header.frame);
-  EXPECT_EQ(read.wish, header.wish);
+  EXPECT_EQ(read.request, header.request);
   EXPECT_EQ(read.width, header.width);
   EXPECT_EQ(read.height, header.height);
   EXPECT_EQ(read.trace_ms, header.trace_ms);

@@ -108,7 +108,7 @@ class Page {
     socket_.write(asio::buffer(bytes));
     socket_.binary(false);
   }
-  void wish(std::uint32_t number, int side = 40) {
+  void ask(std::uint32_t number, int side = 40) {
     say(concat(R"({"n": )", number, R"(, "size": [)", side, ", ", side, R"(], "moving": true})"));
   }
 
@@ -117,13 +117,13 @@ class Page {
     for (;;)
       if (std::string message = next(); socket_.got_text()) return message;
   }
-  /// The number of the wish that the next picture shows; it is acknowledged.
+  /// The number of the request that the next picture shows; it is acknowledged.
   std::uint32_t picture() {
     for (;;)
       if (const std::string message = next(); !socket_.got_text()) {
-        std::uint32_t wish = 0;
-        std::memcpy(&wish, message.data() + 8, sizeof wish);
-        return wish;
+        std::uint32_t request = 0;
+        std::memcpy(&request, message.data() + 8, sizeof request);
+        return request;
       }
   }
 
@@ -197,7 +197,7 @@ TEST(ViewServer, says_hello_and_sends_pictures) {
   EXPECT_EQ(hello["data"]["data"]["kind"], "mesh");
   EXPECT_EQ(hello["data"]["data"]["fields"], Json({"distance", "x"}));
   for (std::uint32_t n = 1; n <= 20; ++n) {
-    page.wish(n);
+    page.ask(n);
     while (page.picture() != n) {
     }
   }
@@ -212,20 +212,20 @@ TEST(ViewServer, survives_what_clients_send) {
   Page good(running), bad(running);
   good.text(), bad.text();
   std::mt19937_64 random(7);
-  const std::string wish = R"({"n": 1, "size": [8, 8], "moving": true, "scene": {"style": "fast"}})";
-  const std::string seeds[] = {wish, R"({"ack": 1})", R"({"probe": [1, 2], "id": 3})", R"({"keep": true})"};
+  const std::string right = R"({"n": 1, "size": [8, 8], "moving": true, "scene": {"style": "fast"}})";
+  const std::string seeds[] = {right, R"({"ack": 1})", R"({"probe": [1, 2], "id": 3})", R"({"keep": true})"};
   const int count = message_count(2000), batch = 100;
   std::uint32_t number = 0;
   for (int i = 0; i < count; i += batch) {
     for (int k = 0; k < batch; ++k) bad.say(mutated(seeds[random() % 4], random));
-    // A right wish and a probe of it are answered whatever came before.
-    bad.say(wish);
+    // A right request and a probe of it are answered whatever came before.
+    bad.say(right);
     bad.say(concat(R"({"probe": [0, 0], "id": )", 1'000'000'000 + i, "}"));
     const std::string answer = concat("\"id\":", 1'000'000'000 + i);
     while (bad.text().find(answer) == std::string::npos) {
     }
     ++number;
-    good.wish(number);
+    good.ask(number);
     while (good.picture() != number) {
     }
   }
@@ -239,7 +239,7 @@ TEST(ViewServer, survives_what_clients_send) {
         for (;;) bad.text();
       },
       boost::system::system_error);
-  good.wish(++number);
+  good.ask(++number);
   while (good.picture() != number) {
   }
 }
@@ -251,14 +251,14 @@ TEST(ViewServer, serves_a_client_beside_half_open_connections_and_takes_eight) {
   {
     std::vector<Tcp::socket> idle;
     for (int i = 0; i < 200; ++i) idle.push_back(running.connected());
-    good.wish(1, 64);
+    good.ask(1, 64);
     EXPECT_EQ(good.picture(), 1U);
   }
   std::vector<std::unique_ptr<Page>> others;
   for (int i = 0; i < 7; ++i) others.push_back(std::make_unique<Page>(running));
   EXPECT_EQ(running.handshake(running.host(), "http://" + running.host(), "rhoray.1, " + running.token()), 503U);
   others.pop_back();
-  good.wish(2);
+  good.ask(2);
   while (good.picture() != 2) {
   }
   unsigned status = 503;

@@ -14,7 +14,7 @@ namespace {
 using namespace tools;
 
 render::Framebuffer picture_of(const ViewedScene& viewed, const ChangedScene& scene) {
-  const render::ResolvedScene plan = with_wish(viewed, scene, {.width = 60, .height = 40});
+  const render::ResolvedScene plan = with_request(viewed, scene, {.width = 60, .height = 40});
   render::Framebuffer picture;
   render::render(plan.datasets, plan.scene, plan.frame, picture);
   return picture;
@@ -88,6 +88,8 @@ TEST(ChangedScene, refuses_what_no_client_may_choose) {
         R"({"layers": {"0": null}})",
         R"({"layers": {"x": {}}})",
         R"({"layers": {"-1": {}}})",
+        R"({"layers": {"00": {"opacity": 0.5}}})",
+        R"({"layers": {"2": {"type": "mip"}}})",
         R"({"layers": {"1": 5}})",
         R"({"layers": {"1": {"type": "volume"}}})",
         R"({"layers": {"0": {"data": "../other"}}})",
@@ -116,14 +118,15 @@ TEST(ChangedScene, of_random_changes_of_a_patch_is_resolved_or_refused) {
   std::mt19937_64 random(20261127);
   int resolved = 0;
   for (int round = message_count(4000); round > 0; --round) {
-    const std::string wish = concat(R"({"n": 1, "size": [9, 9], "scene": )", mutated(seeds[random() % 4], random), "}");
+    const std::string request =
+        concat(R"({"n": 1, "size": [9, 9], "scene": )", mutated(seeds[random() % 4], random), "}");
     try {
-      const auto message = std::get<Wish>(parse_client_message(wish));
+      const auto message = std::get<PictureRequest>(parse_client_message(request));
       const ChangedScene scene = changed_scene(viewed, document, message.patch);
-      with_wish(viewed, scene, message);
+      with_request(viewed, scene, message);
       ++resolved;
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::invalid) << wish << "\n" << error.what();
+      EXPECT_EQ(error.code(), ErrorCode::invalid) << request << "\n" << error.what();
     }
   }
   EXPECT_GT(resolved, 20);
@@ -136,12 +139,12 @@ TEST(ChangedScene, keeps_what_a_patch_does_not_name) {
   EXPECT_FALSE(document.contains("camera"));
   EXPECT_FALSE(document["layers"]["0"].contains("ambient")) << "the style's";
   const ChangedScene scene = changed_scene(viewed, dump(document),
-                                           R"({"layers": {"2": {"type": "isosurface", "isovalue": 0.3},)"
-                                           R"( "10": {"type": "isosurface", "isovalue": 0.4}}})");
+                                           R"({"layers": {"2": {"type": "isosurface", "isovalue": 0.4},)"
+                                           R"( "1": {"type": "isosurface", "isovalue": 0.3}}})");
   ASSERT_EQ(scene.plan.scene.layers.size(), 3U);
   EXPECT_EQ(scene.plan.scene.layers[0].isovalue, 0.8);
   EXPECT_EQ(scene.plan.scene.layers[1].isovalue, 0.3);
-  EXPECT_EQ(scene.plan.scene.layers[2].isovalue, 0.4) << "10 comes after 2";
+  EXPECT_EQ(scene.plan.scene.layers[2].isovalue, 0.4);
 }
 
 }  // namespace

@@ -36,10 +36,10 @@ ViewedScene opened(const BenchOptions& options) {
   return viewed;
 }
 
-/// What a hand does to a scene, as parts of wishes.
-class Hand {
+/// The motions of a drag, as parts of requests.
+class Motions {
  public:
-  Hand(const ViewedScene& viewed, const render::PictureSize& size)
+  Motions(const ViewedScene& viewed, const render::PictureSize& size)
       : size_(concat(R"("size": [)", size.width, ", ", size.height, "]")),
         camera_(viewed.plan.scene.camera),
         isovalue_(viewed.plan.scene.layers[0].isovalue),
@@ -56,14 +56,14 @@ class Hand {
     return concat(size_, R"(, "camera": )", dump(json_of_camera(camera)));
   }
 
-  /// To and fro by 5 % of the field's range in 2 s.
+  /// A sine wave of the isovalue: 5 % of the field's range in each direction, 2 s long.
   std::string change_isovalue(double second) const {
     const double share = 0.05 * std::sin(second * std::numbers::pi);
     const double isovalue = std::clamp(isovalue_ + share * (range_.hi - range_.lo), range_.lo, range_.hi);
     return concat(size_, R"(, "scene": {"layers": {"0": {"isovalue": )", isovalue, "}}}");
   }
 
-  std::string rest() const { return size_; }
+  std::string none() const { return size_; }
 
  private:
   std::string size_;
@@ -94,11 +94,11 @@ Json row_of(const std::string& what, const DragFigures& figures, double cpu_s) {
 
 Table viewer_table(const BenchOptions& options, const Step& step) {
   const ViewedScene viewed = opened(options);
-  const Hand hand(viewed, options.size);
+  const Motions motions(viewed, options.size);
   Server server(viewed, {.threads = options.threads});
   const std::jthread serving([&](const std::stop_token& stop) { server.run(stop); });
   Table table{
-      "view", "The viewer: from a wish to its picture, without the browser's decoding", bench_context(options), {}};
+      "view", "The viewer: from a request to its picture, without the browser's decoding", bench_context(options), {}};
   table.context["size"] = {options.size.width, options.size.height};
   const double seconds = options.repeat;
   const auto measure = [&](const std::string& what, DragClient& client, const auto& motion, double stall) {
@@ -108,14 +108,14 @@ Table viewer_table(const BenchOptions& options, const Step& step) {
     const DragFigures figures = client.drag(seconds, motion, stall);
     table.rows.push_back(row_of(what, figures, usage_so_far().cpu_s - cpu_begin));
   };
-  const auto turn = [&](double second) { return hand.turn(second); };
-  const auto change_isovalue = [&](double second) { return hand.change_isovalue(second); };
+  const auto turn = [&](double second) { return motions.turn(second); };
+  const auto change_isovalue = [&](double second) { return motions.change_isovalue(second); };
   {
     DragClient client(server.url(), server.port());
     measure("camera", client, turn, 0);
     measure("isovalue", client, change_isovalue, 0);
     step("at rest");
-    const DragClient::Settled settled = client.settle(hand.rest());
+    const DragClient::Settled settled = client.settle(motions.none());
     table.context["whole_picture_ms"] = settled.whole_ms;
     table.context["lossless_picture_ms"] = settled.lossless_ms;
   }

@@ -30,7 +30,7 @@ const app = {
     if (isScheduled) return;
     isScheduled = true;
     requestAnimationFrame(frame);
-    if (performance.now() - sentAt > halfFrameMs) queueMicrotask(sendWishes);
+    if (performance.now() - sentAt > halfFrameMs) queueMicrotask(sendRequests);
   },
   refresh() {
     needsRefresh = true;
@@ -99,13 +99,13 @@ const comparison = new Comparison($("views"), app);
 const panels = Object.fromEntries([...document.querySelectorAll("[id^=panel-]")]
   .map((root) => [root.id.slice("panel-".length), new Panel(root, app.refresh)]));
 
-function sendWishes() {
-  for (const view of app.views) if (view.sendWish()) sentAt = performance.now();
+function sendRequests() {
+  for (const view of app.views) if (view.sendRequest()) sentAt = performance.now();
 }
 
 function frame() {
   isScheduled = false;
-  sendWishes();
+  sendRequests();
   const view = app.active;
   if (!needsRefresh || !view?.hello) return;
   needsRefresh = false;
@@ -265,7 +265,7 @@ comparison.arrange();
 
 /**
  * For tests and for curious users: `views` and `active` are View objects (view.js) with name, canvas,
- * camera, patch, resolved, drawn ({wish, spacing, isLossless}), isAtRest, state, probe, finished and
+ * camera, patch, resolved, drawn ({request, spacing, isLossless}), isAtRest, state, probe, finished and
  * check; `pins` are the pinned probes; `fragment` is the state as in a link.
  */
 window.rhoray = {

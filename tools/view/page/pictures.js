@@ -8,7 +8,7 @@ export function readPicture(buffer) {
     isLossless,
     isThinned: view.getUint16(2, true) !== 0,
     frame: view.getUint32(4, true),
-    wish: view.getUint32(8, true),
+    request: view.getUint32(8, true),
     width: view.getUint16(12, true),
     height: view.getUint16(14, true),
     ms: view.getFloat32(16, true),

@@ -15,7 +15,7 @@ export class View {
   camera = null;
   patch = {};
   resolved = null;      // the newest `resolved`, even if it is older than the patch
-  drawn = null;         // {wish, spacing, isLossless, frame} of the picture in the canvas
+  drawn = null;         // {request, spacing, isLossless, frame} of the picture in the canvas
   png = null;           // the picture in the canvas, if it is lossless
   finished = null;
   check = null;
@@ -23,16 +23,16 @@ export class View {
   markers = [];         // elements of pinned points
   faceHandles = [];     // {element, end, axis} of faces of the clip box
   layerInfo = new Map();  // by number of a layer: what `resolved` said when it was last drawn
-  wishNumber = 0;
+  requestNumber = 0;
   isMoving = false;
   isOnline = false;
   state = "connecting";
   numbers = "";
   #isDirty = false;
-  #editedAt = 0;        // the first wish that has the newest patch
+  #editedAt = 0;        // the first request that has the newest patch
   #restTimer = 0;
   #hasSize = false;
-  #rest = null;         // {n, accuracy} of the newest wish at rest
+  #rest = null;         // {n, accuracy} of the newest request at rest
   #keepers = [];
   #drawnAt = [];        // times of the pictures of the last second
   #document = null;
@@ -100,7 +100,7 @@ export class View {
     this.#document = merge(this.hello.document, this.patch);
     this.patch = difference(this.hello.document, this.#document) ?? {};
     for (const key of Object.keys(this.patch)) if (equal(this.patch[key], {})) delete this.patch[key];
-    this.#editedAt = this.wishNumber + 1;
+    this.#editedAt = this.requestNumber + 1;
     this.change(moving);
     this.app.refresh(this);
   }
@@ -167,11 +167,11 @@ export class View {
     this.app.cameraMoved(this, moving, tellsOthers);
   }
 
-  /** Sends the newest wish, if there is a change; returns whether it did. */
-  sendWish() {
+  /** Sends the newest request, if there is a change; returns whether it did. */
+  sendRequest() {
     if (!this.#isDirty || !this.#hasSize || !this.isOnline || !this.camera || document.hidden) return false;
     this.#isDirty = false;
-    const n = ++this.wishNumber, size = [this.canvas.width, this.canvas.height];
+    const n = ++this.requestNumber, size = [this.canvas.width, this.canvas.height];
     const { isMoving: moving, camera, patch: scene } = this;
     if (!this.connection.send({ n, size, moving, camera, scene })) return false;
     this.check = null;
@@ -186,7 +186,7 @@ export class View {
   }
 
   get isAtRest() {
-    return !this.isMoving && !this.#isDirty && this.drawn?.wish === this.wishNumber;
+    return !this.isMoving && !this.#isDirty && this.drawn?.request === this.requestNumber;
   }
 
   /** The accuracy of the first layer whose rays look for crossings or maxima. */
@@ -198,14 +198,14 @@ export class View {
 
   /** Asks for the command and the document of this picture. */
   keep(then) {
-    this.sendWish();
+    this.sendRequest();
     if (this.connection.send({ keep: true })) this.#keepers.push(then);
     else this.app.showError("There is no connection to the server. Try again when the picture is back.");
   }
 
   #start() {
     this.drawn = null;
-    this.wishNumber = this.#editedAt = 0;
+    this.requestNumber = this.#editedAt = 0;
     this.#keepers = [];
     this.prober.reset();
   }
@@ -217,7 +217,7 @@ export class View {
       this.finished = message.finished;
       if (this.#rest?.n === this.finished.n) this.levelMs[this.#rest.accuracy] = this.finished.ms;
     }
-    if (message.check && message.check.n === this.wishNumber) this.check = message.check;
+    if (message.check && message.check.n === this.requestNumber) this.check = message.check;
     if (message.probe) this.prober.take(message.probe);
     if (message.keep) this.#kept(message.keep);
     if (message.error) this.app.showError(message.error);
@@ -259,9 +259,9 @@ export class View {
       const bitmap = await decode(picture);
       const isStale = socket !== this.connection.socket || picture.frame < this.drawn?.frame;
       if (!isStale) {  // a newer one may have been decoded before
-        const { wish, spacing, isLossless, frame } = picture;
+        const { request, spacing, isLossless, frame } = picture;
         drawPicture(this.canvas, bitmap, picture);
-        this.drawn = { wish, spacing, isLossless, frame };
+        this.drawn = { request, spacing, isLossless, frame };
         this.png = isLossless ? picture.blob : null;
         const now = performance.now();
         this.#drawnAt = [...this.#drawnAt.filter((time) => now - time < 1000), now];

@@ -1,4 +1,4 @@
-#include "tools/view/wish.h"
+#include "tools/view/client_message.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,21 +77,21 @@ Probe probe_of(const Json& json) {
   return {.id = counter_of(json["id"], "id"), .x = place_of(pixel[0]), .y = place_of(pixel[1])};
 }
 
-Wish wish_of(const Json& json) {
+PictureRequest picture_request_of(const Json& json) {
   require_keys(json, "message", {"n", "size", "moving", "camera", "scene"});
-  Wish wish{.number = counter_of(json["n"], "n")};
+  PictureRequest request{.number = counter_of(json["n"], "n")};
   if (!json.contains("size") || !json["size"].is_array() || json["size"].size() != 2) refuse("size", "two numbers");
-  wish.width = side_of(json["size"][0]), wish.height = side_of(json["size"][1]);
+  request.width = side_of(json["size"][0]), request.height = side_of(json["size"][1]);
   if (json.contains("moving")) {
     if (!json["moving"].is_boolean()) refuse("moving", "true or false");
-    wish.is_moving = json["moving"].get<bool>();
+    request.is_moving = json["moving"].get<bool>();
   }
-  if (json.contains("camera")) wish.camera = camera_of(json["camera"]);
+  if (json.contains("camera")) request.camera = camera_of(json["camera"]);
   if (json.contains("scene")) {
     if (!json["scene"].is_object()) refuse("scene", "an object");
-    if (!json["scene"].empty()) wish.patch = dump(json["scene"]);
+    if (!json["scene"].empty()) request.patch = dump(json["scene"]);
   }
-  return wish;
+  return request;
 }
 
 /// Parses JSON of limited depth.
@@ -126,7 +126,7 @@ ClientMessage parse_client_message(std::string_view text) {
     return KeepRequest{};
   }
   if (!json.contains("n")) refuse("n", "a number");
-  return wish_of(json);
+  return picture_request_of(json);
 }
 
 }  // namespace rhoray::tools

@@ -19,13 +19,13 @@ inline constexpr int largest_side = 4096;  ///< of a picture, in pixels
 inline constexpr int samples = 64;         ///< of lights and of ambient occlusion, unless the scene itself has more
 }  // namespace view_limits
 
-/// The picture that a client asks for. It says everything, so that the server can skip wishes.
-struct Wish {
+/// The picture that a client asks for. It says everything, so that the server can skip requests.
+struct PictureRequest {
   std::uint32_t number = 0;  ///< counts up
   std::optional<render::Camera> camera{};
   std::string patch{};        ///< of the scene, JSON (viewed_scene.h: changed_scene); empty: unchanged
   int width = 0, height = 0;  ///< pixels
-  bool is_moving = false;     ///< a newer wish follows soon: no antialiasing, lossy, coarse first
+  bool is_moving = false;     ///< a newer request follows soon: no antialiasing, lossy, coarse first
 };
 
 /// The client has drawn a picture.
@@ -33,16 +33,16 @@ struct Acknowledgement {
   std::uint32_t frame = 0;
 };
 
-/// Asks what a pixel of the client's newest wish shows.
+/// Asks what a pixel of the client's newest request shows.
 struct Probe {
   std::uint32_t id = 0;
   int x = 0, y = 0;  ///< from the upper left corner
 };
 
-/// Asks for the command and the document of the client's newest wish.
+/// Asks for the command and the document of the client's newest request.
 struct KeepRequest {};
 
-using ClientMessage = std::variant<Wish, Acknowledgement, Probe, KeepRequest>;
+using ClientMessage = std::variant<PictureRequest, Acknowledgement, Probe, KeepRequest>;
 
 /// Reads a client's message (PROTOCOL.md). Refuses everything else (ErrorCode::invalid): unknown
 /// keys, values of another type, numbers that are not finite or out of range, sizes beyond the limits.

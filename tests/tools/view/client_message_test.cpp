@@ -1,4 +1,4 @@
-#include "tools/view/wish.h"
+#include "tools/view/client_message.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,16 +20,16 @@ const char* const full =
     R"( "target": [0, 0, 0], "up": [0, 0, 1], "fov": 30}})";
 
 TEST(ClientMessage, says_what_a_client_wants_to_see) {
-  const Wish wish = std::get<Wish>(parse_client_message(full));
-  EXPECT_EQ(wish.number, 7U);
-  EXPECT_EQ(wish.width, 800);
-  EXPECT_EQ(wish.height, 600);
-  EXPECT_TRUE(wish.is_moving);
-  EXPECT_EQ(wish.patch, R"({"layers":{"1":{"isovalue":500.5}}})");
-  ASSERT_TRUE(wish.camera);
-  EXPECT_EQ(wish.camera->position, Vec3(1, 2, 3));
-  EXPECT_EQ(wish.camera->vertical_fov_deg, 30);
-  EXPECT_FALSE(wish.camera->orthographic);
+  const PictureRequest request = std::get<PictureRequest>(parse_client_message(full));
+  EXPECT_EQ(request.number, 7U);
+  EXPECT_EQ(request.width, 800);
+  EXPECT_EQ(request.height, 600);
+  EXPECT_TRUE(request.is_moving);
+  EXPECT_EQ(request.patch, R"({"layers":{"1":{"isovalue":500.5}}})");
+  ASSERT_TRUE(request.camera);
+  EXPECT_EQ(request.camera->position, Vec3(1, 2, 3));
+  EXPECT_EQ(request.camera->vertical_fov_deg, 30);
+  EXPECT_FALSE(request.camera->orthographic);
   EXPECT_EQ(std::get<Acknowledgement>(parse_client_message(R"({"ack": 12})")).frame, 12U);
   const Probe probe = std::get<Probe>(parse_client_message(R"({"probe": [3, 4], "id": 5})"));
   EXPECT_THAT((std::array{probe.x, probe.y, static_cast<int>(probe.id)}), testing::ElementsAre(3, 4, 5));
@@ -37,7 +37,7 @@ TEST(ClientMessage, says_what_a_client_wants_to_see) {
   const auto orthographic = parse_client_message(
       R"({"n": 0, "size": [1, 1], "camera": {"position": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0],)"
       R"( "ortho_height": 2}})");
-  EXPECT_EQ(std::get<Wish>(orthographic).camera->orthographic_height, 2);
+  EXPECT_EQ(std::get<PictureRequest>(orthographic).camera->orthographic_height, 2);
 }
 
 TEST(ClientMessage, that_lies_is_refused_in_one_sentence) {
