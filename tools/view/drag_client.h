@@ -8,13 +8,13 @@
 
 namespace rhoray::tools {
 
-/// What a drag looked like to a client.
+/// Measurements of a drag, made by the client.
 struct DragFigures {
   std::vector<double> latencies_ms;  ///< of every request: until a picture came that shows it or a newer one
   std::vector<double> picture_bytes;
   std::vector<double> spacings;  ///< of the traced pixels of each picture
   double seconds = 0;
-  std::size_t late_pictures = 0;  ///< after a stall: came before the first picture that shows a request after it
+  std::size_t late_pictures = 0;  ///< that came after a stall and show requests from before its end
 };
 
 /// A client that behaves as the page does: at most one request for each frame of a display at 60 Hz, and

@@ -46,8 +46,8 @@ std::vector<std::byte> started(const PictureHeader& header) {
   throw Error(ErrorCode::internal, concat("libjpeg: ", text));
 }
 
-/// 8-bit sRGB for JPEG, which loses more: of values within 2^-11 of the next level some are one level
-/// too low, at most 6 % of all values. It takes a fifth of the time of render::srgb_byte.
+/// 8-bit sRGB for JPEG, which loses more. It is faster than render::srgb_byte; some values within 2^-11
+/// of the next level get one level less.
 class QuickSrgb {
  public:
   QuickSrgb() {
@@ -123,7 +123,7 @@ std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::F
   jpeg.input_components = 3, jpeg.in_color_space = JCS_RGB;
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, quality.quality, TRUE);
-  if (!quality.has_full_color) jpeg.dct_method = JDCT_IFAST;  // differs by less than the coefficients are rounded
+  if (!quality.has_full_color) jpeg.dct_method = JDCT_IFAST;  // faster, less exact
   if (quality.has_full_color) jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
   jpeg_start_compress(&jpeg, TRUE);
   while (jpeg.next_scanline < jpeg.image_height) {

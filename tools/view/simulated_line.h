@@ -11,8 +11,8 @@ struct Line {
   double megabits_per_s = 0;  ///< in each direction; 0: no limit
 };
 
-/// Passes the bytes of one connection on as a slow line does: no faster than its rate, later by half
-/// of its round trip, and at most 64 KiB wait in it in each direction.
+/// Simulates a slow line for one connection. Each direction has the line's rate and delays bytes by
+/// half of the round trip. At most 64 KiB wait in each direction.
 class SimulatedLine {
  public:
   /// Listens on the loopback interface.
