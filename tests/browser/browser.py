@@ -35,12 +35,13 @@ createImageBitmap(new Blob([bytes], {type: "image/png"}), {colorSpaceConversion:
 """
 
 
-def write_volume(path, side=64):
+def write_volume(path, side=64, wave=9):
     """A ball with waves: its values are 1 in the middle and fall to about 0 at the sides."""
     axis = numpy.linspace(-1, 1, side, dtype=numpy.float32)
     z, y, x = numpy.meshgrid(axis, axis, axis, indexing="ij")
     radius = numpy.sqrt(x * x + y * y + z * z)
-    numpy.save(path, (1 - radius + 0.05 * numpy.sin(9 * x) * numpy.sin(9 * y) * numpy.sin(9 * z)).astype(numpy.float32))
+    numpy.save(path, (1 - radius + 0.05 * numpy.sin(wave * x) * numpy.sin(wave * y) * numpy.sin(wave * z))
+               .astype(numpy.float32))
 
 
 def write_mesh(path, side=6):

@@ -10,8 +10,8 @@ DATA = os.environ.get("RHORAY_SHARED_DATA")
 
 
 def files():
-    """What `rhoray render FILE` draws."""
-    names = (path for path in sorted(pathlib.Path(DATA).rglob("*")) if path.is_file())
+    """What `rhoray render FILE` draws: files, and folders of slices."""
+    names = sorted(pathlib.Path(DATA).rglob("*"))
     return [path for path in names if path.suffix not in (".md", ".txt", ".jpg", ".png") and
             subprocess.run([str(RHORAY), "info", str(path), "--json"], capture_output=True, check=False).returncode == 0]
 

@@ -236,6 +236,10 @@ class Tools(PageTest):
             self.assertGreater(self.js(f"rhoray.active.finished.statistics.{rays}"), 0)
             self.assertNotEqual(self.pixels(), plain)
         self.check_against_command()
+        self.open_section("cost")
+        self.wait("rhoray.active.effects", "the times of effects")
+        for effect in ("antialiasing", "shadows", "ambient occlusion"):
+            self.assertRegex(self.find("cost-effects").text, rf"{effect} -?[0-9.]+ ms")
 
     def test_accuracy_is_checked_in_idle_time(self):
         self.volume("--iso", "0.5")
@@ -271,6 +275,69 @@ class Tools(PageTest):
         self.find("compare").click()
         self.wait("rhoray.views.length === 1")
         self.check_console()
+
+
+    def test_two_files_in_two_views(self):
+        for name, wave in (("a", 9), ("b", 4)):
+            write_volume(self.folder / f"{name}.npy", wave=wave)
+        self.view("a.npy", "b.npy", "--iso", "0.5")
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 2")
+        for view, layer in ((1, 0), (0, 1)):
+            self.activate(view)
+            self.find(f"layer-{layer}-visible").click()
+        self.settle()
+        drawn = "rhoray.views.map(({ resolved }) => Object.values(resolved.document.layers).map(({ data }) => data))"
+        self.assertEqual(self.js(drawn), [["data"], ["file 2"]])
+        for view, name in enumerate("ab"):
+            self.activate(view)
+            self.check_against_command()
+            self.assertIn(f"{name}.npy", self.command())
+        self.check_console()
+
+    def activate(self, view):
+        self.find(("picture", "picture-2")[view]).send_keys(Keys.NULL)
+        self.settle()
+        self.assertEqual(self.js("rhoray.active.name"), "AB"[view])
+
+
+class Directions(PageTest):
+    def test_axes_and_scale_bar_follow_the_camera(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        self.assertRegex(self.label(), "^-y faces the viewer; scale bar: [125]0* ?(at the pivot)?$")
+        length, pixels = self.scale_bar()
+        self.open_section("scene")
+        self.find("orthographic").click()
+        self.settle()
+        self.assertNotIn("pivot", self.label())
+        self.driver.find_element(By.ID, "standard-views").find_elements(By.TAG_NAME, "button")[4].click()
+        self.settle()
+        self.assertIn("+z faces the viewer", self.label())
+        self.canvas().send_keys("++++++++++")
+        self.settle()
+        zoomed_length, zoomed_pixels = self.scale_bar()
+        # In an orthographic picture the bar can be checked against the document: its height in the world is known.
+        height = self.js("rhoray.active.camera.ortho_height") / self.js("rhoray.active.canvas.clientHeight")
+        self.assertAlmostEqual(zoomed_length / zoomed_pixels / height, 1, delta=0.02)  # borders of the bar: 2 pixels
+        self.assertGreater(length / pixels, 2 * zoomed_length / zoomed_pixels)
+
+    def test_letters_of_directions_in_a_body(self):
+        (self.folder / "body.nrrd").write_bytes(
+            b"NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\nsizes: 8 8 8\n"
+            b"space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n" +
+            bytes(range(256)) * 2)
+        self.view("body.nrrd", "--iso", "100", "--view", "front")
+        self.assertIn("A faces the viewer", self.label())
+        self.assertEqual(sorted(each.text for each in self.driver.find_elements(By.CSS_SELECTOR, ".directions text")),
+                         sorted("RLAPIS"))
+
+    def label(self):
+        return self.driver.find_element(By.CLASS_NAME, "orientation").get_attribute("aria-label").replace("\u2212", "-")
+
+    def scale_bar(self):
+        """Its length in the world, and in pixels."""
+        return (float(self.label().split("scale bar: ")[1].split()[0]),
+                self.driver.find_element(By.CLASS_NAME, "scale-bar").rect["width"])
 
 
 class Results(PageTest):

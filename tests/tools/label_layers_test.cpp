@@ -199,7 +199,7 @@ TEST(LabelLayers, of_a_mesh_are_shown_where_no_other_field_varies) {
   EXPECT_EQ(height[0]["color_by"], "height");
 }
 
-TEST(LabelLayers, of_a_mesh_give_way_to_other_wishes) {
+TEST(LabelLayers, of_a_mesh_give_way_to_other_options) {
   const Workbench bench;
   make_parts(bench, false);
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--color-by", "part"},

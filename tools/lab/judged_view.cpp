@@ -32,15 +32,19 @@ render::Scene scene_of(const ViewSpec& setting) {
 }  // namespace
 
 ExactView::ExactView(const render::Dataset& dataset, const ViewSpec& setting)
-    : dataset_(dataset), wish_(setting), field_(dataset_), scene_(scene_of(wish_)) {
-  truth_ = render::find_truth(
-      {.dataset = dataset_, .scene = scene_, .size = wish_.size, .seed = wish_.seed, .seconds = wish_.judge_seconds});
+    : dataset_(dataset), setting_(setting), field_(dataset_), scene_(scene_of(setting_)) {
+  truth_ = render::find_truth({.dataset = dataset_,
+                               .scene = scene_,
+                               .size = setting_.size,
+                               .seed = setting_.seed,
+                               .seconds = setting_.judge_seconds});
   if (truth_.hit_count() == 0)
-    throw Error(ErrorCode::usage, concat("no pixel shows the isosurface ", wish_.isovalue, "; expected some to judge"));
+    throw Error(ErrorCode::usage,
+                concat("no pixel shows the isosurface ", setting_.isovalue, "; expected some to judge"));
   // If exact arithmetic could not decide all pixels in time, their picture is the certified one.
   const render::Accuracy level = truth_.are_all() ? render::Accuracy::exact : render::Accuracy::certified;
   render::Framebuffer picture;
-  draw({.dataset = dataset_, .isovalue = wish_.isovalue, .method = render::method_of(level)}, {.normal = true}, 0,
+  draw({.dataset = dataset_, .isovalue = setting_.isovalue, .method = render::method_of(level)}, {.normal = true}, 0,
        picture, memory_);
   picture_ = std::make_unique<tools::TruePicture>(std::move(picture));
 }
@@ -55,7 +59,8 @@ double ExactView::cell_length() const {
 }
 
 Json ExactView::ray_errors(const Shown& shown) const {
-  const std::vector<render::Ray> rays = render::pixel_rays(shown.dataset, wish_.camera, wish_.size, truth_.pixels);
+  const std::vector<render::Ray> rays =
+      render::pixel_rays(shown.dataset, setting_.camera, setting_.size, truth_.pixels);
   const std::vector<render::Hit> hits =
       render::trace_rays({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
   const render::ErrorList list = tools::errors_on_data(truth_, field_, scene_.layers[0], hits, shown.border);
@@ -116,7 +121,7 @@ render::FrameStatistics ExactView::draw(const Shown& shown, const render::Channe
   scene.layers[0].method = shown.method;
   return render::render(
       shown.dataset, scene,
-      {.width = wish_.size.width, .height = wish_.size.height, .channels = channels, .threads = threads}, picture,
+      {.width = setting_.size.width, .height = setting_.size.height, .channels = channels, .threads = threads}, picture,
       memory);
 }
 

@@ -64,7 +64,7 @@ class ExactView {
                                render::Framebuffer& picture, render::RenderContext& memory) const;
 
   render::Dataset dataset_;
-  ViewSpec wish_;
+  ViewSpec setting_;
   tools::FieldValues field_;
   render::Scene scene_;  ///< with one layer
   render::Truth truth_;

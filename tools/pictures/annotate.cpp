@@ -17,22 +17,6 @@ namespace {
 constexpr std::array<Vec3, 3> on_light{Vec3(0.60, 0.03, 0.03), Vec3(0.02, 0.27, 0.05), Vec3(0.03, 0.12, 0.62)};
 constexpr std::array<Vec3, 3> on_dark{Vec3(1, 0.16, 0.13), Vec3(0.15, 0.72, 0.18), Vec3(0.16, 0.42, 1)};
 
-/// The letters of the directions in which x, y and z decrease and increase; empty without a body.
-struct DirectionLetters {
-  std::string_view low, high;
-};
-constexpr DirectionLetters letters_of(formats::Space space) {
-  switch (space) {
-    case formats::Space::ras:
-      return {"LPI", "RAS"};
-    case formats::Space::lps:
-      return {"RAI", "LPS"};
-    case formats::Space::unknown:
-      break;
-  }
-  return {};
-}
-
 /// The colour behind the picture: white paper where it has no background.
 Vec3 page_of(const render::Framebuffer& picture) {
   if (picture.is_transparent) return {1, 1, 1};
@@ -87,7 +71,7 @@ std::vector<Tick> ticks_beside(const ColorBar& bar, int most) {
 class Annotator {
  public:
   Annotator(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture)
-      : wished_(annotations),
+      : annotations_(annotations),
         make_text_(make_text),
         picture_(picture),
         projection_(annotations.camera, picture.width, picture.height),
@@ -98,14 +82,14 @@ class Annotator {
         canvas_(picture, page_of(picture), std::clamp(share(0.0025), 1.0, 8.0)) {}
 
   Drawing draw() {
-    for (const SurfaceLines& lines : wished_.surface_lines)
+    for (const SurfaceLines& lines : annotations_.surface_lines)
       draw_surface_lines(lines, projection_, visibility_, thin(), canvas_);
-    if (wished_.box) draw_box_edges();
-    if (wished_.axes) draw_axes();
-    if (!wished_.bars.empty()) draw_bars();
+    if (annotations_.box) draw_box_edges();
+    if (annotations_.axes) draw_axes();
+    if (!annotations_.bars.empty()) draw_bars();
     draw_legends();
-    if (!wished_.caption.empty()) draw_caption();
-    if (wished_.box) draw_box_ticks();
+    if (!annotations_.caption.empty()) draw_caption();
+    if (annotations_.box) draw_box_ticks();
     return std::move(drawing_);
   }
 
@@ -142,7 +126,7 @@ class Annotator {
 
   void draw_axes() {
     const double length = share(0.075), space = 1.45 * length;
-    const Spot origin{wished_.axes_side == Side::left ? margin() + space : picture_.width - margin() - space,
+    const Spot origin{annotations_.axes_side == Side::left ? margin() + space : picture_.width - margin() - space,
                       picture_.height - margin() - space};
     std::array<Vec3, 3> directions;
     for (int axis = 0; axis < 3; ++axis) {
@@ -188,11 +172,11 @@ class Annotator {
     const int pixels = letters();
     const double all = 0.66 * picture_.height, gap = 1.2 * pixels;
     const double each =
-        (all - gap * static_cast<double>(wished_.bars.size() - 1)) / static_cast<double>(wished_.bars.size());
+        (all - gap * static_cast<double>(annotations_.bars.size() - 1)) / static_cast<double>(annotations_.bars.size());
     double top = 0.5 * (picture_.height - all);
-    if (wished_.bars.size() == 1 && wished_.axes && wished_.axes_side == wished_.bars_side)
+    if (annotations_.bars.size() == 1 && annotations_.axes && annotations_.axes_side == annotations_.bars_side)
       top -= 0.07 * picture_.height;
-    for (const ColorBar& bar : wished_.bars) {
+    for (const ColorBar& bar : annotations_.bars) {
       draw_bar(bar, top, top + each);
       top += each + gap;
     }
@@ -213,7 +197,7 @@ class Annotator {
       numbers.push_back(placed(each.text, pixels));
       widest = std::max(widest, numbers.back().area().width());
     }
-    const bool is_right = wished_.bars_side == Side::right;
+    const bool is_right = annotations_.bars_side == Side::right;
     const double taken = bar_width + tick + to_number + widest;
     const int x_begin = static_cast<int>(std::lround(is_right ? picture_.width - margin() - taken : margin()));
     const int x_end = x_begin + static_cast<int>(bar_width);
@@ -270,7 +254,7 @@ class Annotator {
   void draw_legends() {
     const double line = 1.7 * letters(), lowest = picture_.height - margin();
     double top = margin();
-    for (const Legend& legend : wished_.legends) {
+    for (const Legend& legend : annotations_.legends) {
       if (top + 2 * line > lowest) return;
       draw_legend_line(title_of(legend.title), nullptr, top);
       top += line;
@@ -286,7 +270,7 @@ class Annotator {
 
   /// @param color  null: a line without one
   void draw_legend_line(Placed text, const Vec3* color, double top) {
-    const bool is_left = wished_.bars.empty() || wished_.bars_side == Side::right;
+    const bool is_left = annotations_.bars.empty() || annotations_.bars_side == Side::right;
     const int height = letters(), width = color != nullptr ? static_cast<int>(std::lround(1.5 * height)) : 0;
     const double gap = color != nullptr ? 0.6 * height : 0, text_width = text.area().width();
     const double left = is_left ? margin() : picture_.width - margin() - width - gap - text_width;
@@ -313,10 +297,10 @@ class Annotator {
 
   void draw_caption() {
     const int pixels = static_cast<int>(std::lround(1.15 * letters()));
-    const double aside = wished_.axes ? 2 * (margin() + 2.9 * share(0.075)) : 2 * margin();
+    const double aside = annotations_.axes ? 2 * (margin() + 2.9 * share(0.075)) : 2 * margin();
     const double width = std::max(picture_.width - aside, 0.4 * picture_.width);
     const std::vector<std::string> lines = lines_of(
-        wished_.caption, [&](const std::string& line) { return placed(line, pixels).area().width() <= width; });
+        annotations_.caption, [&](const std::string& line) { return placed(line, pixels).area().width() <= width; });
     double baseline = picture_.height - margin() - 1.4 * pixels * static_cast<double>(lines.size() - 1);
     for (const std::string& line : lines) {
       Placed text = placed(line, pixels);
@@ -328,7 +312,7 @@ class Annotator {
   }
 
   Vec3 corner(int index) const {
-    const Box3& box = *wished_.box;
+    const Box3& box = *annotations_.box;
     return {(index & 1) != 0 ? box.max.x : box.min.x, (index & 2) != 0 ? box.max.y : box.min.y,
             (index & 4) != 0 ? box.max.z : box.min.z};
   }
@@ -356,10 +340,10 @@ class Annotator {
   /// the eye: these would run across what is shown.
   void draw_box_edges() {
     for (const Edge& edge : edges()) {
-      if (!is_before_the_eye(edge) || (wished_.hides_box && seen_sides(edge) == 2)) continue;
+      if (!is_before_the_eye(edge) || (annotations_.hides_box && seen_sides(edge) == 2)) continue;
       const Seen from = projection_.of(corner(edge.from)), to = projection_.of(corner(edge.to));
       canvas_.line(from.at, to.at, thin(), ink_, [&](int x, int y, double share_along) {
-        return !wished_.hides_box || visibility_.is_before_surfaces(x, y, from, to, share_along);
+        return !annotations_.hides_box || visibility_.is_before_surfaces(x, y, from, to, share_along);
       });
     }
   }
@@ -417,9 +401,9 @@ class Annotator {
 
   /// True if the box's centre line along an axis is steep in the picture.
   bool stands(int axis) const {
-    const Vec3 middle = wished_.box->center();
+    const Vec3 middle = annotations_.box->center();
     Vec3 low = middle, high = middle;
-    low[axis] = wished_.box->min[axis], high[axis] = wished_.box->max[axis];
+    low[axis] = annotations_.box->min[axis], high[axis] = annotations_.box->max[axis];
     const Spot way = projection_.of(high).at - projection_.of(low).at;
     return std::abs(way.y) > 2 * std::abs(way.x);
   }
@@ -431,7 +415,7 @@ class Annotator {
     const Spot way = to.at - from.at;
     const double length = way.length();
     if (length < 3 * pixels) return;
-    const Spot box_middle = projection_.of(wished_.box->center()).at;
+    const Spot box_middle = projection_.of(annotations_.box->center()).at;
     Spot outward = (1 / length) * Spot{-way.y, way.x};
     if (outward.dot(box_middle - from.at) > 0) outward = -1 * outward;
     // Half the extent of a text beside a line, across the line.
@@ -454,7 +438,8 @@ class Annotator {
       numbers.emplace_back(at, std::move(number));
     }
     Placed title = placed(
-        concat("xyz"[edge.axis], wished_.length_unit.empty() ? "" : concat(" (", wished_.length_unit, ")")), pixels);
+        concat("xyz"[edge.axis], annotations_.length_unit.empty() ? "" : concat(" (", annotations_.length_unit, ")")),
+        pixels);
     center(title, from.at + 0.5 * way + (beyond + gap + reach(title)) * outward);
     if (is_free(title.area())) put(title, ink_);
     for (const auto& [at, number] : numbers) {
@@ -463,7 +448,7 @@ class Annotator {
     }
   }
 
-  const Annotations& wished_;
+  const Annotations& annotations_;
   const MakeText& make_text_;
   render::Framebuffer& picture_;
   Projection projection_;
@@ -477,6 +462,18 @@ class Annotator {
 };
 
 }  // namespace
+
+DirectionLetters letters_of(formats::Space space) {
+  switch (space) {
+    case formats::Space::ras:
+      return {"LPI", "RAS"};
+    case formats::Space::lps:
+      return {"RAI", "LPS"};
+    case formats::Space::unknown:
+      break;
+  }
+  return {};
+}
 
 Drawing annotate(const Annotations& annotations, const MakeText& make_text, render::Framebuffer& picture) {
   return Annotator(annotations, make_text, picture).draw();

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/space.h"
@@ -37,6 +38,13 @@ struct Legend {
 };
 
 enum class Side { left, right };
+
+/// The letters of the directions in which x, y and z decrease and increase in a body; empty where the
+/// space is not known.
+struct DirectionLetters {
+  std::string_view low, high;
+};
+DirectionLetters letters_of(formats::Space space);
 
 /// Annotations drawn over a finished picture, independent of ray tracing. Sizes follow the
 /// picture's height.

@@ -131,14 +131,13 @@ Side side_of(const std::string& word, Side otherwise) {
   return word.empty() ? otherwise : word == "left" ? Side::left : Side::right;
 }
 
-/// The space in which all layers lie; unknown where a file does not say its own.
+}  // namespace
+
 formats::Space space_of(const render::ResolvedScene& plan) {
   for (const render::Layer& layer : plan.scene.layers)
     if (plan.datasets[layer.dataset].space() != plan.space) return formats::Space::unknown;
   return plan.space;
 }
-
-}  // namespace
 
 Annotations annotations_of(const render::ResolvedScene& plan, const Interval<double>& heat) {
   const render::AnnotationsSpec& spec = plan.annotations;

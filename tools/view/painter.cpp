@@ -12,6 +12,7 @@
 #include "formats/base/text.h"
 #include "render/accuracy.h"
 #include "render/render.h"
+#include "tools/analysis/effect_costs.h"
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
 
@@ -26,6 +27,7 @@ constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 /// Time for a picture in motion. A request waits for half a picture on average, and then for its own.
 constexpr double motion_ms = 13;
 constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edges
+constexpr double longest_timed_ms = 4000;      ///< effects of a picture that takes longer are not timed
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
 
@@ -60,6 +62,37 @@ class MotionPixels {
 
 }  // namespace
 
+/// Times a picture, and the same picture without each of its effects, in turns.
+class EffectTimes {
+ public:
+  explicit EffectTimes(const render::ResolvedScene& plan) : variants_(without_each_effect(plan)) {
+    variants_.insert(variants_.begin(), {"", plan});
+    least_ms_.resize(variants_.size(), std::numeric_limits<double>::infinity());
+  }
+
+  bool is_done() const { return next_ == turns * variants_.size(); }
+  render::ResolvedScene& next() { return variants_[next_ % variants_.size()].plan; }
+  /// The least time counts: what else the machine does only adds to it.
+  void took(double ms) {
+    double& least = least_ms_[next_++ % variants_.size()];
+    least = std::min(least, ms);
+  }
+
+  Json json() const {
+    Json effects = Json::array();
+    for (std::size_t i = 1; i < variants_.size(); ++i)
+      effects.push_back({{"effect", variants_[i].effect}, {"ms", least_ms_[0] - least_ms_[i]}});
+    return {{"ms", least_ms_[0]}, {"effects", effects}};
+  }
+
+ private:
+  static constexpr std::size_t turns = 2;
+
+  std::vector<WithoutEffect> variants_;  ///< the picture itself first
+  std::vector<double> least_ms_;
+  std::size_t next_ = 0;
+};
+
 struct Painter::Client {
   ClientId id = 0;
   ClientSink sink;
@@ -77,7 +110,8 @@ struct Painter::Client {
   std::string patch{};
   bool was_resolved_sent = false;         ///< of this scene
   std::optional<PictureRequest> drawn{};  ///< whose finished picture `picture` holds
-  bool was_sent = false, was_sent_lossless = false, was_checked = false;
+  bool was_sent = false, was_sent_lossless = false, was_checked = false, was_timed = false;
+  std::optional<EffectTimes> effect_times{};  ///< being measured, of `plan`
   Clock::time_point finished{};
   double finished_ms = 0;
   MotionPixels motion{};
@@ -88,7 +122,7 @@ struct Painter::Client {
   render::RenderContext memory{};
 
   /// Something is to be done for a picture at rest, once its time has come and the client has room.
-  bool waits_at_rest() const { return drawn && (!was_sent_lossless || !was_checked); }
+  bool waits_at_rest() const { return drawn && (!was_sent_lossless || !was_checked || !was_timed); }
   bool is_rest_over() const { return waits_at_rest() && Clock::now() >= finished + rest_before_lossless; }
 };
 
@@ -248,7 +282,7 @@ void Painter::work_for(Client& client) {
     attempt([&] { go_on(client); });
 }
 
-/// Sends the picture that was drawn, then the lossless one, then checks it.
+/// Sends the picture that was drawn, then the lossless one, then checks it, then times its effects.
 void Painter::go_on(Client& client) {
   PictureHeader header{.request = client.drawn->number,
                        .width = client.drawn->width,
@@ -261,8 +295,10 @@ void Painter::go_on(Client& client) {
     header.codec = Codec::png;
     client.was_sent_lossless = true;
     send(client, client.picture, header, {});
-  } else if (client.is_rest_over()) {
+  } else if (client.is_rest_over() && !client.was_checked) {
     check(client);
+  } else if (client.is_rest_over()) {
+    time_effects(client);
   }
 }
 
@@ -277,7 +313,8 @@ void Painter::show_changes(Client& client, const PictureRequest& request) {
 void Painter::paint(Client& client, const PictureRequest& request) {
   const Clock::time_point begin = Clock::now();
   client.drawn.reset();
-  client.was_sent = client.was_sent_lossless = client.was_checked = false;
+  client.was_sent = client.was_sent_lossless = client.was_checked = client.was_timed = false;
+  client.effect_times.reset();
   show_changes(client, request);
   if (request.is_moving)
     paint_moving(client, request, begin);
@@ -355,18 +392,20 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   send_finished(client, *statistics);
 }
 
-/// Traces a picture, in passes. Nothing if it was ended before it was finished. Refuses a picture that
+/// Traces a picture, in passes; a newer request may end it as soon as pass_done or the caller says so.
+/// Nothing if it was ended before it was finished. Refuses a picture that
 /// takes too long (ErrorCode::resource).
 std::optional<render::FrameStatistics> Painter::trace(Client& client, render::ResolvedScene& plan,
                                                       render::Refinement refinement, Clock::time_point begin,
-                                                      render::Framebuffer& picture) {
+                                                      render::Framebuffer& picture, bool may_be_ended) {
   plan.frame.threads = threads_;
   const Clock::time_point deadline = begin + longest_picture_;
   std::stop_source source;
   {
     const std::lock_guard lock(mutex_);
     if (client.has_left || thread_.get_stop_token().stop_requested()) return std::nullopt;
-    running_ = Running{client.id, deadline, source};
+    if (may_be_ended && client.is_new) return std::nullopt;
+    running_ = Running{client.id, deadline, source, may_be_ended};
   }
   changed_.notify_all();
   bool is_whole = false;
@@ -414,6 +453,25 @@ void Painter::send_finished(Client& client, const render::FrameStatistics& stati
                                     {"ms", client.finished_ms},
                                     {"threads", threads_ == 0 ? std::thread::hardware_concurrency() : threads_},
                                     {"statistics", statistics_json(statistics)}}}}));
+}
+
+/// Traces one more of the pictures that tell what effects cost. A newer request ends it.
+void Painter::time_effects(Client& client) {
+  client.was_timed = true;  // also if it fails
+  Json json{{"n", client.drawn->number}};
+  if (client.finished_ms > longest_timed_ms) {
+    json["why_not"] = concat("Effects are timed only if a picture takes less than ", 1e-3 * longest_timed_ms, " s.");
+  } else {
+    if (!client.effect_times) client.effect_times.emplace(client.plan);
+    const Clock::time_point begin = Clock::now();
+    if (!trace(client, client.effect_times->next(), {.first_spacing = 1}, begin, client.moving_picture, true)) return;
+    client.effect_times->took(ms_since(begin));
+    client.was_timed = client.effect_times->is_done();
+    if (!client.was_timed) return;
+    json.update(client.effect_times->json());
+    client.effect_times.reset();
+  }
+  client.sink.send_text(dump(Json{{"effects", json}}));
 }
 
 /// Compares random pixels of the picture, and pixels at edges, with exact arithmetic.

@@ -29,7 +29,7 @@ struct ClientSink {
 /// picture of the older one was sent. In motion a picture has as many pixels as can be traced and
 /// encoded in 13 ms. No client has more than two pictures that it has not acknowledged. When it stops
 /// moving, the picture is refined to that of `rhoray render`, and is sent a second time without loss.
-/// In idle time random pixels of it are compared with exact arithmetic.
+/// In idle time random pixels of it are compared with exact arithmetic, and its effects are timed.
 class Painter {
  public:
   using ClientId = std::uint64_t;
@@ -63,13 +63,14 @@ class Painter {
   void paint_at_rest(Client& client, const PictureRequest& request, Clock::time_point begin);
   std::optional<render::FrameStatistics> trace(Client& client, render::ResolvedScene& plan,
                                                render::Refinement refinement, Clock::time_point begin,
-                                               render::Framebuffer& picture);
+                                               render::Framebuffer& picture, bool may_be_ended = false);
   void show_changes(Client& client, const PictureRequest& request);
   bool may_send(const Client& client);
   bool has_room(const Client& client) const;  ///< with the mutex held
   void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality);
   void send_finished(Client& client, const render::FrameStatistics& statistics);
   void check(Client& client);
+  void time_effects(Client& client);
   void answer(Client& client, const PictureRequest& request, const Probe& probe);
   void keep(Client& client, const PictureRequest& request);
 

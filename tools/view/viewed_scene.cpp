@@ -13,6 +13,7 @@
 #include "render/scene_words.h"
 #include "render/truth.h"
 #include "tools/analysis/pick.h"
+#include "tools/pictures/annotations.h"
 #include "tools/view/admission.h"
 
 namespace rhoray::tools {
@@ -207,6 +208,7 @@ std::string hello_text(const ViewedScene& viewed, const std::string& document) {
   for (auto& [name, value] : shown["data"].items()) value.erase("file");
   const Box3 bounds = bounds_of(viewed.plan);
   const render::ViewAxes axes = view_axes(viewed.scene_spec, viewed.plan);
+  const DirectionLetters letters = letters_of(space_of(viewed.plan));
   return dump(Json{{"hello",
                     {{"protocol", view_protocol},
                      {"program", viewed.program},
@@ -215,6 +217,7 @@ std::string hello_text(const ViewedScene& viewed, const std::string& document) {
                      {"bounds", {json_of(bounds.min), json_of(bounds.max)}},
                      {"up", json_of(axes.up)},
                      {"ahead", json_of(axes.ahead)},
+                     {"directions", letters.high.empty() ? Json() : Json{{"low", letters.low}, {"high", letters.high}}},
                      {"length_unit", viewed.plan.datasets.front().length_unit()},
                      {"data", data},
                      {"document", shown},

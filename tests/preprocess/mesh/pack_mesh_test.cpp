@@ -279,7 +279,7 @@ TEST(PackMesh, takes_at_most_14_bytes_for_a_tetrahedron_beyond_points_and_fields
   }
 }
 
-TEST(PackMesh, refuses_bad_meshes_and_bad_wishes_and_leaves_nothing) {
+TEST(PackMesh, refuses_bad_meshes_and_bad_options_and_leaves_nothing) {
   const NeutralMesh good = tests::box_mesh({}, tests::product_field());
   EXPECT_EQ(refusal(tests::box_mesh({})).code(), ErrorCode::invalid) << "no field";
   EXPECT_EQ(refusal(NeutralMesh{}).code(), ErrorCode::invalid);

@@ -26,7 +26,7 @@ class DragClientTest : public testing::Test {
   std::jthread serving_{[this](const std::stop_token& stop) { server_.run(stop); }};
 };
 
-TEST_F(DragClientTest, sees_a_picture_for_every_wish) {
+TEST_F(DragClientTest, sees_a_picture_for_every_request) {
   DragClient client(server_.url(), server_.port());
   const DragFigures figures = client.drag(0.5, small);
   EXPECT_FALSE(figures.latencies_ms.empty());

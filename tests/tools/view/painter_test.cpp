@@ -245,7 +245,7 @@ TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledg
   painter.remove(of_silent);
 }
 
-TEST(Painter, tells_the_command_and_the_document_of_the_newest_wish) {
+TEST(Painter, tells_the_command_and_the_document_of_the_newest_request) {
   const TemporaryFolder folder;
   Inbox inbox;
   Painter painter(viewed_box(folder), 1);
@@ -287,6 +287,43 @@ TEST(Painter, says_what_was_resolved_what_it_cost_and_what_exact_arithmetic_find
   EXPECT_EQ(check["missed"], 0);
   EXPECT_EQ(check["false_hits"], 0);
   EXPECT_LT(check["kept_by_99"], 1e-3);  // float decides hits in these cells to 1e-6; 1e-3 tells a wrong unit
+}
+
+/// Acknowledges pictures up to the lossless one.
+void acknowledge_finished_picture(Painter& painter, Painter::ClientId client, Inbox& inbox) {
+  for (std::size_t frame = 1;; ++frame) {
+    const auto pictures = inbox.pictures(frame);
+    ASSERT_GE(pictures.size(), frame) << "nothing more came";
+    painter.take(client, Acknowledgement{static_cast<std::uint32_t>(frame)});
+    if (read_picture_header(pictures[frame - 1]).codec == Codec::png) return;
+  }
+}
+
+TEST(Painter, times_the_effects_that_the_picture_uses) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const std::pair<const char*, std::vector<std::string>> cases[] = {
+      {R"({"style": "fast", "image": {"antialias": 1}})", {"specular"}},
+      {R"({"style": "fast", "image": {"antialias": 16}, "effects": {"ambient_occlusion": {"samples": 32}}})",
+       {"antialiasing", "ambient occlusion", "specular"}}};
+  for (const auto& [patch, expected] : cases) {
+    Inbox inbox;
+    Painter painter(viewed, 1);
+    const Painter::ClientId client = painter.add(inbox.sink());
+    painter.take(client, PictureRequest{.number = 5, .patch = patch, .width = 60, .height = 50});
+    acknowledge_finished_picture(painter, client, inbox);
+    const Json effects = message(inbox, "effects");
+    EXPECT_EQ(effects["n"], 5);
+    std::vector<std::string> names;
+    for (const Json& effect : effects["effects"]) {
+      names.push_back(effect["effect"]);
+      EXPECT_LT(effect["ms"], effects["ms"]);
+    }
+    EXPECT_EQ(names, expected);
+    if (names.size() > 2) {
+      EXPECT_GT(effects["effects"][1]["ms"], 0) << "32 rays for each ray that hits";
+    }
+  }
 }
 
 TEST(Painter, probes_the_pixel_with_a_proven_error) {

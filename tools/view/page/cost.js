@@ -21,10 +21,19 @@ export function checkSentence(check) {
     `${grouped(check.false_hits)} false hits${within}`;
 }
 
+/** A sentence about the milliseconds that each effect costs. */
+export function effectsSentence(effects) {
+  if (!effects) return "Effects are timed when the picture rests.";
+  if (effects.why_not) return effects.why_not;
+  const times = effects.effects.map(({ effect, ms }) => `${effect} ${rounded(ms.toFixed(1))} ms`);
+  return `Traced again in ${rounded(effects.ms, 3)} ms` +
+    (times.length ? `, of these ${times.join(", ")}.` : "; no effect is used.");
+}
+
 export function showCost(panel, view) {
   panel.show([view.name], () => {
     const time = make("p", { id: "cost-time" }), table = make("dl", { id: "cost-counts", class: "pairs" });
-    const unused = make("p", { id: "cost-unused" }), check = make("p", { id: "cost-check" });
+    const [byEffect, unused, check] = ["effects", "unused", "check"].map((name) => make("p", { id: `cost-${name}` }));
     panel.onRefresh(() => {
       const { finished } = view, statistics = finished?.statistics ?? {};
       time.textContent = finished
@@ -34,10 +43,11 @@ export function showCost(panel, view) {
       table.hidden = used.length === 0;
       table.replaceChildren(...used.flatMap((key) =>
         [make("dt", { text: counts[key] }), make("dd", { text: grouped(statistics[key]) })]));
+      byEffect.textContent = effectsSentence(view.effects);
       const free = Object.keys(effects).filter((key) => statistics[key] === 0).map((key) => effects[key]);
       unused.textContent = free.length ? `Not used here, and without cost: ${free.join(", ")}.` : "";
       check.textContent = checkSentence(view.check);
     });
-    return [time, table, unused, check];
+    return [time, byEffect, table, unused, check];
   });
 }

@@ -77,6 +77,7 @@ const app = {
     if (!view.hello || !view.camera) return;
     placeHandles(view);
     pins.place(view);
+    view.orientation.place(view);
   },
   stateChanged(view) {
     if (view !== app.active) return;

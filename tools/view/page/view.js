@@ -1,6 +1,7 @@
 // One view: a canvas with its own connection, camera and patch of the scene document.
 import { Connection } from "./connection.js";
 import { make } from "./controls.js";
+import { Orientation } from "./orientation.js";
 import { at, difference, equal, merge, put } from "./patch.js";
 import { decode, drawPicture, readPicture } from "./pictures.js";
 import { Prober } from "./prober.js";
@@ -19,6 +20,8 @@ export class View {
   png = null;           // the picture in the canvas, if it is lossless
   finished = null;
   check = null;
+  effects = null;       // what each effect of the picture costs
+  orientation = null;
   levelMs = {};         // by accuracy: ms of the newest finished picture
   markers = [];         // elements of pinned points
   faceHandles = [];     // {element, end, axis} of faces of the clip box
@@ -174,7 +177,7 @@ export class View {
     const n = ++this.requestNumber, size = [this.canvas.width, this.canvas.height];
     const { isMoving: moving, camera, patch: scene } = this;
     if (!this.connection.send({ n, size, moving, camera, scene })) return false;
-    this.check = null;
+    this.check = this.effects = null;
     if (moving) return true;
     this.#rest = { n, accuracy: this.accuracy };
     this.app.rested();
@@ -218,6 +221,7 @@ export class View {
       if (this.#rest?.n === this.finished.n) this.levelMs[this.#rest.accuracy] = this.finished.ms;
     }
     if (message.check && message.check.n === this.requestNumber) this.check = message.check;
+    if (message.effects && message.effects.n === this.requestNumber) this.effects = message.effects;
     if (message.probe) this.prober.take(message.probe);
     if (message.keep) this.#kept(message.keep);
     if (message.error) this.app.showError(message.error);
@@ -237,6 +241,7 @@ export class View {
     this.#document = null;
     this.isOnline = true;
     this.camera ??= hello.camera;
+    this.orientation ??= new Orientation(this.overlay, hello);
     if (isFirst) this.app.greeted(this);
     this.#setState("tracing");
     this.change(false);

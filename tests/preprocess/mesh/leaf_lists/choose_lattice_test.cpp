@@ -11,7 +11,7 @@
 namespace rhoray::preprocess {
 namespace {
 
-TEST(ChooseLattice, makes_about_as_many_nearly_cubic_leaf_cells_as_wished) {
+TEST(ChooseLattice, makes_about_as_many_nearly_cubic_leaf_cells_as_asked) {
   for (const Vec3& extent : {Vec3(1, 1, 1), Vec3(3, 2, 1), Vec3(1e-3, 2e-3, 5e-3), Vec3(1e6, 3e6, 2e6)})
     for (const double request : {100.0, 5000.0, 1e6}) {
       const auto lattice = choose_lattice(Box3(Vec3(-7, 5, 100) * extent.x, Vec3(-7, 5, 100) * extent.x + extent),
@@ -36,7 +36,7 @@ TEST(ChooseLattice, reaches_beyond_the_box_on_every_side_by_a_small_part_of_a_le
   }
 }
 
-TEST(ChooseLattice, gives_a_thin_box_one_layer_and_the_wished_number_in_it) {
+TEST(ChooseLattice, gives_a_thin_box_one_layer_and_the_asked_number_in_it) {
   const auto plate = choose_lattice(Box3(Vec3(0, 0, 0), Vec3(10, 1e-6, 20)), {.leaf_cell_count = 5000});
   EXPECT_EQ(plate.macro.leaf_count.y, 1);
   EXPECT_NEAR(static_cast<double>(volume(plate.macro.leaf_count)), 5000, 500);
@@ -44,7 +44,7 @@ TEST(ChooseLattice, gives_a_thin_box_one_layer_and_the_wished_number_in_it) {
   EXPECT_EQ(rod.macro.leaf_count, Index3(1, 1, 5000));
 }
 
-TEST(ChooseLattice, refuses_wishes_that_make_no_sense) {
+TEST(ChooseLattice, refuses_options_that_make_no_sense) {
   const Box3 box(Vec3(0, 0, 0), Vec3(1, 1, 1));
   for (const double request : {0.0, -5.0, 1e12, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THROW(choose_lattice(box, {.leaf_cell_count = request}), Error);

@@ -1,0 +1,124 @@
+"""Random use of the viewer, as many minutes as RHORAY_RANDOM_MINUTES says: the memory of the server must not grow.
+
+The real data are used if RHORAY_SHARED_DATA names their folder.
+"""
+import os
+import pathlib
+import random
+import re
+import statistics
+import time
+import unittest
+
+from selenium.common.exceptions import ElementNotInteractableException, StaleElementReferenceException
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+from browser import write_mesh, write_volume
+from test_view import PageTest
+
+MINUTES = float(os.environ.get("RHORAY_RANDOM_MINUTES", "0"))
+DATA = os.environ.get("RHORAY_SHARED_DATA")
+MOST_GROWTH = 8  # MiB
+# Of selects with slow choices.
+QUICK_CHOICES = {"accuracy": ("preview", "float", "double", "certified"), "show": ("color", "cost", "depth")}
+KEYS = list("123456ro+-pbvh") + [Keys.ARROW_LEFT, Keys.ARROW_UP, Keys.ENTER]
+
+
+@unittest.skipUnless(MINUTES, "RHORAY_RANDOM_MINUTES is not set")
+class RandomUse(PageTest):
+    def test_memory_does_not_grow_with_a_volume(self):
+        self.use(pathlib.Path(DATA) / "volumes/vhf_ct_head/vhf_ct_head.nhdr" if DATA else "volume.npy")
+
+    def test_memory_does_not_grow_with_a_mesh(self):
+        self.use(pathlib.Path(DATA) / "unstructured/disk_out_ref.ex2" if DATA else "mesh.vtk")
+
+    def use(self, path):
+        write_volume(self.folder / "volume.npy", side=128)
+        write_mesh(self.folder / "mesh.vtk", side=16)
+        seed = random.randrange(2**32)
+        print(f"\n  {path}, seed {seed}", flush=True)
+        self.random = random.Random(seed)
+        viewer = self.view(path)
+        for name in ("scene", "clipping", "cost", "bookmarks"):
+            self.open_section(name)
+        begin, samples, acts = time.time(), [], 0  # samples: (minute, MiB)
+        while (minute := (time.time() - begin) / 60) < MINUTES:
+            self.act()
+            acts += 1
+            time.sleep(self.random.uniform(0, 1.5))
+            self.assertIsNone(viewer.process.poll(), "the server lives")
+            if not samples or minute - samples[-1][0] > MINUTES / 60:
+                samples.append((minute, memory(viewer.process.pid)))
+                print(f"  {minute:5.1f} min, {acts} acts: {samples[-1][1]:.1f} MiB", flush=True)
+                self.check_console()
+        # The first third fills what is kept for the next picture: isovalues, two connections, the largest canvas.
+        early = statistics.median(mib for minute, mib in samples if MINUTES / 3 < minute <= MINUTES * 2 / 3)
+        late = statistics.median(mib for minute, mib in samples if minute > MINUTES * 2 / 3)
+        print(f"  {acts} acts in {MINUTES:g} minutes; memory {early:.1f} MiB in the second third, {late:.1f} in the last")
+        self.assertLessEqual(late - early, MOST_GROWTH)
+
+    def act(self):
+        acts = (self.drag_somewhere, self.drag_handle, self.wheel, self.press_key, self.press_key, self.click_control,
+                self.choose, self.slide)
+        try:
+            self.random.choice(acts)()
+        except (ElementNotInteractableException, StaleElementReferenceException):
+            pass  # the panel was built again meanwhile, or the control is hidden or off
+        if self.js("document.getElementById('help').open"):
+            self.driver.find_element(By.CSS_SELECTOR, "#help button").click()
+        if self.js("!document.getElementById('alert').hidden"):
+            self.find("alert-close").click()
+        if self.random.random() < 0.02:
+            self.driver.refresh()
+            self.wait("window.rhoray && rhoray.active && rhoray.active.drawn")
+        if self.random.random() < 0.03:
+            self.driver.set_window_size(self.random.choice((700, 900, 1100)), self.random.choice((500, 760)))
+
+    def somewhere(self):
+        return self.random.choice(self.driver.find_elements(By.CSS_SELECTOR, ".view canvas"))
+
+    def drag_somewhere(self):
+        way = [(self.random.randint(-6, 6), self.random.randint(-6, 6))] * self.random.randint(3, 15)
+        self.drag(self.somewhere(), (self.random.randint(-20, 20), self.random.randint(-20, 20)), way)
+
+    def drag_handle(self):
+        handles = self.driver.find_elements(By.CSS_SELECTOR, ".handle, .face")
+        if handles:
+            self.drag(self.random.choice(handles), (0, 0), [(self.random.choice((-2, 2)), 0)] * 10)
+
+    def wheel(self):
+        ActionChains(self.driver).move_to_element(self.somewhere()).scroll_by_amount(
+            0, self.random.choice((-100, 100))).perform()
+
+    def press_key(self):
+        self.somewhere().send_keys(self.random.choice(KEYS))
+
+    def click_control(self):
+        controls = self.driver.find_elements(By.CSS_SELECTOR, "aside input[type=checkbox], aside .buttons button, "
+                                             "[id^=panel-] button")
+        self.random.choice([each for each in controls if each.is_displayed()]).click()
+
+    def choose(self):
+        boxes = [each for each in self.driver.find_elements(By.CSS_SELECTOR, "aside select") if each.is_displayed()]
+        box = self.random.choice(boxes)
+        values = [option.get_attribute("value") for option in Select(box).options]
+        allowed = QUICK_CHOICES.get(box.get_attribute("id"), values)
+        Select(box).select_by_value(self.random.choice([value for value in values if value in allowed]))
+
+    def slide(self):
+        sliders = [each for each in self.driver.find_elements(By.CSS_SELECTOR, "aside input[type=range]")
+                   if each.is_displayed()]
+        if sliders:
+            self.random.choice(sliders).send_keys(self.random.choice((Keys.ARROW_LEFT, Keys.ARROW_RIGHT)) * 3)
+
+
+def memory(pid):
+    """Memory of its own of a process, without mapped files, in MiB."""
+    return int(re.search(r"RssAnon:\s+(\d+)", pathlib.Path(f"/proc/{pid}/status").read_text()).group(1)) / 1024
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,70 @@
+// The directions of the axes and a scale bar, in a corner of a view. They follow the camera at once; they are no part
+// of the picture.
+import { extent, frameOf } from "./camera.js";
+import { make } from "./controls.js";
+import { rounded } from "./vectors.js";
+
+const size = 64, reach = 18, letterReach = 26, widestBar = 110;
+const namesOfAxes = { low: "", high: "xyz" };
+
+function svg(tag, attributes, ...children) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.append(...children);
+  return element;
+}
+
+/** The longest length of 1, 2 or 5 times a power of 10 that is not above a limit. */
+export function roundLength(limit) {
+  const power = 10 ** Math.floor(Math.log10(limit));
+  return power * [5, 2, 1].find((digit) => digit * power <= limit * (1 + 1e-12));
+}
+
+export class Orientation {
+  #axes = [];
+  #isBody = false;
+
+  constructor(overlay, { directions, length_unit: unit }) {
+    this.unit = unit;
+    const { low, high } = directions ?? namesOfAxes;
+    this.#isBody = Boolean(directions);
+    const ends = [...high].map((letter, axis) => ({ letter, axis, sign: 1 }))
+      .concat([...low].map((letter, axis) => ({ letter, axis, sign: -1 })));
+    this.#axes = ends.map(({ letter, axis, sign }) => {
+      const line = svg("line", { x1: 0, y1: 0 }), text = svg("text", {});
+      text.textContent = letter;
+      return { axis, sign, element: svg("g", { class: `axis axis-${axis}` }, line, text), line, text };
+    });
+    this.drawing = svg("svg", { class: "directions", viewBox: `${-size / 2} ${-size / 2} ${size} ${size}` },
+                       ...this.#axes.map(({ element }) => element));
+    this.text = make("span");
+    this.bar = make("span", { class: "scale-bar" });
+    this.element = make("div", { class: "orientation", role: "img" }, this.drawing, this.text, this.bar);
+    overlay.append(this.element);
+  }
+
+  place({ camera, canvas }) {
+    const { right, above, back } = frameOf(camera);
+    const facing = this.#axes.map(({ axis, sign, element, line, text }) => {
+      const [x, y, depth] = [sign * right[axis], -sign * above[axis], sign * back[axis]];
+      for (const [key, value] of [["x2", reach * x], ["y2", reach * y]]) line.setAttribute(key, value);
+      for (const [key, value] of [["x", letterReach * x], ["y", letterReach * y]]) text.setAttribute(key, value);
+      element.classList.toggle("behind", depth < 0);
+      return { depth, element, letter: text.textContent };
+    }).sort((a, b) => a.depth - b.depth);
+    this.drawing.append(...facing.map(({ element }) => element));  // what is nearer is drawn later
+    const perPixel = extent(camera) / Math.max(1, canvas.clientHeight);
+    const length = roundLength(perPixel * Math.min(widestBar, canvas.clientWidth / 3));
+    this.bar.style.width = `${length / perPixel}px`;
+    const where = camera.ortho_height ? "" : " at the pivot";  // perspective makes the near larger
+    this.text.textContent = `${rounded(length, 1)} ${this.unit}`.trim() + where;
+    this.element.setAttribute("aria-label", `${this.#towards(facing)}; scale bar: ${this.text.textContent}`);
+  }
+
+  /** Says which axis or side of a body faces the eye. */
+  #towards(facing) {
+    if (this.#isBody) return `${facing.at(-1).letter} faces the viewer`;
+    const most = facing.reduce((a, b) => Math.abs(b.depth) > Math.abs(a.depth) ? b : a);
+    return `${most.depth < 0 ? "−" : "+"}${most.letter} faces the viewer`;
+  }
+}
