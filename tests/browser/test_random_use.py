@@ -73,7 +73,8 @@ class RandomUse(PageTest):
             self.find("alert-close").click()
         if self.random.random() < 0.02:
             self.driver.refresh()
-            self.wait("window.rhoray && rhoray.active && rhoray.active.drawn")
+            # If the user hid all layers, the page only says so.
+            self.wait("window.rhoray && rhoray.active && (rhoray.active.drawn || !document.getElementById('alert').hidden)")
         if self.random.random() < 0.03:
             self.driver.set_window_size(self.random.choice((700, 900, 1100)), self.random.choice((500, 760)))
 

@@ -7,13 +7,6 @@ import { rounded } from "./vectors.js";
 const size = 64, reach = 18, letterReach = 26, widestBar = 110;
 const namesOfAxes = { low: "", high: "xyz" };
 
-function svg(tag, attributes, ...children) {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  element.append(...children);
-  return element;
-}
-
 /** The longest length of 1, 2 or 5 times a power of 10 that is not above a limit. */
 export function roundLength(limit) {
   const power = 10 ** Math.floor(Math.log10(limit));
@@ -30,13 +23,15 @@ export class Orientation {
     this.#isBody = Boolean(directions);
     const ends = [...high].map((letter, axis) => ({ letter, axis, sign: 1 }))
       .concat([...low].map((letter, axis) => ({ letter, axis, sign: -1 })));
-    this.#axes = ends.map(({ letter, axis, sign }) => {
-      const line = svg("line", { x1: 0, y1: 0 }), text = svg("text", {});
+    const template = make("template", { innerHTML:
+      `<svg class="directions" viewBox="${-size / 2} ${-size / 2} ${size} ${size}">` +
+      ends.map(({ axis }) => `<g class="axis-${axis}"><line x1="0" y1="0"/><text/></g>`).join("") + "</svg>" });
+    this.drawing = template.content.firstElementChild;
+    this.#axes = ends.map(({ letter, axis, sign }, i) => {
+      const element = this.drawing.children[i], [line, text] = element.children;
       text.textContent = letter;
-      return { axis, sign, element: svg("g", { class: `axis axis-${axis}` }, line, text), line, text };
+      return { axis, sign, element, line, text };
     });
-    this.drawing = svg("svg", { class: "directions", viewBox: `${-size / 2} ${-size / 2} ${size} ${size}` },
-                       ...this.#axes.map(({ element }) => element));
     this.text = make("span");
     this.bar = make("span", { class: "scale-bar" });
     this.element = make("div", { class: "orientation", role: "img" }, this.drawing, this.text, this.bar);
