@@ -27,6 +27,7 @@
 #include <thread>
 #include <utility>
 
+#include "formats/base/component_file.h"
 #include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
@@ -78,22 +79,15 @@ void freeze(const Descriptor& answer, const WorkerRequest& request) {
 }
 
 std::string worker_path(const std::string& program) {
-  fs::path folder;
-  if (const char* named = std::getenv("RHORAY_WORKER_DIR"); named != nullptr && *named != '\0') {
-    folder = named;
-  } else {
-    folder = fs::read_symlink("/proc/self/exe").parent_path();
-  }
-  const fs::path path = folder / program;
-  if (::access(path.c_str(), F_OK) != 0)
-    throw Error(ErrorCode::unsupported,
-                concat("this needs the program ", program, ", which is not in ", folder.string()),
-                "tools/setup/build builds it; RHORAY_WORKER_DIR names another folder");
-  if (::access(path.c_str(), X_OK) != 0)
+  const char* const named = std::getenv("RHORAY_WORKER_DIR");
+  const ComponentFile file(program, named == nullptr ? "" : named);
+  if (!file.exists())
+    throw Error(ErrorCode::unsupported, concat("this needs ", file.missing_text()),
+                concat(file.hint(), "; RHORAY_WORKER_DIR names another folder"));
+  if (::access(file.path().c_str(), X_OK) != 0)
     throw Error(ErrorCode::internal,
-                concat("the worker program ", path.string(), " cannot be started: ", std::strerror(errno)),
-                "it belongs beside the program that was called, or in the folder named by RHORAY_WORKER_DIR");
-  return path.string();
+                concat("the worker program ", file.path().string(), " cannot be started: ", std::strerror(errno)));
+  return file.path().string();
 }
 
 /// Everything that the child needs, prepared before the fork. After the fork, only calls that are

@@ -32,7 +32,7 @@ class MissingComponents : public testing::Test {
     const RunResult run = alone(words);
     EXPECT_EQ(run.exit_code, 7);
     EXPECT_THAT(run.err, AllOf(HasSubstr("this needs the"), HasSubstr(component + ", which is not in "),
-                               HasSubstr("tools/setup/build builds it")));
+                               HasSubstr("hint: the package rhoray-"), HasSubstr("tools/setup/build builds it")));
     EXPECT_EQ(bench_.contents(), before);
   }
 

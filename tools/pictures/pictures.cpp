@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "formats/base/component_file.h"
 #include "formats/base/error.h"
 #include "formats/base/library_text.h"
 #include "formats/base/lower_case.h"
@@ -33,15 +34,11 @@ std::string format_of(const std::filesystem::path& path) {
   return {};
 }
 
-std::filesystem::path module_path() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / pictures_module;
-}
-
 /// Loads a function of the module.
 template <class Act>
 Act* load(const char* name) {
   require_pictures_module();
-  void* const handle = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* const handle = ::dlopen(ComponentFile(pictures_module).path().c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const symbol = handle == nullptr ? nullptr : ::dlsym(handle, name);
   if (symbol == nullptr)
     throw Error(ErrorCode::unsupported, concat("the module for pictures cannot be loaded: ", ::dlerror()));
@@ -60,16 +57,14 @@ void require_ids_that_fit(const render::Framebuffer& picture, const std::filesys
 }  // namespace
 
 void require_pictures_module() {
-  const std::filesystem::path path = module_path();
-  if (!std::filesystem::exists(path))
-    throw Error(ErrorCode::unsupported,
-                concat("this needs the module ", pictures_module, ", which is not in ", path.parent_path().string()),
-                "tools/setup/build builds it; PNG pictures without annotations are written without it");
+  if (const ComponentFile file(pictures_module); !file.exists())
+    throw Error(ErrorCode::unsupported, concat("this needs ", file.missing_text()),
+                concat(file.hint(), "; PNG pictures without annotations are written without it"));
 }
 
 bool can_annotate() {
   std::error_code ignored;
-  return std::filesystem::exists(module_path(), ignored) &&
+  return ComponentFile(pictures_module).exists() &&
          std::any_of(known_fonts().begin(), known_fonts().end(),
                      [&](const auto& font) { return std::filesystem::is_regular_file(font, ignored); });
 }

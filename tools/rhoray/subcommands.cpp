@@ -21,6 +21,7 @@ constexpr std::pair<std::string_view, Subcommand (*)()> makers[] = {{"info", inf
                                                                     {"accuracy", accuracy_subcommand},
                                                                     {"validate", validate_subcommand},
                                                                     {"measure", measure_subcommand},
+                                                                    {"selftest", selftest_subcommand},
                                                                     {"bench", bench_subcommand}};
 
 }  // namespace

@@ -23,6 +23,7 @@ Subcommand compare_subcommand();
 Subcommand accuracy_subcommand();
 Subcommand cache_subcommand();
 Subcommand measure_subcommand();
+Subcommand selftest_subcommand();
 Subcommand view_subcommand();
 
 /// Those of `rhoray`, in the order of its help.

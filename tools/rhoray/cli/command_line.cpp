@@ -12,6 +12,8 @@
 #include "formats/base/library_text.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/word_list.h"
+#include "render/load.h"
+#include "tools/rhoray/cli/completion.h"
 #include "tools/rhoray/cli/given_words.h"
 #include "tools/rhoray/cli/help.h"
 #include "tools/rhoray/cli/interrupt.h"
@@ -111,7 +113,7 @@ int run_subcommand(const Subcommand& subcommand, std::span<const char* const> wo
 }
 
 const Subcommand& choose(std::span<const Subcommand> subcommands, const std::string& word) {
-  std::vector<std::string> names{"--help", "--version"};
+  std::vector<std::string> names{"help", "--help", "--version"};
   for (const Subcommand& each : subcommands) {
     if (each.name == word) return each;
     names.push_back(each.name);
@@ -119,6 +121,29 @@ const Subcommand& choose(std::span<const Subcommand> subcommands, const std::str
   const std::string hint = subcommand_hint(word, names);
   throw Error(ErrorCode::usage, concat(word.starts_with("-") ? "unknown option " : "no subcommand ", word),
               hint.empty() ? "`rhoray --help` lists the subcommands" : hint);
+}
+
+/// `rhoray help SUBCOMMAND`.
+int print_help(std::span<const Subcommand> subcommands, std::span<const char* const> words) {
+  if (words.size() > 1)
+    throw Error(ErrorCode::usage, concat("unexpected ", words[1]), "`rhoray help SUBCOMMAND` takes one subcommand");
+  const std::string text = words.empty() ? overview(subcommands, help_width())
+                                         : help_text(choose(subcommands, words[0]), HelpLevel::common, help_width());
+  return std::fputs(text.c_str(), stdout), 0;
+}
+
+/// Fields that a shell offers. Only packed files are read quickly enough.
+std::vector<std::string> fields_of_packed_file(const std::filesystem::path& path) try {
+  if (path.extension() != ".rho") return {};
+  return render::Dataset::load(path).color_names();
+} catch (const std::exception&) {  // a shell shows no reasons
+  return {};
+}
+
+/// `rhoray complete WORD...`, which the completions of shells call.
+int print_completion(std::span<const Subcommand> subcommands, std::span<const char* const> words) {
+  const std::vector<std::string> texts(words.begin(), words.end());
+  return std::fputs(text_of(completion_of(subcommands, texts, fields_of_packed_file)).c_str(), stdout), 0;
 }
 
 }  // namespace
@@ -148,10 +173,13 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
     // That standard output takes them is seen at its end (interrupt.h).
     if (word == "--help" || word == "-h" || word == "--help-all")
       return std::fputs(overview(subcommands, help_width()).c_str(), stdout), 0;
+    const auto words = std::span(argv, static_cast<std::size_t>(argc)).subspan(2);
+    if (word == "help") return print_help(subcommands, words);
+    if (word == "complete") return print_completion(subcommands, words);
     if (word == "--version") return std::puts(version_line().c_str()), 0;
     const Subcommand& subcommand = choose(subcommands, word);
     place += " " + subcommand.name;
-    const int exit_code = run_subcommand(subcommand, std::span(argv, static_cast<std::size_t>(argc)).subspan(2));
+    const int exit_code = run_subcommand(subcommand, words);
     require_no_lost_bytes();
     return exit_code;
   } catch (const Error& error) {

@@ -145,7 +145,7 @@ std::string help_text(const Subcommand& subcommand, HelpLevel level, std::size_t
   return text;
 }
 
-std::string overview(std::span<const Subcommand> subcommands, std::size_t width) {
+std::vector<HelpSection> sections_of_program(std::span<const Subcommand> subcommands) {
   std::vector<HelpSection> sections;
   for (const Subcommand& each : subcommands)
     section_named(each.group, sections).entries.push_back({.term = each.name, .text = each.summary});
@@ -173,6 +173,20 @@ std::string overview(std::span<const Subcommand> subcommands, std::size_t width)
                                   {"7", "unknown file type or version"},
                                   {"130, 143, 129", "ended by SIGINT, SIGTERM, SIGHUP"},
                                   {"141", "the reader of a pipe has ended"}}});
+  sections.push_back(
+      {.heading = "Environment",
+       .entries = {{"RHORAY_CACHE_SIZE", "Size of all packed copies at most, such as 5G; default 20 GiB"},
+                   {"XDG_CACHE_HOME", "Folder in which the folder rhoray holds packed copies; default ~/.cache"},
+                   {"RHORAY_WORKER_DIR", "Folder of the worker programs; default the one where they were installed"},
+                   {"RHORAY_MACHINE", "Instruction set of kernels: scalar, baseline, avx2 or avx512; default the best"},
+                   {"COLUMNS", "Width of help texts"}},
+       .is_expert = true});
+  return sections;
+}
+
+std::string overview(std::span<const Subcommand> subcommands, std::size_t width) {
+  std::vector<HelpSection> sections = sections_of_program(subcommands);
+  std::erase_if(sections, [](const HelpSection& section) { return section.is_expert; });
   return concat("Ray tracing of volumes and tetrahedral meshes\n", "Usage: rhoray SUBCOMMAND FILE... [OPTIONS]\n",
                 "\nExamples:\n", example_text("rhoray pack head.nrrd -o head.rho", width),
                 example_text("rhoray render head.rho -o head.png", width), text_of(sections, width),
