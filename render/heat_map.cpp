@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "formats/base/checks.h"
 #include "render/color_map.h"
 #include "render/paint.h"
 
@@ -28,6 +29,14 @@ double number_at(DebugChannel page, const Framebuffer& picture, std::size_t pixe
   return picture.cost[pixel];
 }
 
+bool has_channel(DebugChannel page, const Framebuffer& picture) {
+  const std::size_t count = page == DebugChannel::error        ? picture.error.size()
+                            : page == DebugChannel::roots      ? picture.roots.size()
+                            : page == DebugChannel::iterations ? picture.iterations.size()
+                                                               : picture.cost.size();
+  return count == picture.pixel_count();
+}
+
 }  // namespace
 
 ChannelSet channel_of(DebugChannel page) {
@@ -38,6 +47,7 @@ ChannelSet channel_of(DebugChannel page) {
 }
 
 Interval<double> draw_heat_map(DebugChannel page, Framebuffer& picture) {
+  RHORAY_CHECK(has_channel(page, picture));
   Interval<double> range;
   for (std::size_t pixel = 0; pixel < picture.pixel_count(); ++pixel)
     if (const double number = number_at(page, picture, pixel); std::isfinite(number)) range.include(number);

@@ -15,6 +15,7 @@ ChannelSet channel_of(DebugChannel page);
 /// smallest number in the picture, yellow for the largest (five colours of viridis). The scale is
 /// linear; errors use a logarithmic scale. Pixels without a number, and those with an error of
 /// zero, are grey.
+/// @param picture  has that channel
 /// @return  the smallest and the largest number shown; empty when there is none
 Interval<double> draw_heat_map(DebugChannel page, Framebuffer& picture);
 

@@ -1,4 +1,5 @@
 """Random use of the viewer, as many minutes as RHORAY_RANDOM_MINUTES says: the memory of the server must not grow.
+RHORAY_RANDOM_SEED repeats the acts of an earlier run, though not their moments.
 
 The real data are used if RHORAY_SHARED_DATA names their folder.
 """
@@ -38,7 +39,7 @@ class RandomUse(PageTest):
     def use(self, path):
         write_volume(self.folder / "volume.npy", side=128)
         write_mesh(self.folder / "mesh.vtk", side=16)
-        seed = random.randrange(2**32)
+        seed = int(os.environ.get("RHORAY_RANDOM_SEED", random.randrange(2**32)))
         print(f"\n  {path}, seed {seed}", flush=True)
         self.random = random.Random(seed)
         viewer = self.view(path)

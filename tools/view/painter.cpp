@@ -348,7 +348,6 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
     client.sink.send_text(resolved_text(*client.scene, request.number));
   client.plan = with_request(viewed_, *client.scene, request);
   render::ResolvedScene& plan = client.plan;
-  if (plan.page) plan.frame.channels |= channel_of(*plan.page);
   plan.frame.channels |= channels_of_annotations(plan);
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
   // After a motion the page shows this view already, though with fewer pixels.
@@ -399,6 +398,7 @@ std::optional<render::FrameStatistics> Painter::trace(Client& client, render::Re
                                                       render::Refinement refinement, Clock::time_point begin,
                                                       render::Framebuffer& picture, bool may_be_ended) {
   plan.frame.threads = threads_;
+  if (plan.page) plan.frame.channels |= channel_of(*plan.page);
   const Clock::time_point deadline = begin + longest_picture_;
   std::stop_source source;
   {

@@ -121,6 +121,23 @@ INSTANTIATE_TEST_SUITE_P(
                     Finish{"heat_map", render::LayerType::isosurface, R"({"image": {"show": "cost"}})"}),
     [](const auto& test) { return std::string(test.param.name); });
 
+TEST(Painter, draws_heat_maps_while_moving) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  for (const char* page : {"error", "roots", "cost"}) {
+    Inbox inbox;
+    Painter painter(viewed, 2);
+    painter.take(painter.add(inbox.sink()),
+                 PictureRequest{.number = 1,
+                                .patch = concat(R"({"layers": {"0": {"accuracy": "certified"}}, "image": {"show": ")",
+                                                page, "\"}}"),
+                                .width = 60,
+                                .height = 50,
+                                .is_moving = true});
+    EXPECT_EQ(inbox.pictures(1).size(), 1U) << page;
+  }
+}
+
 TEST(Painter, sends_no_more_than_two_pictures_that_are_not_acknowledged_and_then_the_newest) {
   const TemporaryFolder folder;
   Inbox inbox;
