@@ -1,5 +1,7 @@
 #include "tools/view/painter.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -236,6 +238,7 @@ std::shared_ptr<Painter::Client> Painter::next_with_work() {
 }
 
 void Painter::run(const std::stop_token& stop) {
+  bool has_worked = false;
   while (!stop.stop_requested()) {
     std::shared_ptr<Client> client;
     {
@@ -245,12 +248,19 @@ void Painter::run(const std::stop_token& stop) {
                            [&](const auto& each) { return each->waits_at_rest() && has_room(*each); });
       };
       client = next_with_work();
-      if (!client && waits_for_rest())
+      if (!client && waits_for_rest()) {
         changed_.wait_for(lock, stop, rest_before_lossless / 3, [] { return false; });
-      else if (!client)
+      } else if (!client && has_worked) {
+        has_worked = false;
+        lock.unlock();
+        ::malloc_trim(0);  // pictures of other sizes and clients that left have freed memory
+      } else if (!client) {
         changed_.wait(lock, stop, [&] { return (client = next_with_work()) != nullptr || waits_for_rest(); });
+      }
     }
-    if (client) work_for(*client);
+    if (!client) continue;
+    has_worked = true;
+    work_for(*client);
   }
 }
 
