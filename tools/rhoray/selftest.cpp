@@ -1,11 +1,9 @@
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -18,6 +16,7 @@
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "tools/analysis/run_program.h"
+#include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
 #include "tools/rhoray/cli/version.h"
@@ -104,13 +103,8 @@ constexpr const char* cube_off =
 /// Runs the checks in a folder of its own, by the program that runs.
 class SelfTest {
  public:
-  explicit SelfTest(ProgressDisplay& display) : display_(display) {
-    std::string name = (fs::temp_directory_path() / "rhoray-selftest-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw Error(ErrorCode::resource, concat(name, ": the folder cannot be made"), "TMPDIR names another folder");
-    folder_ = name;
-    program_ = fs::read_symlink("/proc/self/exe");
-  }
+  explicit SelfTest(ProgressDisplay& display)
+      : display_(display), scratch_(fs::temp_directory_path()), folder_(scratch_.path()) {}
 
   std::vector<Check> run() {
     check("files", [this] { check_files(); });
@@ -125,8 +119,6 @@ class SelfTest {
     check_component("EXR pictures", {"render", "volume.rho", "--iso", "0.4", "--size", "40x30", "-o", "picture.exr"});
     return checks_;
   }
-
-  const fs::path& folder() const { return folder_; }
 
  private:
   template <class Act>
@@ -149,7 +141,8 @@ class SelfTest {
   }
 
   [[noreturn]] static void fail(const std::vector<std::string>& words, const ProgramRun& run) {
-    throw Error(ErrorCode::internal, concat("`rhoray ", shell_line(words), "` ended with ", run.status, ": ", run.err));
+    throw Error(ErrorCode::internal, concat("`rhoray ", shell_line(words), "` ended with ", run.status, ": ",
+                                            run.err.substr(0, run.err.find_last_not_of('\n') + 1)));
   }
 
   void require(int status, const std::vector<std::string>& words) const {
@@ -244,7 +237,8 @@ class SelfTest {
   }
 
   ProgressDisplay& display_;
-  fs::path folder_, program_;
+  const ScratchFolder scratch_;
+  const fs::path folder_, program_ = fs::read_symlink("/proc/self/exe");
   std::map<std::size_t, std::string> pictures_;  ///< of the first machine, by number
   std::vector<Check> checks_;
 };
@@ -300,15 +294,12 @@ int run(const SelftestCommand& command) {
                        check.text.empty() ? "" : "  ", check.text)
                     .c_str());
     }
-    std::puts(failed == 0
-                  ? concat("The program works on this machine; checked in ", rounded(seconds, 2), " s.").c_str()
-                  : concat(counted(static_cast<std::uint64_t>(failed), "check", "checks"),
-                           " failed. Report it with all of this, and with the files in ", test.folder().string())
-                        .c_str());
+    std::puts(failed == 0 ? concat("The program works on this machine; checked in ", rounded(seconds, 2), " s.").c_str()
+                          : concat(counted(static_cast<std::uint64_t>(failed), "check", "checks"),
+                                   " failed. A report of the fault should contain all of this output.")
+                                .c_str());
   }
-  if (failed != 0) return static_cast<int>(ErrorCode::internal);
-  fs::remove_all(test.folder());
-  return 0;
+  return failed == 0 ? 0 : static_cast<int>(ErrorCode::internal);
 }
 
 }  // namespace
@@ -330,7 +321,7 @@ Subcommand selftest_subcommand() {
                  {"threads", "The same picture with any number of threads"},
                  {"",
                   "The other checks start each installed worker program and load the module for pictures. Exit code 1 "
-                  "if a check fails; its files are then kept. A report of a fault should contain the output."}}}},
+                  "if a check fails."}}}},
       .options = message_options(command->common, "Print the results as JSON to stdout"),
       .run = [command] { return run(*command); }};
 }
