@@ -136,7 +136,7 @@ const Library libraries[] = {
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
     {"FreeType", std::regex("ft2build\\.h|freetype/.*"), {"tools"}},
     {"Eigen", std::regex("Eigen/.*"), {"data"}},
-    {"CLI11", std::regex("CLI/.*"), {"tools", "data"}},
+    {"CLI11", std::regex("CLI/.*"), {"data"}},
     {"JSON for Modern C++", std::regex("nlohmann/.*"), {"formats", "tools"}},
     {"xxHash", std::regex("xxhash\\.h"), {"formats", "tools"}},
     {"Highway", std::regex("hwy/.*"), {"render/traverse", "render/grid", "render/tets", "render/triangles"}},

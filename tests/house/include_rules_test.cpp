@@ -35,8 +35,8 @@ class PlantedHouse {
     plant("render/grid/intersectors.h", "#include \"render/query/kernels.h\"\n");
     plant("render/shade/diffuse.h", "#include \"render/scene.h\"\n");
     plant("render/frame/frame.cpp", "#include <tbb/parallel_for.h>\n#include \"render/shade/diffuse.h\"\n");
-    plant("data/recipes/ball.cpp", "#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");
-    plant("tools/rhoray/main.cpp", "#include <CLI/CLI.hpp>\n#include <unistd.h>\n#include \"render/scene.h\"\n");
+    plant("data/recipes/ball.cpp", "#include <CLI/CLI.hpp>\n#include <Eigen/Sparse>\n#include \"preprocess/pack.h\"\n");
+    plant("tools/rhoray/main.cpp", "#include <unistd.h>\n#include \"render/scene.h\"\n");
     plant("tools/pictures/canvas.h", "#include \"render/scene.h\"\n");
     plant("tools/analysis/results.h", "#include \"tools/pictures/canvas.h\"\n");
     plant("tools/rhoray/options.h", "#include \"tools/analysis/results.h\"\n");

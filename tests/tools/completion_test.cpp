@@ -68,6 +68,15 @@ TEST(Completion, offers_every_option_of_every_subcommand_with_its_help_and_every
   EXPECT_GT(choices, 200U);
 }
 
+TEST(FuzzDictionary, knows_every_option) {
+  const std::string words = tests::read_file(RHORAY_SOURCE_DIR "/tests/fuzz/dictionaries/command_line.dict");
+  for (const Subcommand& each : all_subcommands())
+    for (const Option& row : rows_with_help(each)) {
+      if (is_positional(row)) continue;
+      EXPECT_THAT(words, HasSubstr(concat("\"\\x0a", long_name(row), "\\x0a\""))) << each.name;
+    }
+}
+
 TEST(Completion, offers_what_begins_like_the_word) {
   EXPECT_THAT(candidates({"render", "head.rho", "--colormap", "vi"}), ElementsAre("viridis", "viridis_r"));
   EXPECT_THAT(candidates({"render", "head.rho", "--colormap=vi"}), ElementsAre("viridis", "viridis_r"));

@@ -305,6 +305,21 @@ TEST(SceneSchema, is_the_published_one) {
       << "rhoray render --scene-help prints the tables";
 }
 
+/// Calls a function with every key of objects in a schema.
+template <class Act>
+void for_each_key(const Json& schema, const Act& act) {
+  if (schema.is_object() && schema.contains("properties"))
+    for (const auto& [key, value] : schema["properties"].items()) act(key);
+  if (schema.is_structured())
+    for (const Json& part : schema) for_each_key(part, act);
+}
+
+TEST(FuzzDictionary, knows_every_key_of_scene_documents) {
+  const std::string words = read_file(RHORAY_SOURCE_DIR "/tests/fuzz/dictionaries/scene.dict");
+  for_each_key(Json::parse(render::scene_schema_text()),
+               [&](const std::string& key) { EXPECT_THAT(words, HasSubstr(concat("\"\\\"", key, "\\\": \""))); });
+}
+
 TEST(SceneSchema, knows_every_key_and_nothing_else) {
   const Json schema = Json::parse(render::scene_schema_text());
   for (const auto& row : render::scene_rows()) EXPECT_TRUE(schema["properties"].contains(row.key)) << row.key;

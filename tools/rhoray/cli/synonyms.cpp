@@ -49,7 +49,6 @@ constexpr Synonym option_synonyms[] = {{"--isovalue", "--iso"},
                                        {"--crop", "--clip-box"}};
 constexpr Synonym subcommand_synonyms[] = {{"convert", "pack, export or import"},
                                            {"show", "render"},
-                                           {"view", "render"},
                                            {"draw", "render"},
                                            {"plot", "render"},
                                            {"picture", "render"},
