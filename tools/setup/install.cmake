@@ -8,6 +8,8 @@ install(FILES ${completions}/rhoray.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/ba
 install(FILES ${completions}/_rhoray DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT rhoray)
 install(FILES ${completions}/rhoray.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
         COMPONENT rhoray)
+install(FILES ${PROJECT_SOURCE_DIR}/tools/paraview/rho_file.py ${PROJECT_SOURCE_DIR}/tools/paraview/rhoray_reader.py
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/rhoray/paraview COMPONENT rhoray)
 
 # rhoray_install_component(PACKAGE TARGET...): programs and modules that `rhoray` starts or loads, if they are built.
 function(rhoray_install_component package)
