@@ -74,7 +74,7 @@ class Manuals(Installed):
         self.assertGreater(len(pages), 15)
         done = subprocess.run(["mandoc", "-T", "lint", *pages], capture_output=True, text=True, check=False)
         # mandoc looks for other pages where the system has its own. Ours are looked for here.
-        self.assertEqual([line for line in done.stdout.split("\n") if line and "referenced manual not found" not in line], [])
+        self.assertEqual([line for line in done.stdout.splitlines() if "referenced manual not found" not in line], [])
         names = {page.stem for page in pages}
         for page in pages:
             self.assertLessEqual(set(re.findall(r"^\.Xr (\S+) 1", page.read_text(), re.M)), names, page)
@@ -125,7 +125,8 @@ class Completions(Installed):
         for number, line in enumerate(preparation):
             type_in(f"{line}; echo done{number}$((1))\n", f"done{number}1")
         for text, answer in (("rhoray pa\t", "rhoray pack "), ("rhoray render --colorm\t", "--colormap"),
-                             ("rhoray render --colormap tur\t\t\t", "turbo_r"), ("rhoray render --style=pre\t", "presentation"),
+                             ("rhoray render --colormap tur\t\t\t", "turbo_r"),
+                             ("rhoray render --style=pre\t", "presentation"),
                              ("rhoray render some\t", r"some\\ file\.rho")):
             type_in(text, answer)
             type_in("\x15echo cleared$((1))\n", "cleared1")
