@@ -11,7 +11,8 @@ import statistics
 import time
 import unittest
 
-from selenium.common.exceptions import ElementNotInteractableException, StaleElementReferenceException
+from selenium.common.exceptions import (ElementNotInteractableException, MoveTargetOutOfBoundsException,
+                                        StaleElementReferenceException)
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -72,8 +73,8 @@ class RandomUse(PageTest):
                 self.press_key, self.click_control, self.choose, self.slide)
         try:
             self.random.choice(acts)()
-        except (ElementNotInteractableException, StaleElementReferenceException):
-            pass  # the panel was built again meanwhile, or the control is hidden or off
+        except (ElementNotInteractableException, MoveTargetOutOfBoundsException, StaleElementReferenceException):
+            pass  # the panel was built again meanwhile, the control is hidden or off, or the window small
         if self.js("document.getElementById('help').open"):
             self.driver.find_element(By.CSS_SELECTOR, "#help button").click()
         if self.js("!document.getElementById('alert').hidden"):
