@@ -1,10 +1,10 @@
-// The directions of the axes and a scale bar, in a corner of a view. They follow the camera at once; they are no part
-// of the picture.
+// The directions of the axes and a scale bar, in the upper right corner of a view, where pictures have no annotations.
+// They follow the camera at once; they are no part of the picture.
 import { extent, frameOf } from "./camera.js";
 import { make } from "./controls.js";
 import { rounded } from "./vectors.js";
 
-const size = 64, reach = 18, letterReach = 26, widestBar = 110;
+const size = 56, reach = 15, letterReach = 22, widestBar = 110;
 const namesOfAxes = { low: "", high: "xyz" };
 
 /** The longest length of 1, 2 or 5 times a power of 10 that is not above a limit. */
@@ -32,9 +32,10 @@ export class Orientation {
       text.textContent = letter;
       return { axis, sign, element, line, text };
     });
-    this.text = make("span");
-    this.bar = make("span", { class: "scale-bar" });
-    this.element = make("div", { class: "orientation", role: "img" }, this.drawing, this.text, this.bar);
+    this.text = make("div");
+    this.bar = make("div", { class: "scale-bar" });
+    this.element = make("div", { class: "orientation", role: "img" }, this.drawing,
+                        make("div", {}, this.text, this.bar));
     overlay.append(this.element);
   }
 
