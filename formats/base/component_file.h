@@ -6,26 +6,25 @@
 
 namespace rhoray {
 
-/// Where a worker program or a module of ours lies: beside the program that runs, as in a build
-/// folder, or in the prefix in which that program is installed, wherever it was moved.
+/// The path of a worker program or of the module for pictures. In a build folder these files are
+/// beside the program; `cmake --install` puts them into lib/rhoray of the same prefix. The prefix may
+/// be moved.
 class ComponentFile {
  public:
   /// @param name    "rhoray-import-worker"
-  /// @param folder  looked into instead; empty: none
+  /// @param folder  the only folder that is searched, unless it is empty
   explicit ComponentFile(std::string_view name, const std::filesystem::path& folder = {});
 
-  const std::filesystem::path& path() const { return path_; }
-  bool exists() const { return exists_; }
-  /// What to tell a user who misses it: "the program rhoray-import-worker, which is not in /opt/bin".
+  const std::filesystem::path& path() const { return path_; }  ///< empty if the file does not exist
+  bool exists() const { return !path_.empty(); }
+  /// "the program rhoray-import-worker, which is not in /opt/bin", for messages.
   std::string missing_text() const;
-  /// The package that has it, and how to build it.
-  std::string hint() const;
+  std::string hint() const;  ///< which package contains the file, and how to build it
 
  private:
   std::string name_;
   std::filesystem::path path_;
-  std::string folders_;  ///< that were looked into
-  bool exists_ = false;
+  std::string searched_;  ///< folders, for messages
 };
 
 }  // namespace rhoray

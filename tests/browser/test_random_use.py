@@ -54,7 +54,7 @@ class RandomUse(PageTest):
             if time.time() > begin + 60 * MINUTES * len(samples) / SAMPLES:
                 samples.append(self.memory_at_rest(viewer))
         print(f"  {acts} acts in {MINUTES:g} minutes", flush=True)
-        # Before the first sample behind some use, the program grows by what it keeps for the next picture.
+        # The first sample is left out: the program then keeps no data of earlier pictures.
         self.assertLessEqual(statistics.median(samples[-3:]) - statistics.median(samples[1:4]), MOST_GROWTH)
 
     def memory_at_rest(self, viewer):

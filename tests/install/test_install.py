@@ -1,4 +1,4 @@
-"""What `cmake --install` makes, in a prefix that was moved after it."""
+"""Installs the program by `cmake --install`, moves the prefix, and tests it there."""
 import json
 import os
 import pathlib
@@ -58,7 +58,7 @@ class Program(Installed):
         done = subprocess.run([hidden / "bin/rhoray", "info", "triangle.off"], cwd=hidden, env=self.environment,
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 7)
-        self.assertIn("hint: the package rhoray-import has it", done.stderr)
+        self.assertIn("hint: the package rhoray-import contains it", done.stderr)
 
     def test_nothing_names_the_folders_of_the_build_or_the_first_prefix(self):
         for path in self.prefix.rglob("*"):
@@ -107,7 +107,7 @@ class Completions(Installed):
         self.assertIn("a.rho", offered("rhoray render a"))
 
     def converse(self, shell, preparation):
-        """Types lines with tabs into a shell, and reads what it makes of them."""
+        """Types lines with tabs into a shell, and reads the completed lines."""
         (self.prefix / "some file.rho").touch()
         process, terminal = pty.fork()
         if process == 0:

@@ -58,5 +58,25 @@ TEST(EffectCosts, each_effect_is_left_out_alone) {
   }
 }
 
+TEST(EffectTimes, are_differences_of_the_smaller_of_two_times) {
+  render::ResolvedScene plan = plain();
+  plan.frame.antialiasing = 4;
+  plan.scene.fog = render::Fog{.range = {1, 2}};
+  tools::EffectTimes times(plan);
+  // The whole picture, without antialiasing, without fog, and again.
+  for (const double ms : {10.0, 7.0, 9.5, 12.0, 6.0, 11.0}) {
+    EXPECT_FALSE(times.is_done());
+    times.took(ms);
+  }
+  EXPECT_TRUE(times.is_done());
+  EXPECT_EQ(times.whole_ms(), 10);
+  const auto costs = times.costs();
+  ASSERT_EQ(costs.size(), 2U);
+  EXPECT_EQ(costs[0].effect, "antialiasing");
+  EXPECT_EQ(costs[0].ms, 4);
+  EXPECT_EQ(costs[1].effect, "fog");
+  EXPECT_EQ(costs[1].ms, 0.5);
+}
+
 }  // namespace
 }  // namespace rhoray::tests

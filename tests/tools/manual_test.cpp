@@ -18,13 +18,14 @@ using testing::StartsWith;
 
 constexpr const char* date = "2026-11-27";
 
-/// The lines that begin an entry of a list, without the escapes of dashes.
+/// The lines that begin an entry of a list, without escapes.
 std::vector<std::string> items_of(const std::string& page) {
   std::vector<std::string> items;
   std::istringstream lines(page);
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with(".It ")) continue;
-    for (std::size_t at = 0; (at = line.find("\\-", at)) != std::string::npos;) line.erase(at, 1);
+    for (std::size_t at = 0; (at = line.find('\\', at)) != std::string::npos;)
+      line.erase(at, line[at + 1] == ':' ? 2 : 1);
     items.push_back(line);
   }
   return items;

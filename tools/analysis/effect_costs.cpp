@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <utility>
 
 #include "render/called_for.h"
 
@@ -93,6 +95,23 @@ std::vector<WithoutEffect> without_each_effect(const ResolvedScene& plan) {
     if (users_of(other.plan, row.effect) < users) without.push_back(std::move(other));
   }
   return without;
+}
+
+EffectTimes::EffectTimes(const ResolvedScene& plan) : variants_(without_each_effect(plan)) {
+  variants_.insert(variants_.begin(), {"", plan});
+  least_ms_.resize(variants_.size(), std::numeric_limits<double>::infinity());
+}
+
+void EffectTimes::took(double ms) {
+  double& least = least_ms_[next_++ % variants_.size()];
+  least = std::min(least, ms);
+}
+
+std::vector<EffectTimes::Cost> EffectTimes::costs() const {
+  std::vector<Cost> costs;
+  for (std::size_t i = 1; i < variants_.size(); ++i)
+    costs.push_back({variants_[i].effect, least_ms_[0] - least_ms_[i]});
+  return costs;
 }
 
 }  // namespace rhoray::tools

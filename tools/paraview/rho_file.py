@@ -1,7 +1,7 @@
 """Packed files (.rho), version 1 of formats/SPEC.md, as arrays of numpy.
 
-The file is mapped. What is used is checked before, and refused with a RhoError that names file, place, what was found
-and what was expected. Checksums are not checked: `rhoray verify` does that.
+The file is mapped. Every part is checked before it is used. A RhoError names file, place, the value that was found and
+the expected one. Checksums are not checked: `rhoray verify` does that.
 """
 import json
 import math
@@ -204,7 +204,7 @@ class Grid:
             self.stored_shape = self.count
 
     def read_geometry(self):
-        """Finds the axis of the grid along each axis of the output, and whether it is flipped."""
+        """For each axis of the output: which axis of the grid has its direction, and whether it is flipped."""
         axes = self.axes = np.array([self.file.vector(f"world_from_grid/{axis}_axis") for axis in "xyz"])
         self.origin, largest = self.file.vector("world_from_grid/origin"), np.abs(axes).max(1)
         with np.errstate(all="ignore"):

@@ -39,8 +39,8 @@ struct Legend {
 
 enum class Side { left, right };
 
-/// The letters of the directions in which x, y and z decrease and increase in a body; empty where the
-/// space is not known.
+/// The letters of the anatomical directions in which x, y and z decrease and increase; empty if the
+/// space is unknown.
 struct DirectionLetters {
   std::string_view low, high;
 };

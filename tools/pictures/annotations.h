@@ -9,7 +9,7 @@ namespace rhoray::tools {
 /// @param heat  of a heat map: the numbers of its first and its last colour
 Annotations annotations_of(const render::ResolvedScene& plan, const Interval<double>& heat);
 
-/// The space in which all layers lie; unknown where a file does not say its own.
+/// The space of all layers; unknown if a file does not name its own.
 formats::Space space_of(const render::ResolvedScene& plan);
 
 /// True for a scene with annotations that contain text. They need a font and the module for pictures

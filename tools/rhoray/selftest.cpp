@@ -245,7 +245,7 @@ class SelfTest {
 
 // ---- the machine --------------------------------------------------------------------------------
 
-/// What follows a name and a separator in a file of lines; empty if it is not there.
+/// The value of the first line "NAME: VALUE" or "NAME=VALUE" of a file; empty without one.
 std::string value_in(const char* path, const std::string& name) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {

@@ -1,4 +1,4 @@
-# What `cmake --install` puts where. Install components are named as the Debian packages (tools/setup/debian).
+# Rules of `cmake --install`. The install components have the names of the Debian packages (tools/setup/debian).
 install(TARGETS rhoray RUNTIME COMPONENT rhoray)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT rhoray)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manuals/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT rhoray)
@@ -11,7 +11,7 @@ install(FILES ${completions}/rhoray.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fi
 install(FILES ${PROJECT_SOURCE_DIR}/tools/paraview/rho_file.py ${PROJECT_SOURCE_DIR}/tools/paraview/rhoray_reader.py
         DESTINATION ${CMAKE_INSTALL_DATADIR}/rhoray/paraview COMPONENT rhoray)
 
-# rhoray_install_component(PACKAGE TARGET...): programs and modules that `rhoray` starts or loads, if they are built.
+# rhoray_install_component(PACKAGE TARGET...): worker programs and modules; those that are not built are skipped.
 function(rhoray_install_component package)
   foreach(target ${ARGN})
     if(TARGET ${target})

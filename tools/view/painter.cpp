@@ -3,9 +3,7 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -17,6 +15,7 @@
 #include "tools/analysis/effect_costs.h"
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
+#include "tools/view/motion_pixels.h"
 
 namespace rhoray::tools {
 
@@ -26,12 +25,16 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
-/// Time for a picture in motion. A request waits for half a picture on average, and then for its own.
-constexpr double motion_ms = 13;
 constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edges
 constexpr double longest_timed_ms = 4000;      ///< effects of a picture that takes longer are not timed
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
+
+Json json_of(const EffectTimes& times) {
+  Json effects = Json::array();
+  for (const EffectTimes::Cost& cost : times.costs()) effects.push_back({{"effect", cost.effect}, {"ms", cost.ms}});
+  return {{"ms", times.whole_ms()}, {"effects", effects}};
+}
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -41,59 +44,7 @@ std::string error_text(const std::string& what) {
   return dump(Json{{"error", what}});
 }
 
-/// Chooses how many pixels a picture in motion has, so that it takes its time.
-class MotionPixels {
- public:
-  /// The size of a picture, of the same shape; at least a 16th of the width and height.
-  render::PictureSize size_for(const PictureRequest& request) const {
-    const double scale = std::clamp(std::sqrt(pixels_ / request.width / request.height), 1.0 / 16, 1.0);
-    if (scale > 0.9) return {request.width, request.height};
-    const auto scaled = [&](int side) { return std::max(1, static_cast<int>(std::lround(scale * side))); };
-    return {scaled(request.width), scaled(request.height)};
-  }
-
-  void took(double ms, const render::PictureSize& size) {
-    // Time grows more slowly than the count of pixels: for 256 times as many it grew 31 times on a CT.
-    // The square root therefore goes about half of the way to the right count, which is steady.
-    pixels_ = static_cast<double>(size.width) * size.height * std::clamp(std::sqrt(motion_ms / ms), 0.7, 1.3);
-  }
-
- private:
-  double pixels_ = 2e5;
-};
-
 }  // namespace
-
-/// Times a picture, and the same picture without each of its effects, in turns.
-class EffectTimes {
- public:
-  explicit EffectTimes(const render::ResolvedScene& plan) : variants_(without_each_effect(plan)) {
-    variants_.insert(variants_.begin(), {"", plan});
-    least_ms_.resize(variants_.size(), std::numeric_limits<double>::infinity());
-  }
-
-  bool is_done() const { return next_ == turns * variants_.size(); }
-  render::ResolvedScene& next() { return variants_[next_ % variants_.size()].plan; }
-  /// The least time counts: what else the machine does only adds to it.
-  void took(double ms) {
-    double& least = least_ms_[next_++ % variants_.size()];
-    least = std::min(least, ms);
-  }
-
-  Json json() const {
-    Json effects = Json::array();
-    for (std::size_t i = 1; i < variants_.size(); ++i)
-      effects.push_back({{"effect", variants_[i].effect}, {"ms", least_ms_[0] - least_ms_[i]}});
-    return {{"ms", least_ms_[0]}, {"effects", effects}};
-  }
-
- private:
-  static constexpr std::size_t turns = 2;
-
-  std::vector<WithoutEffect> variants_;  ///< the picture itself first
-  std::vector<double> least_ms_;
-  std::size_t next_ = 0;
-};
 
 struct Painter::Client {
   ClientId id = 0;
@@ -335,7 +286,7 @@ void Painter::paint(Client& client, const PictureRequest& request) {
 /// A picture with as many pixels as there is time for.
 void Painter::paint_moving(Client& client, const PictureRequest& request, Clock::time_point begin) {
   PictureRequest smaller = request;
-  const render::PictureSize size = client.motion.size_for(request);
+  const render::PictureSize size = client.motion.size_for({request.width, request.height});
   smaller.width = size.width, smaller.height = size.height;
   render::ResolvedScene plan = with_request(viewed_, *client.scene, smaller);
   render::Framebuffer& picture = client.moving_picture;
@@ -362,7 +313,7 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
   // After a motion the page shows this view already, though with fewer pixels.
   const double worst_spacing = begin < client.sent_at + rest_before_lossless ? client.sent_spacing : 16;
-  const int across = client.motion.size_for(request).width;
+  const int across = client.motion.size_for({request.width, request.height}).width;
   int first_spacing = 1;
   while (first_spacing < 16 && first_spacing * across < request.width) first_spacing *= 2;
   Interval<double> heat;
@@ -478,7 +429,7 @@ void Painter::time_effects(Client& client) {
     client.effect_times->took(ms_since(begin));
     client.was_timed = client.effect_times->is_done();
     if (!client.was_timed) return;
-    json.update(client.effect_times->json());
+    json.update(json_of(*client.effect_times));
     client.effect_times.reset();
   }
   client.sink.send_text(dump(Json{{"effects", json}}));

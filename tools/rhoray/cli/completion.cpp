@@ -58,7 +58,7 @@ std::vector<std::filesystem::path> files_in(std::span<const Option> rows, std::s
   return files;
 }
 
-/// Of an option or a positional argument.
+/// Candidates for the value of an option, or for a positional argument.
 Completion values_of(const Option& row, const std::vector<std::filesystem::path>& files,
                      const FieldsOfFile& fields_of) {
   Completion completion{.candidates = {}, .paths = paths_of(row)};

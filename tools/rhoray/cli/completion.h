@@ -10,7 +10,7 @@
 
 namespace rhoray::tools {
 
-/// What may stand at the place of a word of a command line.
+/// Candidates for a word of a command line.
 struct Completion {
   struct Candidate {
     std::string word;
@@ -25,13 +25,14 @@ struct Completion {
 /// The names of the fields of a file; empty if it cannot be read at once.
 using FieldsOfFile = std::function<std::vector<std::string>(const std::filesystem::path&)>;
 
-/// What may stand in place of the last of the words behind `rhoray`, which may be empty. Candidates
-/// begin with it. Behind `--option=` they are values, without the option.
+/// Completes the last word, which may be empty: candidates begin with it. After `--option=` they are
+/// values, without the option.
+/// @param words  of the command line, without `rhoray`
 Completion completion_of(std::span<const Subcommand> subcommands, std::span<const std::string> words,
                          const FieldsOfFile& fields_of);
 
-/// The form in which `rhoray complete` prints it: a line for each candidate, with its help behind a
-/// tab, and at the end a line ":files" or ":folders" if the shell is to add paths.
+/// The output of `rhoray complete`: a line for each candidate, with its help after a tab. A last line
+/// ":files" or ":folders" tells the shell to add paths.
 std::string text_of(const Completion& completion);
 
 }  // namespace rhoray::tools

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t page_width = 76;  // of lines in the source; mandoc's limit is 80
 
-/// A text in which roff finds nothing to interpret. Quoted commands get double quotes.
+/// Escapes the characters that roff interprets. Commands in backticks get double quotes. A line may
+/// break behind a bar: lists of words are longer than lines.
 std::string escaped(std::string_view text) {
   std::string out;
   bool is_quoted = false;
@@ -36,6 +37,9 @@ std::string escaped(std::string_view text) {
         break;
       case '\'':
         out += "\\(aq";
+        break;
+      case '|':
+        out += "|\\:";
         break;
       case '`':
         is_quoted = !is_quoted;
