@@ -15,26 +15,6 @@ namespace {
 
 using Candidates = std::vector<Completion::Candidate>;
 
-std::vector<std::string> names_of(const Option& row) {
-  std::vector<std::string> names(1);
-  for (const char letter : row.names) {
-    if (letter == ',')
-      names.emplace_back();
-    else
-      names.back() += letter;
-  }
-  return names;
-}
-
-const Option* option_named(std::span<const Option> rows, std::string_view name) {
-  for (const Option& row : rows) {
-    if (is_positional(row)) continue;
-    const std::vector<std::string> names = names_of(row);
-    if (std::find(names.begin(), names.end(), name) != names.end()) return &row;
-  }
-  return nullptr;
-}
-
 bool is_field(const Option& row) {
   constexpr std::array<std::string_view, 3> fields{"--field", "--color-by", "--size-field"};
   return std::find(fields.begin(), fields.end(), long_name(row)) != fields.end();
@@ -46,7 +26,7 @@ Completion::Paths paths_of(const Option& row) {
   return value.starts_with("FILE") || is_positional(row) ? Completion::Paths::files : Completion::Paths::none;
 }
 
-/// The words that are values of options or files, in front of the one that is completed.
+/// The positional arguments among the words.
 std::vector<std::filesystem::path> files_in(std::span<const Option> rows, std::span<const std::string> words) {
   std::vector<std::filesystem::path> files;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -70,7 +50,7 @@ Completion values_of(const Option& row, const std::vector<std::filesystem::path>
   return completion;
 }
 
-/// Only what begins like the word that is completed, once each.
+/// Keeps each candidate with this beginning once, sorted.
 Completion beginning_with(const std::string& begin, Completion completion) {
   Candidates& candidates = completion.candidates;
   std::erase_if(candidates, [&](const auto& candidate) { return !candidate.word.starts_with(begin); });
@@ -107,7 +87,8 @@ Completion of_subcommand(const Subcommand& subcommand, std::span<const std::stri
   if (!is_behind_dashes && last.starts_with("-")) {
     for (const Option& row : rows)
       if (!is_positional(row))
-        for (const std::string& name : names_of(row)) completion.candidates.push_back({name, row.help});
+        for (const std::string& name : {short_name(row), long_name(row)})
+          if (!name.empty()) completion.candidates.push_back({name, row.help});
   } else {
     for (const Option& row : rows)
       if (is_positional(row)) completion = values_of(row, files, fields_of);

@@ -9,11 +9,6 @@ namespace rhoray::tools {
 
 namespace {
 
-/// "-o" of "-o,--output"; empty where there is none.
-std::string short_name(const Option& row) {
-  return row.names.size() > 2 && row.names[2] == ',' ? row.names.substr(0, 2) : std::string();
-}
-
 bool is_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-';
 }
@@ -47,10 +42,10 @@ class WordReader {
     return static_cast<std::size_t>(std::find_if(rows_.begin(), rows_.end(), passes) - rows_.begin());
   }
 
+  /// The number of the row; the count of rows if there is none.
   std::size_t row_named(const std::string& name) const {
-    if (name.empty()) return rows_.size();
-    return find_row(
-        [&](const Option& row) { return !is_positional(row) && (long_name(row) == name || short_name(row) == name); });
+    const Option* const row = option_named(rows_, name);
+    return row == nullptr ? rows_.size() : static_cast<std::size_t>(row - rows_.data());
   }
 
   void take_positional(const std::string& word) {
@@ -140,6 +135,17 @@ class WordReader {
 std::vector<GivenWord> given_words(const std::string& subcommand, std::span<const Option> rows,
                                    std::span<const char* const> words) {
   return WordReader(subcommand, rows, words).read();
+}
+
+std::string short_name(const Option& row) {
+  return row.names.size() > 2 && row.names[2] == ',' ? row.names.substr(0, 2) : std::string();
+}
+
+const Option* option_named(std::span<const Option> rows, std::string_view name) {
+  const auto row = std::find_if(rows.begin(), rows.end(), [name](const Option& each) {
+    return !is_positional(each) && (long_name(each) == name || (!name.empty() && short_name(each) == name));
+  });
+  return row == rows.end() ? nullptr : &*row;
 }
 
 std::string long_name(const Option& row) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/rhoray/cli/subcommand.h"
@@ -31,6 +32,12 @@ std::vector<GivenWord> given_words(const std::string& subcommand, std::span<cons
 
 /// "--output" of "-o,--output".
 std::string long_name(const Option& row);
+
+/// "-o" of "-o,--output"; empty without one.
+std::string short_name(const Option& row);
+
+/// The option with this short or long name, or nullptr.
+const Option* option_named(std::span<const Option> rows, std::string_view name);
 
 /// Whether the row is a flag or an answer.
 bool takes_no_value(const Option& row);

@@ -8,7 +8,6 @@
 #include "formats/base/text.h"
 #include "tools/rhoray/cli/given_words.h"
 #include "tools/rhoray/cli/help.h"
-#include "tools/rhoray/cli/version.h"
 
 namespace rhoray::tools {
 
@@ -52,7 +51,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// Lines of a text; each sentence begins one, as mdoc wants it.
+/// Splits a text into lines. mdoc requires a new line for each sentence.
 std::string paragraph(std::string_view text) {
   std::string lines;
   while (!text.empty()) {
@@ -90,18 +89,13 @@ std::string beginning(const std::string& name, const std::string& summary, const
 std::string item_of(const Option& row) {
   if (is_positional(row)) return concat(".It Ar ", escaped(row.names), "\n");
   std::string item = ".It";
-  std::string_view names = row.names;
-  while (!names.empty()) {
-    const std::size_t comma = names.find(',');
-    const std::string_view name = names.substr(0, comma);
-    item += concat(item == ".It" ? " Fl " : " , Fl ", escaped(name.substr(1)));
-    names = comma == std::string_view::npos ? "" : names.substr(comma + 1);
-  }
+  if (const std::string name = short_name(row); !name.empty()) item += concat(" Fl ", name.substr(1), " ,");
+  item += concat(" Fl ", escaped(long_name(row).substr(1)));
   if (!row.value.empty()) item += concat(" Ar ", escaped(row.value));
   return item + "\n";
 }
 
-/// A sentence of a table, with its full stop.
+/// The help and the details of an option, with full stops.
 std::string sentences_of(const Option& row) {
   std::string text = concat(row.help, ".");
   if (!row.details.empty()) text += concat(" ", row.details, ".");
@@ -132,19 +126,16 @@ std::string examples_of(const std::vector<std::string>& examples) {
 std::string manual_page(const Subcommand& subcommand, const std::string& date) {
   std::string page = beginning(concat("rhoray-", subcommand.name), subcommand.summary, date);
   page += concat(".Sh SYNOPSIS\n.Nm rhoray ", subcommand.name, "\n");
-  std::vector<std::string> groups;
+  std::vector<std::string> groups;  // in the order of the table
   const std::vector<Option> rows = rows_with_help(subcommand);
   for (const Option& row : rows) {
     if (is_positional(row))
       page += concat(".Ar ", escaped(row.names), row.kind == Option::Kind::files ? " ...\n" : "\n");
-    if (groups.empty() || groups.back() != row.group) groups.push_back(row.group);
+    if (std::find(groups.begin(), groups.end(), row.group) == groups.end()) groups.push_back(row.group);
   }
   page += concat(".Op Ar OPTIONS\n.Sh DESCRIPTION\n", paragraph(concat(subcommand.summary, ".")));
   page += ".Sh OPTIONS\n";
-  std::vector<std::string> done;
   for (const std::string& group : groups) {
-    if (std::find(done.begin(), done.end(), group) != done.end()) continue;
-    done.push_back(group);
     if (group != Option{}.group) page += concat(".Ss ", escaped(group), "\n");
     page += ".Bl -tag -width Ds\n";
     for (const Option& row : rows)
@@ -163,7 +154,7 @@ std::string manual_page(std::span<const Subcommand> subcommands, const std::stri
   page += paragraph(
       "Packs meshes and volumes into memory-mapped files, and ray traces them: isosurfaces of volumes and of "
       "tetrahedral meshes, maximum intensity projections, slices and boundaries. Any file that can be packed can also "
-      "be rendered at once.");
+      "be rendered directly.");
   std::string environment, status;
   for (const HelpSection& section : sections_of_program(subcommands)) {
     const std::string list = list_of(section.entries);

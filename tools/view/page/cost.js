@@ -26,8 +26,8 @@ export function effectsSentence(effects) {
   if (!effects) return "Effects are timed when the picture rests.";
   if (effects.why_not) return effects.why_not;
   const times = effects.effects.map(({ effect, ms }) => `${effect} ${rounded(ms.toFixed(1))} ms`);
-  return `Traced again in ${rounded(effects.ms, 3)} ms` +
-    (times.length ? `, of these ${times.join(", ")}.` : "; no effect is used.");
+  return `Tracing takes ${rounded(effects.ms, 3)} ms. ` +
+    (times.length ? `Cost of effects: ${times.join(", ")}.` : "No effect is used.");
 }
 
 export function showCost(panel, view) {

@@ -1,5 +1,5 @@
-// The directions of the axes and a scale bar, in the upper right corner of a view, where pictures have no annotations.
-// They follow the camera at once; they are no part of the picture.
+// The directions of the axes and a scale bar, in the upper right corner of a view. They follow the camera at once and are
+// not part of the picture, whose own annotations stand elsewhere by default.
 import { extent, frameOf } from "./camera.js";
 import { make } from "./controls.js";
 import { rounded } from "./vectors.js";
@@ -48,7 +48,7 @@ export class Orientation {
       element.classList.toggle("behind", depth < 0);
       return { depth, element, letter: text.textContent };
     }).sort((a, b) => a.depth - b.depth);
-    this.drawing.append(...facing.map(({ element }) => element));  // what is nearer is drawn later
+    this.drawing.append(...facing.map(({ element }) => element));  // the nearest last
     const perPixel = extent(camera) / Math.max(1, canvas.clientHeight);
     const length = roundLength(perPixel * Math.min(widestBar, canvas.clientWidth / 3));
     this.bar.style.width = `${length / perPixel}px`;
@@ -57,7 +57,7 @@ export class Orientation {
     this.element.setAttribute("aria-label", `${this.#towards(facing)}; scale bar: ${this.text.textContent}`);
   }
 
-  /** Says which axis or side of a body faces the eye. */
+  /** A sentence: which axis, or which side of a body, faces the viewer. */
   #towards(facing) {
     if (this.#isBody) return `${facing.at(-1).letter} faces the viewer`;
     const most = facing.reduce((a, b) => Math.abs(b.depth) > Math.abs(a.depth) ? b : a);
