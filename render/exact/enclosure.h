@@ -13,6 +13,12 @@ struct Enclosure {
   bool contains(double x) const { return x >= lo && x <= hi; }
 };
 
+/// Returns an enclosure of a number that is at least as large as another one, given an enclosure of
+/// each. Its ends are not below those of the other, and it is at most as wide as the wider one.
+inline Enclosure not_below(const Enclosure& other, const Enclosure& number) {
+  return {std::max(other.lo, number.lo), std::max(other.hi, number.hi)};
+}
+
 /// The number that stands for an enclosure, and a bound on its distance from the exact one.
 struct Middle {
   double value, error;

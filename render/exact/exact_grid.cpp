@@ -121,6 +121,47 @@ exact::ScaledPolynomial polynomial(const RayClock& clock, const Visit& visit, do
                       {clock.chord(0, visit.cell.x), clock.chord(1, visit.cell.y), clock.chord(2, visit.cell.z)});
 }
 
+/// The side that all present values of a region are on; nothing when they are on both. Regions
+/// without values are outside.
+std::optional<bool> common_side(const CellRegion& region, double isovalue) {
+  if (region.smallest >= isovalue && !region.is_empty()) return true;
+  if (region.largest < isovalue || region.is_empty()) return false;
+  return std::nullopt;
+}
+
+std::optional<bool> common_side(const Visit& visit, double isovalue) {
+  if (visit.smallest() >= isovalue) return true;
+  if (visit.largest() < isovalue) return false;
+  return std::nullopt;
+}
+
+/// What double precision proves about a cell: all of its roots are simple, and none is at its ends.
+struct CertainChord {
+  bool starts_inside = false;
+  int root_count = 0;
+  Enclosure first{};  ///< of t at the first root
+};
+
+/// Returns nothing when a number or a position is in doubt, or when the ray comes from the other
+/// side.
+std::optional<CertainChord> certain_chord(const RayClock& clock, const Visit& visit, double isovalue, double width,
+                                          const std::optional<bool>& inside) {
+  const double length = visit.out.at.middle - visit.in.at.middle;
+  const auto roots = certain_roots(ball_cubic(clock, visit, isovalue), 0.5 * width / length);
+  if (!roots) return std::nullopt;
+  CertainChord chord{.starts_inside = roots->sign_at_0 > 0, .root_count = roots->count};
+  if (inside.value_or(chord.starts_inside) != chord.starts_inside) return std::nullopt;
+  if (chord.root_count == 0) return chord;
+  chord.first = {between(visit.in.at, visit.out.at, Ball{roots->first.lo}).enclosure().lo,
+                 between(visit.in.at, visit.out.at, Ball{roots->first.hi}).enclosure().hi};
+  if (!(chord.first.width() <= width)) return std::nullopt;
+  return chord;
+}
+
+exact::SignChart sign_chart(const RayClock& clock, const Visit& visit, double isovalue) {
+  return {polynomial(clock, visit, isovalue).polynomial, clock.exact(visit.in), clock.exact(visit.out)};
+}
+
 class CrossingSearch {
  public:
   CrossingSearch(const RayClock& clock, double isovalue, double width)
@@ -130,8 +171,7 @@ class CrossingSearch {
   /// is determined again behind it. It is the same side if there are data all the way, because
   /// faces are shared.
   bool skips(const CellRegion& region) {
-    const bool says_nothing_new = region.is_empty() || region.smallest >= isovalue_ || region.largest < isovalue_;
-    if (!says_nothing_new || ends_at_face_) return false;
+    if (!common_side(region, isovalue_) || ends_at_face_) return false;
     inside_.reset();
     return true;
   }
@@ -147,16 +187,15 @@ class CrossingSearch {
       inside_.reset();
       return true;
     }
-    if (visit.smallest() >= isovalue_ || visit.largest() < isovalue_) {
-      const bool side = visit.smallest() >= isovalue_;
-      if (inside_.value_or(side) == side) {
-        inside_ = side;
-        return true;
-      }
+    if (const auto side = common_side(visit, isovalue_); side && inside_.value_or(*side) == *side) {
+      inside_ = side;
+      return true;
     }
-    if (const std::optional<bool> found = look_in_doubles(visit)) {
+    if (const auto chord = certain_chord(clock_, visit, isovalue_, width_, inside_)) {
       ++verdict.effort.filtered;
-      return !*found;
+      inside_ = chord->starts_inside;
+      if (chord->root_count > 0) report(visit, chord->first, chord->root_count);
+      return !verdict.is_hit;
     }
     ++verdict.effort.exact;
     return look_exactly(visit);
@@ -165,25 +204,8 @@ class CrossingSearch {
   GridRayVerdict verdict;
 
  private:
-  /// Determines whether the side changes in a cell; nothing when that, or where, is in doubt.
-  std::optional<bool> look_in_doubles(const Visit& visit) {
-    const double length = visit.out.at.middle - visit.in.at.middle;
-    const auto roots = certain_roots(ball_cubic(clock_, visit, isovalue_), 0.5 * width_ / length);
-    if (!roots || inside_.value_or(roots->sign_at_0 > 0) != (roots->sign_at_0 > 0)) return std::nullopt;
-    if (roots->count == 0) {
-      inside_ = roots->sign_at_0 > 0;
-      return false;
-    }
-    const Enclosure t{between(visit.in.at, visit.out.at, Ball{roots->first.lo}).enclosure().lo,
-                      between(visit.in.at, visit.out.at, Ball{roots->first.hi}).enclosure().hi};
-    if (!(t.width() <= width_)) return std::nullopt;
-    report(visit, t, roots->count);
-    return true;
-  }
-
   bool look_exactly(const Visit& visit) {
-    const Rational in = clock_.exact(visit.in), out = clock_.exact(visit.out);
-    const exact::SignChart chart(polynomial(clock_, visit, isovalue_).polynomial, in, out);
+    const exact::SignChart chart = sign_chart(clock_, visit, isovalue_);
     if (!inside_) inside_ = chart.sign_at_a() >= 0;
     const auto change = exact::first_change(chart, *inside_);
     if (!change) return true;
@@ -191,14 +213,13 @@ class CrossingSearch {
            chart.is_zero_throughout() ? -1 : static_cast<int>(chart.roots().size()));
     verdict.touches = change->touches;
     // The cell behind the face tells whether the ray continues inside.
-    ends_at_face_ = change->touches && chart.roots()[static_cast<std::size_t>(change->root)].lo == out;
+    ends_at_face_ =
+        change->touches && chart.roots()[static_cast<std::size_t>(change->root)].lo == clock_.exact(visit.out);
     return ends_at_face_;
   }
 
   bool is_inside_behind_entry(const Visit& visit) const {
-    const exact::SignChart chart(polynomial(clock_, visit, isovalue_).polynomial, clock_.exact(visit.in),
-                                 clock_.exact(visit.out));
-    return chart.pieces().front().sign >= 0;
+    return sign_chart(clock_, visit, isovalue_).pieces().front().sign >= 0;
   }
 
   void report(const Visit& visit, const Enclosure& t, int root_count) {
@@ -212,6 +233,71 @@ class CrossingSearch {
   double isovalue_, width_;
   std::optional<bool> inside_;
   bool ends_at_face_ = false;
+};
+
+/// The search for all changes of side. It is always at one place of the ray and on one side, so
+/// it finds each change once. A change at a face is found in the cell before it where the ray
+/// enters the inside, and in the cell behind it where the ray leaves.
+class AllCrossingsSearch {
+ public:
+  AllCrossingsSearch(const RayClock& clock, double isovalue, double width, std::size_t most)
+      : clock_(clock), isovalue_(isovalue), width_(width), most_(most) {}
+
+  /// As for the first crossing.
+  bool skips(const CellRegion& region) {
+    if (!common_side(region, isovalue_)) return false;
+    inside_.reset();
+    return true;
+  }
+
+  /// False when there are as many crossings as requested.
+  bool look(const Visit& visit) {
+    if (!visit.has_data()) {
+      inside_.reset();
+    } else if (const auto side = common_side(visit, isovalue_); side && inside_.value_or(*side) == *side) {
+      inside_ = side;
+    } else {
+      const auto chord = certain_chord(clock_, visit, isovalue_, width_, inside_);
+      if (chord) inside_ = chord->starts_inside;
+      if (chord && chord->root_count == 1) change_side(visit, chord->first);
+      if (!chord || chord->root_count > 1) look_exactly(visit, chord);
+    }
+    return crossings.size() < most_;
+  }
+
+  std::vector<GridCrossing> crossings;
+
+ private:
+  /// @param chord  where it is certain, its enclosure of the first root is taken
+  void look_exactly(const Visit& visit, const std::optional<CertainChord>& chord) {
+    const exact::SignChart chart = sign_chart(clock_, visit, isovalue_);
+    const auto change_at = [&](int root) {
+      change_side(visit, chord && root == 0 ? chord->first : chart.enclosing_root(root, width_));
+    };
+    const bool starts_inside = chart.sign_at_a() >= 0;
+    if (inside_.value_or(starts_inside) != starts_inside) change_at(-1);
+    inside_ = starts_inside;
+    auto piece = chart.pieces().begin();
+    if (piece->root_before < 0) ++piece;  // on the side of its start
+    for (int root = 0; root < static_cast<int>(chart.roots().size()); ++root) {
+      if (!*inside_) change_at(root);
+      if (piece == chart.pieces().end()) return;  // a root at the end of the cell: the next one shows what follows
+      if (piece->sign < 0) change_at(root);
+      ++piece;
+    }
+  }
+
+  void change_side(const Visit& visit, const Enclosure& t) {
+    inside_ = !*inside_;
+    if (crossings.size() == most_) return;
+    crossings.push_back(
+        {.t = crossings.empty() ? t : not_below(crossings.back().t, t), .cell = visit.cell, .to_inside = *inside_});
+  }
+
+  const RayClock& clock_;
+  double isovalue_, width_;
+  std::size_t most_;
+  std::optional<bool> inside_;
 };
 
 class MaximumSearch {
@@ -288,6 +374,19 @@ GridRayVerdict exact_first_crossing(const ExactGridSource& grid, const Ray& ray,
         [&](const Visit& visit) { return search.look(visit); });
   search.verdict.effort.exact_comparisons = clock.exact_comparisons();
   return search.verdict;
+}
+
+std::vector<GridCrossing> exact_crossings(const ExactGridSource& grid, const Ray& ray, double isovalue, double width,
+                                          std::size_t most) {
+  const RayClock clock(grid, ray);
+  AllCrossingsSearch search(clock, isovalue, width, most);
+  ExactEffort effort;
+  const std::optional<TimeSpan> part = part_in_box(grid, clock, ray);
+  if (part && most > 0)
+    walk(
+        grid, clock, *part, effort, [&](const CellRegion& region) { return search.skips(region); },
+        [&](const Visit& visit) { return search.look(visit); });
+  return std::move(search.crossings);
 }
 
 GridMaximumVerdict exact_largest_value(const ExactGridSource& grid, const Ray& ray, double width) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "formats/base/vector.h"
 #include "render/exact/enclosure.h"
@@ -46,6 +48,26 @@ struct GridRayVerdict {
 /// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or
 ///   neighbouring doubles
 GridRayVerdict exact_first_crossing(const ExactGridSource& grid, const Ray& ray, double isovalue, double width);
+
+/// One change of side along a ray.
+struct GridCrossing {
+  Enclosure t{};
+  /// The first cell along the ray in which the change is seen, as in GridRayVerdict.
+  Index3 cell{0, 0, 0};
+  bool to_inside = false;
+};
+
+/// Finds all changes of side along the same ray, in order. The first one is that of
+/// exact_first_crossing, with the same enclosure and cell. Enclosures are as narrow as there, and
+/// neither of their ends ever decreases along the ray.
+///
+/// A ray from outside that is inside at one point only enters and leaves there: two crossings with
+/// one enclosure. At the end of the data or of the ray it only enters, as nothing shows what
+/// follows. A ray that only touches the isovalue from inside does not change its side.
+///
+/// @param most  the search ends after so many crossings
+std::vector<GridCrossing> exact_crossings(const ExactGridSource& grid, const Ray& ray, double isovalue, double width,
+                                          std::size_t most);
 
 struct GridMaximumVerdict {
   bool has_value = false;  ///< false where the ray meets no data

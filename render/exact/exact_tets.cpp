@@ -7,8 +7,8 @@
 #include <tuple>
 #include <vector>
 
-#include "render/exact/ball.h"
 #include "render/exact/polynomial.h"
+#include "render/exact/tet_filter.h"
 
 namespace rhoray::render {
 
@@ -31,125 +31,6 @@ bool is_ray(const Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3(0, 0, 0) &&
          ray.t_min <= ray.t_max && ray.t_min < infinity && ray.t_max > -infinity;
 }
-
-// --- In double precision ---------------------------------------------------------------------
-
-/// The values of t at which the ray enters and leaves, and value - isovalue there. `in` is
-/// certainly before `out`, and all signs are certain.
-struct CertainPassage {
-  Ball t_in, t_out, value_in, value_out;
-  const ExactTet* tet;
-};
-
-enum class Seen { missed, passed, in_doubt };
-
-/// A tetrahedron that the ray may hit.
-struct Met {
-  const ExactTet* tet;
-  Enclosure t;                            ///< range in which the ray may be in it
-  std::optional<CertainPassage> passage;  ///< nothing when in doubt
-};
-
-/// Tests tetrahedra along the ray, in a picture plane in which the ray is at (0, 0).
-class PicturePlane {
- public:
-  PicturePlane(const Ray& ray, double isovalue) : ray_(ray), isovalue_(isovalue) {
-    const Vec3& d = ray.direction;
-    for (int axis = 1; axis < 3; ++axis)
-      if (std::abs(d[axis]) > std::abs(d[z_])) z_ = axis;
-  }
-
-  /// Returns nothing for a tetrahedron that the ray certainly misses.
-  std::optional<Met> look(const ExactTet& tet) const {
-    CertainPassage passage{};
-    Enclosure depth{};
-    const Seen seen = look(tet, passage, depth);
-    if (seen == Seen::missed) return std::nullopt;
-    if (seen == Seen::passed) return Met{&tet, hull(passage.t_in.enclosure(), passage.t_out.enclosure()), passage};
-    return Met{&tet, depth, std::nullopt};
-  }
-
- private:
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-
-  struct Vertex {
-    Ball x, y, t, value;
-  };
-
-  /// Unbounded when an overflow has destroyed the limits.
-  static Enclosure hull(const Enclosure& a, const Enclosure& b) {
-    const double lo = std::min(a.lo, b.lo), hi = std::max(a.hi, b.hi);
-    const bool is_known = a.lo <= a.hi && b.lo <= b.hi;
-    return is_known ? Enclosure{lo, hi} : Enclosure{-infinity, infinity};
-  }
-
-  /// @param depth  of the vertices along the ray
-  Seen look(const ExactTet& tet, CertainPassage& passage, Enclosure& depth) const {
-    std::array<Vertex, 4> v;
-    for (std::size_t i = 0; i < 4; ++i) v[i] = see(tet.point[i], tet.value[i]);
-    depth = v[0].t.enclosure();
-    for (std::size_t i = 1; i < 4; ++i) depth = hull(depth, v[i].t.enclosure());
-    Ball edge[4][4];
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j) edge[i][j] = v[i].x * v[j].y - v[i].y * v[j].x;
-
-    std::size_t passed = 0;
-    Vertex through[2];
-    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-      const std::size_t i = left_out == 0 ? 1 : 0, j = left_out <= 1 ? 2 : 1, k = left_out == 3 ? 2 : 3;
-      const Ball weights[] = {edge[j][k], Ball{-edge[i][k].middle, edge[i][k].radius}, edge[i][j]};
-      const auto [least, most] = std::minmax({weights[0].sign(), weights[1].sign(), weights[2].sign()});
-      if (least < 0 && most > 0) continue;           // passes beside this face
-      if (least * most != 1) return Seen::in_doubt;  // a sign is not certain
-      if (passed == 2) return Seen::in_doubt;
-      const Ball sum = weights[0] + weights[1] + weights[2];
-      through[passed].t = (weights[0] * v[i].t + weights[1] * v[j].t + weights[2] * v[k].t) / sum;
-      through[passed].value = (weights[0] * v[i].value + weights[1] * v[j].value + weights[2] * v[k].value) / sum;
-      ++passed;
-    }
-    if (passed == 0) return Seen::missed;
-    if (passed != 2) return Seen::in_doubt;
-    const int order = (through[1].t - through[0].t).sign();
-    if (order == 0) return Seen::in_doubt;
-    if (order < 0) std::swap(through[0], through[1]);
-    passage = {through[0].t, through[1].t, through[0].value, through[1].value, &tet};
-    return clip(passage);
-  }
-
-  Vertex see(const Vec3& point, double value) const {
-    const int x = (z_ + 1) % 3, y = (z_ + 2) % 3;
-    const auto from_origin = [&](int axis) { return Ball{point[axis]} - Ball{ray_.origin[axis]}; };
-    const Ball t = from_origin(z_) / Ball{ray_.direction[z_]};
-    return {from_origin(x) - t * Ball{ray_.direction[x]}, from_origin(y) - t * Ball{ray_.direction[y]}, t,
-            Ball{value} - Ball{isovalue_}};
-  }
-
-  /// Clips a passage to [t_min, t_max].
-  Seen clip(CertainPassage& passage) const {
-    const CertainPassage whole = passage;
-    const auto cut = [&](double limit, Ball& t, Ball& value) {
-      const Ball share = (Ball{limit} - whole.t_in) / (whole.t_out - whole.t_in);
-      t = Ball{limit};
-      value = whole.value_in + share * (whole.value_out - whole.value_in);
-    };
-    const auto side_of = [](const Ball& t, double limit) {
-      return std::isfinite(limit) ? (t - Ball{limit}).sign() : limit > 0 ? -1 : 1;
-    };
-    const int in_min = side_of(whole.t_in, ray_.t_min), in_max = side_of(whole.t_in, ray_.t_max);
-    const int out_min = side_of(whole.t_out, ray_.t_min), out_max = side_of(whole.t_out, ray_.t_max);
-    if (out_min < 0 || in_max > 0) return Seen::missed;
-    if (in_min == 0 || in_max == 0 || out_min == 0 || out_max == 0) return Seen::in_doubt;
-    if (in_min < 0) cut(ray_.t_min, passage.t_in, passage.value_in);
-    if (out_max > 0) cut(ray_.t_max, passage.t_out, passage.value_out);
-    return passage.value_in.sign() != 0 && passage.value_out.sign() != 0 ? Seen::passed : Seen::in_doubt;
-  }
-
-  const Ray& ray_;
-  double isovalue_;
-  int z_ = 0;
-};
-
-// --- In rational numbers -----------------------------------------------------------------------
 
 /// numerator / denominator > 0, not in lowest terms: comparing costs less than reducing.
 struct Fraction {
@@ -272,10 +153,24 @@ std::optional<ExactPassage> passage_of(const ExactTet& tet, const Ray& ray, doub
   return passage;
 }
 
-/// Returns the first change in one tetrahedron for a ray that enters it on a known side.
-std::optional<Fraction> change_in(const ExactPassage& passage, bool starts_inside) {
-  const auto is_other_side_at = [&](const Fraction& t) { return (passage.excess.sign_at(t) >= 0) != starts_inside; };
-  if (is_other_side_at(passage.in)) return passage.in;
+/// Where a ray is: on a side from t on, or behind t when it has just left the inside there.
+struct Standing {
+  Fraction t;
+  bool is_inside = false;
+  bool has_left = false;
+};
+
+/// Returns the first change in one tetrahedron. A ray that has just left the inside enters it again
+/// only behind that point.
+std::optional<Fraction> change_in(const ExactPassage& passage, const Standing& from) {
+  const bool is_ahead = compare(passage.in, from.t) > 0;
+  const Fraction& begin = is_ahead ? passage.in : from.t;
+  if (compare(begin, passage.out) > 0) return std::nullopt;
+  const auto is_other_side_at = [&](const Fraction& t) { return (passage.excess.sign_at(t) >= 0) != from.is_inside; };
+  if (is_other_side_at(begin)) {
+    if (from.has_left && !is_ahead) return std::nullopt;
+    return begin;
+  }
   if (is_other_side_at(passage.out)) return passage.excess.zero();
   return std::nullopt;
 }
@@ -287,110 +182,184 @@ bool goes_on_inside(const ExactPassage& passage, const Fraction& t) {
   return sign > 0 || (sign == 0 && passage.excess.c1.sign() >= 0);
 }
 
-/// Returns the first change in passages that join one another.
-/// @param joined  sorted by where they begin, then by id
-TetRayVerdict first_change(std::span<const ExactPassage> joined) {
-  TetRayVerdict verdict;
-  const bool starts_inside = joined.front().excess.sign_at(joined.front().in) >= 0;
-  std::optional<Fraction> first;
-  for (const ExactPassage& passage : joined) {
-    auto t = change_in(passage, starts_inside);
-    if (!t || (first && compare(*t, *first) >= 0)) continue;
-    first = std::move(t);
-    verdict.cell = passage.tet->id;
-  }
-  if (!first) return verdict;
-  verdict.is_hit = true;
-  verdict.t = exact::enclosing(first->rational());
-  verdict.touches = !starts_inside && std::none_of(joined.begin(), joined.end(), [&](const ExactPassage& passage) {
-    return goes_on_inside(passage, *first);
-  });
-  return verdict;
-}
+/// Passages that join one another, sorted by where they begin, then by id.
+using Joined = std::span<const ExactPassage>;
 
-TetRayVerdict rational_first_crossing(std::span<const Met> met, const Ray& ray, double isovalue) {
+struct Change {
+  Fraction t;
+  const ExactTet* tet;
+};
+
+/// Finds the changes in passages that join one another, one after the other.
+class ChangeSearch {
+ public:
+  explicit ChangeSearch(Joined joined)
+      : joined_(joined), now_{joined.front().in, joined.front().excess.sign_at(joined.front().in) >= 0} {}
+
+  /// The side that the ray is on.
+  bool is_inside() const { return now_.is_inside; }
+
+  std::optional<Change> next() {
+    while (!joined_.empty() && compare(joined_.front().out, now_.t) <= 0) joined_ = joined_.subspan(1);
+    std::optional<Change> first;
+    for (const ExactPassage& passage : joined_) {
+      if (first && compare(passage.in, first->t) >= 0) break;
+      auto t = change_in(passage, now_);
+      if (t && (!first || compare(*t, first->t) < 0)) first = Change{std::move(*t), passage.tet};
+    }
+    if (first) now_ = {first->t, !now_.is_inside, now_.is_inside};
+    return first;
+  }
+
+ private:
+  Joined joined_;
+  Standing now_;
+};
+
+/// Calls act(Joined) for the joined parts of the ray, front to back, until it returns false.
+template <class Act>
+void for_each_joined(std::span<const MetTet> met, const Ray& ray, double isovalue, Act&& act) {
   std::vector<ExactPassage> passages;
-  for (const Met& each : met)
+  for (const MetTet& each : met)
     if (auto passage = passage_of(*each.tet, ray, isovalue)) passages.push_back(std::move(*passage));
   std::sort(passages.begin(), passages.end(), [](const ExactPassage& a, const ExactPassage& b) {
     const int order = compare(a.in, b.in);
     return order != 0 ? order < 0 : a.tet->id < b.tet->id;
   });
-  TetRayVerdict verdict;
-  for (std::size_t begin = 0; begin < passages.size() && !verdict.is_hit;) {
+  for (std::size_t begin = 0; begin < passages.size();) {
     std::size_t end = begin + 1;
     const Fraction* reaches = &passages[begin].out;
     for (; end < passages.size() && compare(passages[end].in, *reaches) <= 0; ++end)
       if (compare(passages[end].out, *reaches) > 0) reaches = &passages[end].out;
-    verdict = first_change(std::span(passages).subspan(begin, end - begin));
+    if (!act(Joined(passages).subspan(begin, end - begin))) return;
     begin = end;
   }
+}
+
+TetRayVerdict rational_first_crossing(std::span<const MetTet> met, const Ray& ray, double isovalue) {
+  TetRayVerdict verdict;
+  for_each_joined(met, ray, isovalue, [&](Joined joined) {
+    ChangeSearch search(joined);
+    const bool starts_inside = search.is_inside();
+    const std::optional<Change> first = search.next();
+    if (!first) return true;
+    verdict.is_hit = true;
+    verdict.t = exact::enclosing(first->t.rational());
+    verdict.cell = first->tet->id;
+    verdict.touches = !starts_inside && std::none_of(joined.begin(), joined.end(), [&](const ExactPassage& passage) {
+      return goes_on_inside(passage, first->t);
+    });
+    return false;
+  });
   verdict.road = Road::exact;
   verdict.tets_exact = static_cast<std::int64_t>(met.size());
   return verdict;
 }
 
-/// Returns the verdict from passages that are all certain. Returns nothing when one is not, when
-/// they may overlap, or when they disagree where they may meet.
-/// @param width  of t, which is computed exactly where doubles are not precise enough
-std::optional<TetRayVerdict> certain_first_crossing(std::span<const Met> met, const Ray& ray, double isovalue,
-                                                    double width) {
+/// Returns the passages in which the side changes, in their order along the ray. Returns nothing
+/// when a passage is not certain, when passages may overlap, or when they disagree where they may
+/// meet.
+std::optional<std::vector<const CertainPassage*>> certain_changes(std::span<const MetTet> met) {
   std::vector<const CertainPassage*> passages;
-  for (const Met& each : met) {
+  for (const MetTet& each : met) {
     if (!each.passage) return std::nullopt;
     passages.push_back(&*each.passage);
   }
   std::sort(passages.begin(), passages.end(),
             [](const CertainPassage* a, const CertainPassage* b) { return a->t_in.middle < b->t_in.middle; });
-  const CertainPassage* first = nullptr;
-  for (std::size_t p = 0; p < passages.size(); ++p) {
-    const CertainPassage& here = *passages[p];
-    if (p > 0) {
-      const CertainPassage& before = *passages[p - 1];
-      const int gap = (here.t_in - before.t_out).sign();
-      if (gap < 0 || (gap == 0 && here.value_in.sign() != before.value_out.sign())) return std::nullopt;
-    }
-    if (first == nullptr && here.value_in.sign() != here.value_out.sign()) first = &here;
+  for (std::size_t p = 1; p < passages.size(); ++p) {
+    const CertainPassage &here = *passages[p], &before = *passages[p - 1];
+    const int gap = (here.t_in - before.t_out).sign();
+    if (gap < 0 || (gap == 0 && here.value_in.sign() != before.value_out.sign())) return std::nullopt;
   }
-  if (first == nullptr) return TetRayVerdict{};
-  const Ball share = first->value_in / (first->value_in - first->value_out);
-  const Ball t = first->t_in + share * (first->t_out - first->t_in);
-  TetRayVerdict verdict{.is_hit = true, .t = t.enclosure(), .cell = first->tet->id};
-  if (verdict.t.width() <= width) return verdict;
-  const auto passage = passage_of(*first->tet, ray, isovalue);
-  verdict.t = exact::enclosing(change_in(*passage, first->value_in.sign() > 0).value().rational());
-  verdict.road = Road::exact;
-  verdict.tets_exact = 1;
-  return verdict;
+  std::erase_if(passages, [](const CertainPassage* p) { return p->value_in.sign() == p->value_out.sign(); });
+  return passages;
+}
+
+struct ChangeFound {
+  Enclosure t{};
+  Road road = Road::filter;
+};
+
+/// Finds where the side changes in a certain passage: exactly where doubles are not precise enough.
+ChangeFound change_in(const CertainPassage& passage, const Ray& ray, double isovalue, double width) {
+  const Ball share = passage.value_in / (passage.value_in - passage.value_out);
+  const Ball t = passage.t_in + share * (passage.t_out - passage.t_in);
+  if (const Enclosure found = t.enclosure(); found.width() <= width) return {found, Road::filter};
+  return {exact::enclosing(passage_of(*passage.tet, ray, isovalue)->excess.zero().rational()), Road::exact};
+}
+
+/// As rational_first_crossing, from what certain_changes returns.
+TetRayVerdict first_crossing_of(std::span<const CertainPassage* const> changes, const Ray& ray, double isovalue,
+                                double width) {
+  if (changes.empty()) return {};
+  const ChangeFound change = change_in(*changes.front(), ray, isovalue, width);
+  return {.is_hit = true,
+          .t = change.t,
+          .cell = changes.front()->tet->id,
+          .road = change.road,
+          .tets_exact = change.road == Road::exact ? 1 : 0};
+}
+
+/// Calls act(std::span<const MetTet>) for groups of tetrahedra, front to back, until it returns
+/// false. Groups are certainly apart along the ray: what is in different ones does not join.
+template <class Act>
+void for_each_group(std::span<const ExactTet> tets, const Ray& ray, double isovalue, Act&& act) {
+  if (!is_ray(ray) || !std::isfinite(isovalue)) return;
+  const PicturePlane view(ray, isovalue);
+  std::vector<MetTet> met;
+  for (const ExactTet& tet : tets)
+    if (has_data(tet))
+      if (auto seen = view.look(tet)) met.push_back(std::move(*seen));
+  std::sort(met.begin(), met.end(), [](const MetTet& a, const MetTet& b) { return a.t.lo < b.t.lo; });
+  for (std::size_t begin = 0; begin < met.size();) {
+    double reaches = met[begin].t.hi;
+    std::size_t end = begin + 1;
+    for (; end < met.size() && met[end].t.lo <= reaches; ++end) reaches = std::max(reaches, met[end].t.hi);
+    if (!act(std::span<const MetTet>(met).subspan(begin, end - begin))) return;
+    begin = end;
+  }
 }
 
 }  // namespace
 
 TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width) {
-  if (!is_ray(ray) || !std::isfinite(isovalue)) return {};
-  const PicturePlane view(ray, isovalue);
-  std::vector<Met> met;
-  for (const ExactTet& tet : tets)
-    if (has_data(tet))
-      if (auto seen = view.look(tet)) met.push_back(std::move(*seen));
-  std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.t.lo < b.t.lo; });
-
-  // A part of the ray with a certain gap before it does not join the parts before the gap: process
-  // the groups one after the other.
   TetRayVerdict verdict;
-  for (std::size_t begin = 0; begin < met.size() && !verdict.is_hit;) {
-    double reaches = met[begin].t.hi;
-    std::size_t end = begin + 1;
-    for (; end < met.size() && met[end].t.lo <= reaches; ++end) reaches = std::max(reaches, met[end].t.hi);
-    const std::span<const Met> group = std::span(met).subspan(begin, end - begin);
+  for_each_group(tets, ray, isovalue, [&](std::span<const MetTet> group) {
     const TetRayVerdict before = verdict;
-    const auto certain = certain_first_crossing(group, ray, isovalue, width);
-    verdict = certain ? *certain : rational_first_crossing(group, ray, isovalue);
+    const auto changes = certain_changes(group);
+    verdict =
+        changes ? first_crossing_of(*changes, ray, isovalue, width) : rational_first_crossing(group, ray, isovalue);
     verdict.tets_exact += before.tets_exact;
     if (before.road == Road::exact) verdict.road = Road::exact;
-    begin = end;
-  }
+    return !verdict.is_hit;
+  });
   return verdict;
+}
+
+std::vector<TetCrossing> exact_crossings(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width,
+                                         std::size_t most) {
+  std::vector<TetCrossing> crossings;
+  const auto add = [&](const Enclosure& t, const ExactTet& tet, bool to_inside) {
+    if (crossings.size() < most)
+      crossings.push_back({crossings.empty() ? t : not_below(crossings.back().t, t), tet.id, to_inside});
+    return crossings.size() < most;
+  };
+  for_each_group(tets, ray, isovalue, [&](std::span<const MetTet> group) {
+    if (const auto changes = certain_changes(group)) {
+      for (const CertainPassage* passage : *changes)
+        if (!add(change_in(*passage, ray, isovalue, width).t, *passage->tet, passage->value_out.sign() > 0)) break;
+    } else {
+      for_each_joined(group, ray, isovalue, [&](Joined joined) {
+        ChangeSearch search(joined);
+        while (const auto change = search.next())
+          if (!add(exact::enclosing(change->t.rational()), *change->tet, search.is_inside())) break;
+        return crossings.size() < most;
+      });
+    }
+    return crossings.size() < most;
+  });
+  return crossings;
 }
 
 TetMaximumVerdict exact_largest_value(std::span<const ExactTet> tets, const Ray& ray) {

@@ -1,21 +1,15 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "render/exact/enclosure.h"
+#include "render/exact/exact_tet.h"
 #include "render/traverse/ray.h"
 
 namespace rhoray::render {
-
-/// A tetrahedron with a value at each vertex, between which the field is linear. The vertices may
-/// be in any order.
-struct ExactTet {
-  std::array<Vec3, 4> point;
-  std::array<double, 4> value;
-  std::uint64_t id = 0;
-};
 
 struct TetRayVerdict {
   bool is_hit = false;
@@ -47,6 +41,30 @@ struct TetRayVerdict {
 /// @param width  > 0, finite; the enclosure of t is at most this wide, or its ends are the same or
 ///   neighbouring doubles
 TetRayVerdict exact_first_crossing(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width);
+
+/// One change of side along a ray.
+struct TetCrossing {
+  Enclosure t{};
+  std::uint64_t cell = 0;  ///< as in TetRayVerdict
+  bool to_inside = false;
+};
+
+/// Finds all changes of side along the same ray, in order. The first one is that of
+/// exact_first_crossing, with the same enclosure and cell. Enclosures are as narrow as there, and
+/// neither of their ends ever decreases along the ray.
+///
+/// A ray from outside that is inside at one point only enters and leaves there: two crossings with
+/// one enclosure. At the end of a joined part it only enters, as nothing shows what follows. A ray
+/// that only touches the isovalue from inside does not change its side. Where tetrahedra overlap
+/// and disagree, the first change behind the last one counts each time.
+///
+/// The result is correct when all tetrahedra that the ray touches are given. For a mesh as above it
+/// is also correct when only those are given that have values on both sides, or the isovalue itself
+/// among their values.
+///
+/// @param most  the search ends after so many crossings
+std::vector<TetCrossing> exact_crossings(std::span<const ExactTet> tets, const Ray& ray, double isovalue, double width,
+                                         std::size_t most);
 
 struct TetMaximumVerdict {
   bool has_value = false;

@@ -7,12 +7,14 @@
 #include <limits>
 #include <vector>
 
+#include "tests/render/exact/tet_block.h"
 #include "tests/render/support/exact.h"
-#include "tests/render/support/rays.h"
 
 namespace rhoray::render {
 namespace {
 
+using tests::aimed_ray;
+using tests::block;
 using tests::Dice;
 using tests::exact;
 using tests::ExactVec3;
@@ -130,36 +132,6 @@ TEST(ExactTetsAlongRay, refuses_what_is_no_ray) {
     EXPECT_FALSE(exact_first_crossing(tets, ray, 0.5, width).is_hit);
 }
 
-/// A block of n^3 cubes of six tetrahedra each around their diagonals, with vertices slightly moved
-/// or not.
-std::vector<ExactTet> block(int n, Dice& dice, double moved, const Vec3& at, bool whole_values) {
-  const auto side = static_cast<std::size_t>(n + 1);
-  std::vector<Vec3> points;
-  std::vector<double> values;
-  for (std::size_t v = 0; v < side * side * side; ++v) {
-    const Vec3 p(static_cast<double>(v % side), static_cast<double>(v / side % side),
-                 static_cast<double>(v / side / side));
-    points.push_back(at + p + moved * dice.point({-1, -1, -1}, {1, 1, 1}));
-    values.push_back(whole_values ? static_cast<double>(dice.below(5) - 2) : dice.between(-1, 1));
-  }
-  std::vector<ExactTet> tets;
-  for (std::size_t cube = 0; cube < static_cast<std::size_t>(n * n * n); ++cube) {
-    const std::size_t m = static_cast<std::size_t>(n);
-    const std::size_t base = cube % m + side * (cube / m % m) + side * side * (cube / m / m);
-    std::array<std::size_t, 3> steps{1, side, side * side};
-    std::sort(steps.begin(), steps.end());
-    do {
-      const std::array<std::size_t, 4> v{base, base + steps[0], base + steps[0] + steps[1],
-                                         base + steps[0] + steps[1] + steps[2]};
-      ExactTet tet;
-      for (std::size_t i = 0; i < 4; ++i) tet.point[i] = points[v[i]], tet.value[i] = values[v[i]];
-      tet.id = tets.size();
-      tets.push_back(tet);
-    } while (std::next_permutation(steps.begin(), steps.end()));
-  }
-  return tets;
-}
-
 /// Returns value - isovalue in a tetrahedron at a point of the ray, by Cramer's rule. Returns
 /// nothing outside the tetrahedron and for one without volume.
 std::optional<Rational> value_in(const ExactTet& tet, const ExactVec3& x) {
@@ -193,25 +165,6 @@ std::vector<Rational> values_at(const std::vector<ExactTet>& tets, const Ray& ra
     if (may_hold(tet, near_x))
       if (const auto value = value_in(tet, x)) values.push_back(*value);
   return values;
-}
-
-/// Returns a ray aimed at a point of any kind: of a cell, a face, an edge, a vertex; or along an
-/// edge.
-Ray aimed_ray(const std::vector<ExactTet>& tets, Dice& dice) {
-  const ExactTet& tet = tets[static_cast<std::size_t>(dice.below(static_cast<std::int64_t>(tets.size())))];
-  const std::int64_t corners = 1 + dice.below(4);
-  Vec3 target(0, 0, 0);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(corners); ++i)
-    target += tet.point[i] / static_cast<double>(corners);
-  Ray ray;
-  ray.direction = dice.direction();
-  if (dice.below(4) == 0) ray.direction = tet.point[1] - tet.point[0];
-  if (dice.below(4) == 0)
-    for (int axis = 0; axis < 3; ++axis) ray.direction[axis] = std::round(2 * ray.direction[axis]);
-  if (ray.direction == Vec3(0, 0, 0)) ray.direction.x = 1;
-  ray.origin = target - 8.0 * ray.direction;
-  if (dice.below(3) == 0) ray.t_min = dice.between(6, 8);
-  return ray;
 }
 
 TEST(ExactTetsAlongRay, says_what_is_true_at_points_of_the_ray) {

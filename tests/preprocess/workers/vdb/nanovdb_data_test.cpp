@@ -6,6 +6,7 @@
 
 #include "formats/vdb_grid.h"
 #include "preprocess/export_grid.h"
+#include "render/all_crossings.h"
 #include "tests/agreement/pictures.h"
 #include "tests/preprocess/workers/vdb/support.h"
 #include "tests/support/expect_error.h"
@@ -144,6 +145,26 @@ TEST_F(NanoVdbData, has_no_surface_at_the_border_of_samples_without_data) {
                       : static_cast<float>((s.x * 7 + s.y * 5 + s.z * 3) % 32);
   };
   expect_agreement(volume_of<float>({40, 33, 29}, sample, turned), 16);
+}
+
+TEST_F(NanoVdbData, has_the_crossings_of_the_packed_grid) {
+  pack_volume(noise_volume<float>({19, 16, 17}, 100, 7), folder_ / "a.rho");
+  export_vdb(folder_ / "a.rho", folder_ / "a.vdb");
+  const render::Dataset packed = render::Dataset::load(folder_ / "a.rho"), sparse = loaded(folder_ / "a.vdb");
+  std::size_t found = 0;
+  for (int r = 0; r < 50; ++r) {
+    const render::Ray ray{{-1, 0.3 * r, 8.5}, {1, 0.2 - 0.01 * r, 0.125}};
+    const auto expected = render::all_crossings(packed, 50, ray, 100),
+               same = render::all_crossings(sparse, 50, ray, 100);
+    ASSERT_EQ(same.crossings.size(), expected.crossings.size()) << r;
+    for (std::size_t c = 0; c < expected.crossings.size(); ++c) {
+      EXPECT_EQ(same.crossings[c].t, expected.crossings[c].t) << r;
+      EXPECT_EQ(same.crossings[c].cell, expected.crossings[c].cell) << r;
+      EXPECT_EQ(same.crossings[c].to_inside, expected.crossings[c].to_inside) << r;
+    }
+    found += expected.crossings.size();
+  }
+  EXPECT_GT(found, 150U);
 }
 
 TEST_F(NanoVdbData, draws_a_level_set_where_its_distance_is_zero) {
