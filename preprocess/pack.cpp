@@ -9,8 +9,8 @@
 #include "preprocess/import_mesh.h"
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
-#include "preprocess/mesh/position_fields.h"
 #include "preprocess/pack_colors.h"
+#include "preprocess/pack_mesh.h"
 #include "preprocess/pack_surface.h"
 #include "preprocess/process/memory_cap.h"
 

@@ -41,6 +41,11 @@ struct PackMeshReport {
   std::vector<std::string> notes;
 };
 
+/// Sees to it that the mesh has a field to show. A mesh that has only cell fields shows these: sets
+/// `cells_to_points`. A mesh without a varying field gets fields that describe its shape, such as
+/// the distance from the boundary.
+void give_fields(NeutralMesh& mesh, bool& cells_to_points);
+
 /// Cleans a tetrahedral mesh, orders its cells so that neighbours are stored close together, builds
 /// the structure and writes a packed mesh. Runs on all threads; the file does not depend on the
 /// number of threads. Refuses a mesh without cells or without fields, and an index out of range.

@@ -2,7 +2,7 @@
 #include "formats/packed_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/input_file.h"
-#include "preprocess/mesh/position_fields.h"
+#include "preprocess/pack_mesh.h"
 #include "preprocess/resample.h"
 #include "preprocess/unpack_mesh.h"
 

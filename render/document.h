@@ -29,10 +29,17 @@ bool is_scene_document(const std::filesystem::path& input);
 ///               are then relative to the working folder
 SceneDocument read_scene(const std::filesystem::path& input);
 
+/// What the names of files in a document mean.
+enum class FileNames {
+  of_files,   ///< files that are looked for while the document is read
+  for_caller  ///< the caller decides; they stay as they are
+};
+
 /// The same of a document's text.
 /// @param name    of what holds the text, for messages
 /// @param folder  that file names are relative to
-SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                         FileNames files = FileNames::of_files);
 
 /// The document that says the same, as JSON on one line.
 /// @param folder  that file names are made relative to; empty: as they are
@@ -59,6 +66,15 @@ formats::PackedFile open_packed_colors(const DataSpec& data);
 /// option (ErrorCode::usage).
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
                              const OpenColors& open_colors = open_packed_colors);
+
+/// All that is shown, world axes.
+struct Shown {
+  Box3 box;                   ///< around it
+  std::vector<Vec3> corners;  ///< of boxes whose convex hull contains it
+};
+
+/// Finds what is shown. If no surface passes through any cell, returns the bounds of the data.
+Shown what_is_shown(const ResolvedScene& plan);
 
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what
 /// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the

@@ -122,6 +122,12 @@ std::optional<formats::FieldSummary> Dataset::field(const std::string& name) con
     if (summary.name == name) return summary;
   return std::nullopt;
 }
+std::span<const formats::FieldSummary> Dataset::point_fields() const {
+  return implementation_->fields;
+}
+std::span<const formats::FieldSummary> Dataset::cell_fields() const {
+  return implementation_->cell_fields;
+}
 formats::Space Dataset::space() const {
   return implementation_->space;
 }

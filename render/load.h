@@ -77,6 +77,9 @@ class Dataset {
   /// points have one name, the second was averaged from the first, and the summary is that of the
   /// first. Returns nothing if there is no such field, or if it is another grid of an OpenVDB file.
   std::optional<formats::FieldSummary> field(const std::string& name) const;
+  /// The summaries that the file holds: of fields at samples or points, and of fields of cells.
+  std::span<const formats::FieldSummary> point_fields() const;
+  std::span<const formats::FieldSummary> cell_fields() const;
   const std::string& length_unit() const;
   formats::Space space() const;  ///< of world coordinates
   bool is_mesh() const;          ///< true for tetrahedra

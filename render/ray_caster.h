@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,9 +17,26 @@ namespace rhoray::render {
 /// One query about a dataset and a method that answers it. Rays are in the data's own frame. In a
 /// grid that is the frame of its sample positions (0, 1, 2, ... or those of the axis tables); in a
 /// mesh, that of its points relative to the mesh's origin. The kernels compute with these doubles
-/// without rounding them first. Only one thread may use it at a time; the dataset must outlive it.
+/// without rounding them first. Only one thread may call at a time, except for const functions. The
+/// dataset must outlive it.
 class RayCaster {
+  /// The state of one thread.
+  struct Worker;
+
  public:
+  /// Memory of a thread that calls const functions. One may serve several casters.
+  class Scratch {
+   public:
+    Scratch();
+    ~Scratch();
+    Scratch(Scratch&&) noexcept;
+    Scratch& operator=(Scratch&&) noexcept;
+
+   private:
+    friend class RayCaster;
+    std::unique_ptr<Worker> worker_;
+  };
+
   /// Refuses an isovalue that is not finite (ErrorCode::usage). For a method that proves its
   /// results it also refuses data whose stored ranges do not hold (Dataset::prove_ranges,
   /// ErrorCode::invalid).
@@ -33,6 +51,11 @@ class RayCaster {
 
   void largest_values(std::span<const Ray> rays, std::span<Hit> hits);
 
+  // The same on the calling thread only. Any number of threads may call at a time, each with a
+  // scratch of its own. `counters` does not count these rays.
+  void first_crossings(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const;
+  void largest_values(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const;
+
   /// Counters of all rays so far.
   KernelCounters counters() const;
 
@@ -40,9 +63,6 @@ class RayCaster {
   const RangeProof& range_proof() const { return range_proof_; }
 
  private:
-  /// The state of one thread.
-  struct Worker;
-
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
 
   const LoadedDataset& dataset_;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string_view>
@@ -14,9 +16,20 @@
 
 namespace rhoray::render {
 
+/// A rectangle of pixels.
+struct PixelRect {
+  int x = 0, y = 0;  ///< its first column and row
+  int width = 0, height = 0;
+
+  friend bool operator==(const PixelRect&, const PixelRect&) = default;
+};
+
 struct FrameOptions {
   int width = 960;
   int height = 720;
+  /// Only these pixels are asked for. They are the whole picture's, bit for bit. Other pixels of the
+  /// framebuffer may be written too, or keep their content; counts include those that are traced.
+  std::optional<PixelRect> window{};
   ChannelSet channels{};
   /// Maximum number of samples per pixel. 1: only the ray through the pixel centre. More: pixels at
   /// edges get further rays, spread over the pixel, as long as these differ. The colour is their
@@ -89,17 +102,32 @@ struct FrameStatistics {
 /// The result does not depend on the machine.
 Method default_method(const Dataset& dataset, Mode mode);
 
-/// Memory of the threads that trace frames, to be kept from one frame to the next. Only one frame
-/// may use it at a time. Pictures do not depend on its contents: a frame with it is the same, bit
-/// for bit, as one without.
+/// Where the tiles of a frame are traced.
+enum class Arena {
+  own,     ///< on threads of its own
+  callers  ///< in the oneTBB arena in which the frame is called, with as many threads as it has
+};
+
+/// The threads that trace frames and their memory, to be kept from one frame to the next. Only one
+/// frame may use it at a time. Pictures do not depend on its contents: a frame with it is the same,
+/// bit for bit, as one without.
 class RenderContext {
  public:
   class Implementation;
 
-  RenderContext();
+  /// @param arena  with `callers`, FrameOptions::threads limits only the threads that prepare
+  explicit RenderContext(Arena arena = Arena::own);
   ~RenderContext();
   RenderContext(RenderContext&&) noexcept;
   RenderContext& operator=(RenderContext&&) noexcept;
+
+  /// Calls act(index, worker) for every index below `count`, on these threads. `worker` is below
+  /// worker_count(threads), and no two calls at a time have the same one. An exception of a call
+  /// ends the work and is rethrown.
+  /// @param threads  as FrameOptions::threads
+  void for_each(std::size_t count, unsigned threads,
+                const std::function<void(std::size_t index, std::size_t worker)>& act);
+  std::size_t worker_count(unsigned threads);
 
   Implementation& implementation() { return *implementation_; }  ///< for use inside render only
 
@@ -112,7 +140,8 @@ class RenderContext {
 /// number of threads.
 ///
 /// Refuses with ErrorCode::usage:
-/// - a picture without pixels, a scene without layers, a layer of a dataset that does not exist
+/// - a picture or window without pixels, a window beyond the picture
+/// - a scene without layers, a layer of a dataset that does not exist
 /// - an isovalue, clip region, camera, light or fog that is not finite; a clip box that is empty
 /// - a mode that does not fit the dataset's kind, a method that does not answer the query
 /// - colours by a field together with a texture

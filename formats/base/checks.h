@@ -1,16 +1,18 @@
 #pragma once
 
-#include <cstdio>
-#include <cstdlib>
+namespace rhoray {
 
-/// Checks an internal invariant: prints the expression and aborts. Never use it for input errors
-/// (use formats/base/error.h).
-#define RHORAY_CHECK(condition)                                                                   \
-  do {                                                                                            \
-    if (!(condition)) [[unlikely]] {                                                              \
-      std::fprintf(stderr, "%s:%d: internal check failed: %s\n", __FILE__, __LINE__, #condition); \
-      std::abort();                                                                               \
-    }                                                                                             \
+/// Ends a program whose state is wrong: prints the expression and aborts. In the shared library it
+/// throws ErrorCode::internal instead (failed_check_library.cpp).
+[[noreturn, gnu::cold]] void fail_check(const char* file, int line, const char* condition);
+
+}  // namespace rhoray
+
+/// Checks an internal invariant. Never use it for input errors (use formats/base/error.h).
+#define RHORAY_CHECK(condition)                             \
+  do {                                                      \
+    if (!(condition)) [[unlikely]]                          \
+      ::rhoray::fail_check(__FILE__, __LINE__, #condition); \
   } while (false)
 
 /// Like RHORAY_CHECK, for hot loops: active only in builds with RHORAY_DCHECKS, such as the

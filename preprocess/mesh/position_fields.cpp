@@ -13,6 +13,7 @@
 #include "formats/shape_field.h"
 #include "preprocess/mesh/boundary_distance.h"
 #include "preprocess/mesh/inspect/finding.h"
+#include "preprocess/pack_mesh.h"
 
 namespace rhoray::preprocess {
 namespace {

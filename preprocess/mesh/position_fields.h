@@ -21,8 +21,4 @@ bool has_varying_field(const NeutralMesh& mesh);
 /// came from. Expects vertex numbers below the number of points.
 void add_position_fields(NeutralMesh& mesh);
 
-/// Sees to it that the mesh has a field to show. A mesh that has only cell fields shows these: sets
-/// `cells_to_points`. A mesh without a varying field gets position fields.
-void give_fields(NeutralMesh& mesh, bool& cells_to_points);
-
 }  // namespace rhoray::preprocess

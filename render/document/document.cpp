@@ -147,10 +147,11 @@ SceneDocument read_scene(const std::filesystem::path& input) {
   return read_scene(document_text(input), input.string(), input.parent_path());
 }
 
-SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+SceneDocument read_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                         FileNames files) {
   const Json json = read_json(text, name);
   SceneDocument document;
-  document.scene_spec = read_object(json, Reading{{name, {}}, folder, document.warnings}, scene_rows());
+  document.scene_spec = read_object(json, Reading{{name, {}}, folder, document.warnings, files}, scene_rows());
   document.scene_spec.document = name;
   return document;
 }

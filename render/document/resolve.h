@@ -9,15 +9,6 @@
 
 namespace rhoray::render {
 
-/// All that is shown, world axes.
-struct Shown {
-  Box3 box;                   ///< around it
-  std::vector<Vec3> corners;  ///< of boxes whose convex hull contains it
-};
-
-/// Finds what is shown. If no surface passes through any cell, returns the bounds of the data.
-Shown what_is_shown(const ResolvedScene& plan);
-
 /// Returns what is shown. It is called only if a choice depends on it.
 using FindShown = std::function<const Shown&()>;
 

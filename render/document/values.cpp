@@ -303,6 +303,7 @@ ValueKind<std::filesystem::path> file_value() {
               [](const Json& json, const Reading& at) {
                 if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a file name");
                 const std::filesystem::path name = json.get<std::string>();
+                if (at.files == FileNames::for_caller) return name;
                 const std::filesystem::path file = name.is_absolute() || at.folder.empty() ? name : at.folder / name;
                 try {
                   require_readable(file);

@@ -15,6 +15,7 @@
 #include "formats/base/json.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/text.h"
+#include "render/document.h"
 #include "render/scene_spec.h"
 
 namespace rhoray::render {
@@ -57,10 +58,11 @@ struct Reading {
   Place place;
   const std::filesystem::path& folder;  ///< that file names are relative to
   std::vector<std::string>& warnings;   ///< one line each
+  FileNames files = FileNames::of_files;
 
   template <class Step>
   Reading at(const Step& step) const {
-    return {place.at(step), folder, warnings};
+    return {place.at(step), folder, warnings, files};
   }
 };
 

@@ -91,6 +91,7 @@ EdgeSamples::EdgeSamples(Frame& frame, const FrameOptions& options)
       most_(options.antialiasing),
       width_(options.width),
       height_(options.height),
+      window_(options.window),
       asked_for_(options.channels),
       shows_surfaces_(shows_surfaces(frame)),
       bend_(depth_threshold * 2 * frame.camera_rays.down().length() / options.height) {
@@ -235,7 +236,12 @@ void EdgeSamples::refine_tile(const Tile& tile, Worker& worker, Work& work, Fram
 }
 
 void EdgeSamples::add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture) {
-  const std::vector<Tile> tiles = tiles_in_order(width_, height_);
+  std::vector<Tile> tiles = tiles_in_order(width_, height_);
+  if (window_)
+    std::erase_if(tiles, [this](const Tile& tile) {
+      return tile.x_end <= window_->x || tile.x_begin >= window_->x + window_->width || tile.y_end <= window_->y ||
+             tile.y_begin >= window_->y + window_->height;
+    });
   memory.threads().for_each_tile(tiles.size(), [&](std::size_t tile, std::size_t) { mark_tile(picture, tiles[tile]); });
   std::vector<Work> works(memory.threads().worker_count());
   memory.threads().for_each_tile(tiles.size(), [&](std::size_t tile, std::size_t worker) {

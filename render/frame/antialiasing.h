@@ -66,6 +66,7 @@ class EdgeSamples {
   const Frame& frame_;
   int most_;
   int width_, height_;
+  std::optional<PixelRect> window_;
   ChannelSet asked_for_;
   bool shows_surfaces_;
   /// Limit of the second difference for two pixel widths, in the measure of depths.

@@ -64,6 +64,7 @@ struct Frame {
   Vec3 background;                 ///< black if nothing is behind
   bool has_transparent_background;
   bool keeps_channels;  ///< besides the colour
+  PixelRect window;     ///< tiles outside are not traced; may extend beyond the picture
   Occlusion occlusion;
   WorkerNeeds needs;
   RangeProof range_proof{};  ///< of the datasets with a method that proves its answers

@@ -130,12 +130,23 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   return worker.layers[0].rays.count;
 }
 
+/// Whether pixels of a tile, or the squares that they fill, are in the window.
+bool touches(const PixelRect& window, const PixelLattice& lattice, const Tile& tile) {
+  const auto overlap = [&](int first, int begin, int end, int from, int count) {
+    return first + (end - 1) * lattice.spacing + lattice.extent > from &&
+           first + begin * lattice.spacing < from + count;
+  };
+  return overlap(lattice.x_first, tile.x_begin, tile.x_end, window.x, window.width) &&
+         overlap(lattice.y_first, tile.y_begin, tile.y_end, window.y, window.height);
+}
+
 }  // namespace
 
 void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   if (lattice.columns() <= 0 || lattice.rows() <= 0) return;
   const std::optional<BlockMask> mask = mask_of(frame, lattice);
   for (Tile tile : tiles_in_order(lattice.columns(), lattice.rows())) {
+    if (!touches(frame.window, lattice, tile)) continue;
     if (mask) tile.blocks = mask->of_tile(tile);
     tiles_.push_back({rays_.size(), tile});
   }

@@ -46,6 +46,11 @@ RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& meth
 
 RayCaster::~RayCaster() = default;
 
+RayCaster::Scratch::Scratch() : worker_(std::make_unique<Worker>()) {}
+RayCaster::Scratch::~Scratch() = default;
+RayCaster::Scratch::Scratch(Scratch&&) noexcept = default;
+RayCaster::Scratch& RayCaster::Scratch::operator=(Scratch&&) noexcept = default;
+
 void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const {
   for (std::size_t first = 0; first < rays.size(); first += batch_size) {
     worker.rays.count = std::min(batch_size, rays.size() - first);
@@ -81,6 +86,23 @@ void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
   RHORAY_CHECK(rays.size() == hits.size());
   workers_.front().scratch.last_t.reset();
   answer(intersectors_.largest, rays, hits, workers_.front());
+  formats::require_intact(dataset_.file);
+}
+
+void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
+  const DefaultFloatingPoint default_floating_point;
+  RHORAY_CHECK(rays.size() == hits.size());
+  scratch.worker_->scratch.queue.reserve(intersectors_.queue_entries);
+  answer(intersectors_.first_hit, rays, hits, *scratch.worker_);
+  formats::require_intact(dataset_.file);
+}
+
+void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
+  const DefaultFloatingPoint default_floating_point;
+  RHORAY_CHECK(rays.size() == hits.size());
+  scratch.worker_->scratch.queue.reserve(intersectors_.queue_entries);
+  scratch.worker_->scratch.last_t.reset();
+  answer(intersectors_.largest, rays, hits, *scratch.worker_);
   formats::require_intact(dataset_.file);
 }
 

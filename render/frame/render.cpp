@@ -130,10 +130,19 @@ bool all_prove(const Scene& scene) {
   return std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) { return proves(layer.method); });
 }
 
+void check_window(const PixelRect& window, const FrameOptions& options) {
+  if (window.x < 0 || window.y < 0 || window.width < 1 || window.height < 1 ||
+      window.width > options.width - window.x || window.height > options.height - window.y)
+    throw Error(ErrorCode::usage,
+                concat("a window of ", window.width, " x ", window.height, " pixels at (", window.x, ", ", window.y,
+                       "); expected pixels of a picture of ", options.width, " x ", options.height));
+}
+
 void check_request(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options) {
   if (options.width < 1 || options.height < 1)
     throw Error(ErrorCode::usage,
                 concat("picture of ", options.width, " x ", options.height, " pixels; expected at least 1 x 1"));
+  if (options.window) check_window(*options.window, options);
   if (scene.layers.empty() || scene.layers.size() >= LayerOfRays::none)
     throw Error(ErrorCode::usage,
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
@@ -254,6 +263,15 @@ bool lies_outside_view(const Dataset& dataset, const CameraRays& camera_rays, co
   return met.is_empty();
 }
 
+/// The pixels that are asked for, and those around them with which antialiasing compares them.
+PixelRect window_to_trace(const FrameOptions& options) {
+  PixelRect window = options.window.value_or(PixelRect{.width = options.width, .height = options.height});
+  const int margin = options.antialiasing > 1 ? tile_edge : 0;
+  window.x -= margin, window.y -= margin;
+  window.width += 2 * margin, window.height += 2 * margin;
+  return window;
+}
+
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
 /// and layers outside the view that shade nothing. Nothing is prepared or read for these.
 Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options) {
@@ -263,6 +281,7 @@ Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const 
               .background = scene.transparent_background ? Vec3(0, 0, 0) : scene.background,
               .has_transparent_background = scene.transparent_background,
               .keeps_channels = options.channels.any() || options.antialiasing > 1,
+              .window = window_to_trace(options),
               .occlusion = scene.occlusion,
               .needs = {}};
   for (const auto& [blend, is_slice] : {std::pair{Blend::opaque, true},
@@ -434,13 +453,22 @@ FrameStatistics::Phases phases_of(const RenderContext::Implementation& memory, d
 
 }  // namespace
 
+void RenderContext::for_each(std::size_t count, unsigned threads,
+                             const std::function<void(std::size_t, std::size_t)>& act) {
+  implementation_->threads(threads).for_each_tile(count, act);
+}
+
+std::size_t RenderContext::worker_count(unsigned threads) {
+  return implementation_->threads(threads).worker_count();
+}
+
 Method default_method(const Dataset& dataset, Mode mode) {
   const bool is_wide = mode != Mode::mip && answers_wide(dataset.implementation(), method_of(Accuracy::float32),
                                                          &Intersectors::first_hit, Machine::baseline);
   return method_of(is_wide ? Accuracy::float32 : Accuracy::float64);
 }
 
-RenderContext::RenderContext() : implementation_(std::make_unique<Implementation>()) {}
+RenderContext::RenderContext(Arena arena) : implementation_(std::make_unique<Implementation>(arena)) {}
 RenderContext::~RenderContext() = default;
 RenderContext::RenderContext(RenderContext&&) noexcept = default;
 RenderContext& RenderContext::operator=(RenderContext&&) noexcept = default;

@@ -2,9 +2,13 @@
 
 namespace rhoray::render {
 
+const TileThreads& RenderContext::Implementation::threads(unsigned threads) {
+  if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads, arena_);
+  return *threads_;
+}
+
 void RenderContext::Implementation::begin_frame(unsigned threads, const WorkerNeeds& needs) {
-  if (!threads_ || threads_->asked_for() != threads) threads_.emplace(threads);
-  places_.resize(threads_->worker_count());
+  places_.resize(this->threads(threads).worker_count());
   for (Place& place : places_) place.works = false;
   needs_ = needs;
 }

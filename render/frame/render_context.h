@@ -15,9 +15,12 @@ namespace rhoray::render {
 /// The threads and their memory. Each thread allocates its memory when it first works.
 class RenderContext::Implementation {
  public:
+  explicit Implementation(Arena arena) : arena_(arena) {}
+
   /// @param threads  as FrameOptions::threads
   void begin_frame(unsigned threads, const WorkerNeeds& needs);
   const TileThreads& threads() const { return *threads_; }
+  const TileThreads& threads(unsigned threads);  ///< as FrameOptions::threads
   Worker& worker(std::size_t index);
   /// Workers that have worked in this frame.
   std::vector<const Worker*> workers() const;
@@ -29,6 +32,7 @@ class RenderContext::Implementation {
     std::unique_ptr<Worker> worker;
     bool works = false;  ///< in this frame
   };
+  Arena arena_;
   std::optional<TileThreads> threads_;
   std::vector<Place> places_;
   WorkerNeeds needs_;

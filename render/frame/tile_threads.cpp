@@ -23,14 +23,17 @@
 namespace rhoray::render {
 
 std::size_t TileThreads::worker_count() const {
+#ifndef RHORAY_STD_THREADS
+  if (!arena_) return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+#endif
   return threads_ > 0 ? threads_ : std::max(1u, std::thread::hardware_concurrency());
 }
 
 #ifdef RHORAY_STD_THREADS
 
-struct TileThreads::Arena {};
+struct TileThreads::OwnArena {};
 
-TileThreads::TileThreads(unsigned threads) : threads_(threads) {}
+TileThreads::TileThreads(unsigned threads, Arena) : threads_(threads) {}
 TileThreads::~TileThreads() = default;
 
 void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
@@ -56,21 +59,19 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
 
 #else
 
-struct TileThreads::Arena {
+struct TileThreads::OwnArena {
   tbb::task_arena arena;
 };
 
-TileThreads::TileThreads(unsigned threads) : threads_(threads) {
-  arena_ = std::make_unique<Arena>(Arena{tbb::task_arena(static_cast<int>(worker_count()))});
+TileThreads::TileThreads(unsigned threads, Arena arena) : threads_(threads) {
+  if (arena == Arena::callers) return;
+  const unsigned count = threads > 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+  arena_ = std::make_unique<OwnArena>(OwnArena{tbb::task_arena(static_cast<int>(count))});
 }
 TileThreads::~TileThreads() = default;
 
 void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
-  // oneTBB limits an arena to the number of cores unless it is told otherwise.
-  std::optional<tbb::global_control> allowed;
-  if (worker_count() > std::thread::hardware_concurrency())
-    allowed.emplace(tbb::global_control::max_allowed_parallelism, worker_count());
-  arena_->arena.execute([&] {
+  const auto work = [&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
         [&](const tbb::blocked_range<std::size_t>& tiles) {
@@ -81,7 +82,14 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
           for (std::size_t tile = tiles.begin(); tile != tiles.end(); ++tile) act(tile, worker);
         },
         tbb::simple_partitioner());
-  });
+  };
+  // Isolated: a thread that waits here takes no task of the caller's, which might wait for this one.
+  if (!arena_) return tbb::this_task_arena::isolate(work);
+  // oneTBB limits an arena to the number of cores unless it is told otherwise.
+  std::optional<tbb::global_control> allowed;
+  if (worker_count() > std::thread::hardware_concurrency())
+    allowed.emplace(tbb::global_control::max_allowed_parallelism, worker_count());
+  arena_->arena.execute(work);
 }
 
 #endif

@@ -4,13 +4,17 @@
 #include <functional>
 #include <memory>
 
+#include "render/render.h"
+
 namespace rhoray::render {
 
 /// Threads that process tiles. They are kept from frame to frame, because starting them takes as
 /// long as a small frame.
 class TileThreads {
  public:
-  explicit TileThreads(unsigned threads);  ///< 0: all cores
+  /// @param threads  0: all cores; ignored with the caller's arena, which must be the same at each
+  ///   later call
+  explicit TileThreads(unsigned threads, Arena arena = Arena::own);
   ~TileThreads();
 
   unsigned asked_for() const { return threads_; }
@@ -24,9 +28,9 @@ class TileThreads {
   void for_each_tile(std::size_t count, const std::function<void(std::size_t tile, std::size_t worker)>& act) const;
 
  private:
-  struct Arena;
+  struct OwnArena;
   unsigned threads_;
-  std::unique_ptr<Arena> arena_;
+  std::unique_ptr<OwnArena> arena_;  ///< null: the caller's
 };
 
 }  // namespace rhoray::render

@@ -1,29 +1,15 @@
 #include "render/query/machine.h"
 
 #include <array>
-#include <cstdlib>
-#include <string_view>
-
-#include "formats/base/error.h"
-#include "formats/base/text.h"
 
 namespace rhoray::render {
 
-namespace {
-
-constexpr std::array machines{Machine::scalar, Machine::baseline, Machine::avx2, Machine::avx512};
-
-Machine asked_for(std::string_view name) {
-  for (const Machine machine : machines)
-    if (name == name_of(machine)) {
-      if (!has_machine(machine))
-        throw Error(ErrorCode::usage, concat("RHORAY_MACHINE=", name, "; this processor does not have it"));
-      return machine;
-    }
-  throw Error(ErrorCode::usage, concat("RHORAY_MACHINE=", name, "; expected scalar, baseline, avx2 or avx512"));
+Machine best_machine() {
+  Machine best = Machine::scalar;
+  for (const Machine machine : all_machines)
+    if (has_machine(machine)) best = machine;
+  return best;
 }
-
-}  // namespace
 
 const char* name_of(Machine machine) {
   constexpr std::array names{"scalar", "baseline", "avx2", "avx512"};
@@ -47,17 +33,6 @@ bool has_machine(Machine machine) {
 #else
   return machine == Machine::scalar || machine == Machine::baseline;
 #endif
-}
-
-Machine chosen_machine() {
-  static const Machine chosen = [] {
-    if (const char* name = std::getenv("RHORAY_MACHINE")) return asked_for(name);
-    Machine best = Machine::scalar;
-    for (const Machine machine : machines)
-      if (has_machine(machine)) best = machine;
-    return best;
-  }();
-  return chosen;
 }
 
 }  // namespace rhoray::render

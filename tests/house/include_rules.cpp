@@ -104,6 +104,9 @@ const Layer layers[] = {
 /// The programs of tools and the libraries that they share, with their subfolders. Libraries
 /// include no program, so that other programs can link them.
 const Layer tool_layers[] = {
+    {"tools/library/rhoray", {}},
+    {"tools/python", {}},
+    {"tools/library", {}},
     {"tools/pictures", {}},
     {"tools/validate", {}},
     {"tools/analysis",
@@ -142,6 +145,8 @@ const Library libraries[] = {
     {"Highway", std::regex("hwy/.*"), {"render/traverse", "render/grid", "render/tets", "render/triangles"}},
     {"libpng", std::regex("png\\.h"), {"render"}},
     {"Imath", std::regex("Imath/.*"), {"formats"}},
+    {"Rhoray, installed", std::regex("rhoray/.*"), {"tools/library/examples", "tools/python"}},
+    {"pybind11", std::regex("pybind11/.*"), {"tools/python"}},
     {"Gmsh", std::regex("gmsh\\.h"), {}},
     {"GoogleTest", std::regex("(gtest|gmock)/.*"), {}}};
 
@@ -151,7 +156,10 @@ const std::regex system_header(
     "\\w+|dirent|dlfcn|execinfo|fcntl|malloc|poll|pthread|sched|semaphore|signal|spawn|stdio|stdlib|unistd)\\.h");
 
 /// Headers that the build generates; they are in no room.
-const std::string_view generated_headers[] = {"rhoray_commit.h", "rhoray_report_template.h"};
+const std::string_view generated_headers[] = {"rhoray_commit.h", "rhoray_report_template.h", "rhoray/version.h"};
+
+/// The public headers of the library. They are included as users do: "rhoray/scene.h".
+constexpr std::string_view library_headers = "tools/library/rhoray";
 
 /// True when `path` is `place` or lies inside it.
 bool is_in(std::string_view path, std::string_view place) {
@@ -197,9 +205,15 @@ bool sees(const Layer& layer, std::string_view header) {
   });
 }
 
+/// The path of a header that is included in quotation marks.
+std::string own_path(const std::string& header) {
+  return header.starts_with("rhoray/") ? "tools/library/" + header : header;
+}
+
 /// The rule that `file` breaks by including our own `header`, or nothing.
 std::optional<std::string> rule_against_own(const std::filesystem::path& root, std::string_view file,
                                             std::string_view header) {
+  if (is_in(file, library_headers) && !is_in(header, library_headers)) return "layers";
   const std::string_view room = room_of(file), target = room_of(header);
   if (!std::filesystem::exists(root / header)) return "names";
   const Layer* in_room = find(rooms, room);
@@ -221,6 +235,7 @@ std::optional<std::string> rule_against_own(const std::filesystem::path& root, s
 
 bool is_received(std::string_view file, std::string_view header) {
   const std::string text(header);
+  if (is_in(file, library_headers)) return std::regex_match(text, standard_header);
   if (std::regex_match(text, standard_header) || std::regex_match(text, system_header)) return true;
   for (const Library& library : libraries)
     if (std::regex_match(text, library.header)) return is_in(file, "tests") || is_in_any(file, library.included_in);
@@ -259,7 +274,7 @@ void check_file(const std::filesystem::path& root, const std::string& file, std:
       if (!is_received(file, header)) rule = "third-party";
     } else if (std::find(std::begin(generated_headers), std::end(generated_headers), header) ==
                std::end(generated_headers)) {
-      rule = rule_against_own(root, file, header);
+      rule = rule_against_own(root, file, own_path(header));
     }
     if (rule) found.push_back({file, line, is_quoted ? "\"" + header + "\"" : "<" + header + ">", *rule});
   }
@@ -333,7 +348,7 @@ std::vector<std::string> circles(const std::filesystem::path& root) {
   for (const std::string& file : files) includes[unit_of(file)];
   for (const std::string& file : files)
     for (const Include& include : includes_of(root / file)) {
-      const std::string target = unit_of(include.header);
+      const std::string target = unit_of(own_path(include.header));
       if (include.is_quoted && target != unit_of(file) && includes.contains(target))
         includes[unit_of(file)].insert(target);
     }

@@ -40,6 +40,10 @@ class PlantedHouse {
     plant("tools/pictures/canvas.h", "#include \"render/scene.h\"\n");
     plant("tools/analysis/results.h", "#include \"tools/pictures/canvas.h\"\n");
     plant("tools/rhoray/options.h", "#include \"tools/analysis/results.h\"\n");
+    plant("tools/library/rhoray/types.h", "#include <vector>\n");
+    plant("tools/library/scene.cpp",
+          "#include \"render/scene.h\"\n#include \"rhoray/types.h\"\n#include \"rhoray/version.h\"\n");
+    plant("tools/library/examples/picture.cpp", "#include <rhoray/rhoray.h>\n");
     plant("tests/render/ray_test.cpp", "#include <gtest/gtest.h>\n#include \"render/traverse/ray.h\"\n");
   }
 
@@ -82,6 +86,8 @@ const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "rooms"},
                         {"tools/analysis/up.cpp", "\"tools/rhoray/options.h\"", "layers"},
                         {"tools/pictures/up.h", "\"tools/analysis/results.h\"", "layers"},
                         {"tools/view/up.cpp", "\"tools/rhoray/options.h\"", "layers"},
+                        {"tools/library/rhoray/deep.h", "\"formats/grid.h\"", "layers"},
+                        {"tools/library/up.cpp", "\"tools/rhoray/options.h\"", "layers"},
                         {"tools/attic/new.h", "\"tools/pictures/canvas.h\"", "layers"},
                         {"render/tetgen.cpp", "<tetgen.h>", "third-party"},
                         {"formats/cgal.h", "<CGAL/box.h>", "third-party"},
@@ -97,6 +103,8 @@ const Plant plants[] = {{"formats/up.h", "\"preprocess/pack.h\"", "rooms"},
                         {"render/test.h", "<gtest/gtest.h>", "third-party"},
                         {"preprocess/eigen.cpp", "<Eigen/Sparse>", "third-party"},
                         {"render/stranger.h", "<stranger/danger.h>", "third-party"},
+                        {"tools/library/rhoray/heavy.h", "<nlohmann/json.hpp>", "third-party"},
+                        {"tools/library/brackets.cpp", "<rhoray/rhoray.h>", "third-party"},
                         {"formats/brackets.h", "<formats/grid.h>", "third-party"},
                         {"formats/relative.cpp", "\"grid.h\"", "names"},
                         {"formats/ghost.cpp", "\"formats/ghost.h\"", "names"}};

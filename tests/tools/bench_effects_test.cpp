@@ -56,13 +56,14 @@ TEST(BenchEffects, switches_each_effect_on_alone_and_counts_what_it_asks_for) {
   only("smooth normals", "normals_smoothed");
   only("colour by a field", "colors_looked_up");
   only("fog", "none");
-  only("clear surfaces", "rays_through");
-  EXPECT_GE(rows.at("clear surfaces")["clear_per_hit"], 1.0);
-  EXPECT_GE(rows.at("two clear shells")["clear_crossings"], rows.at("two clear shells")["rays_through"]);
-  EXPECT_EQ(rows.at("one opaque shell")["clear_crossings"], 0);
+  only("transparent surfaces", "rays_through");
+  EXPECT_GE(rows.at("transparent surfaces")["clear_per_hit"], 1.0);
+  EXPECT_GE(rows.at("two transparent surfaces")["clear_crossings"],
+            rows.at("two transparent surfaces")["rays_through"]);
+  EXPECT_EQ(rows.at("one opaque surface")["clear_crossings"], 0);
   EXPECT_EQ(rows.at("hard shadows")["over"], "one light beside the eye");
   EXPECT_EQ(rows.at("hard shadows, a light that moves")["over"], "one light beside the eye");
-  EXPECT_EQ(rows.at("two clear shells")["over"], "one opaque shell");
+  EXPECT_EQ(rows.at("two transparent surfaces")["over"], "one opaque surface");
   EXPECT_NE(rows.at("fog")["picture"], plain["picture"]);
   EXPECT_LE(rows.at("soft shadows, 16 rays")["shadow_rays"], 16 * plain["hits"].get<int>());
 
@@ -95,7 +96,7 @@ TEST(BenchEffects, takes_a_scene_as_it_is) {
   EXPECT_EQ(rows.at("plain")["rays_through"], 0);
   EXPECT_GT(rows.at("smooth normals")["normals_smoothed"], 0) << "of the triangles";
   EXPECT_NE(rows.at("hard shadows, a light that moves")["picture"], rows.at("hard shadows")["picture"]);
-  EXPECT_NE(rows.at("one opaque shell")["picture"], rows.at("plain")["picture"]);
+  EXPECT_NE(rows.at("one opaque surface")["picture"], rows.at("plain")["picture"]);
 }
 
 TEST(BenchEffects, has_a_row_for_each_of_texture_region_slices_and_edges) {

@@ -1,4 +1,14 @@
 # Rules of `cmake --install`. The install components have the names of the Debian packages (tools/setup/debian).
+
+# The documentation, where its targets were built.
+foreach(documentation guide reference)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/${documentation}/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/${documentation}
+          COMPONENT rhoray-doc OPTIONAL)
+endforeach()
+
+if(NOT RHORAY_PROGRAMS)
+  return()
+endif()
 install(TARGETS rhoray RUNTIME COMPONENT rhoray)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT rhoray)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manuals/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT rhoray)

@@ -33,7 +33,7 @@ constexpr const char* lit = "one light beside the eye";
 constexpr const char* hard_shadows = "hard shadows";
 constexpr const char* textured = "texture";
 constexpr const char* textured_in_shadows = "texture, hard shadows";
-constexpr const char* one_shell = "one opaque shell";
+constexpr const char* one_surface = "one opaque surface";
 
 /// From the upper left of the camera.
 render::LightSpec key_light() {
@@ -149,7 +149,7 @@ bool clear_all(render::SceneSpec& scene, const Asked&) {
 }
 
 /// The first isosurface alone.
-bool keep_one_shell(render::SceneSpec& scene, const Asked&) {
+bool keep_one_surface(render::SceneSpec& scene, const Asked&) {
   const auto first = std::find_if(scene.layers.begin(), scene.layers.end(), [](const render::LayerSpec& layer) {
     return layer.type == render::LayerType::isosurface;
   });
@@ -160,15 +160,15 @@ bool keep_one_shell(render::SceneSpec& scene, const Asked&) {
 
 /// The surface and a second one of the same field, inside it by 2 % of the field's range, or
 /// outside where the range ends.
-bool clear_two_shells(render::SceneSpec& scene, const Asked& asked) {
-  if (!keep_one_shell(scene, asked)) return false;
-  render::LayerSpec& shell = scene.layers[0];
-  shell.opacity = 0.5;
+bool show_two_transparent(render::SceneSpec& scene, const Asked& asked) {
+  if (!keep_one_surface(scene, asked)) return false;
+  render::LayerSpec& surface = scene.layers[0];
+  surface.opacity = 0.5;
   double isovalue = 0;
-  read_value(shell.isovalues[0], isovalue);
-  const Interval<double> range = asked.volume(shell.data).field().range;
+  read_value(surface.isovalues[0], isovalue);
+  const Interval<double> range = asked.volume(surface.data).field().range;
   const double step = 0.02 * (range.hi - range.lo);
-  render::LayerSpec other = shell;
+  render::LayerSpec other = surface;
   other.isovalues = {concat(isovalue + step < range.hi ? isovalue + step : isovalue - step)};
   scene.layers.push_back(other);
   return true;
@@ -203,9 +203,9 @@ constexpr EffectRow effect_rows_measured[] = {{plain, plain, [](render::SceneSpe
                                               {"slices", plain, add_slices},
                                               {"antialiasing, 16 samples", plain, antialias},
                                               {"fog", plain, raise_fog},
-                                              {"clear surfaces", plain, clear_all},
-                                              {one_shell, plain, keep_one_shell},
-                                              {"two clear shells", one_shell, clear_two_shells},
+                                              {"transparent surfaces", plain, clear_all},
+                                              {one_surface, plain, keep_one_surface},
+                                              {"two transparent surfaces", one_surface, show_two_transparent},
                                               {"the scene as it is", plain, show_all}};
 
 /// Its layers with a matte material under a light at the camera; slices are left out.

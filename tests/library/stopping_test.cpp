@@ -1,0 +1,204 @@
+// Calls that are stopped, and callbacks that throw.
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <stop_token>
+
+#include "tests/library/expect_refused.h"
+#include "tests/library/made_arrays.h"
+#include "tests/library/pictures.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rhoray::tests {
+namespace {
+
+constexpr Size size{128, 96};
+
+Scene plain_scene() {
+  return certified_scene(gyroid_grid(), 0.1, size);
+}
+
+TEST(Stopping, refine_sends_its_first_pass_even_if_it_was_stopped_before) {
+  const Scene scene = plain_scene();
+  std::stop_source stop;
+  stop.request_stop();
+  RenderContext context;
+  Picture picture;
+  std::vector<int> passes;
+  const RenderResult result = context.refine(scene, {.size = size, .channels = {.depth = true}},
+                                             {.first_spacing = 16,
+                                              .pass_done =
+                                                  [&](int spacing) {
+                                                    passes.push_back(spacing);
+                                                    return true;
+                                                  }},
+                                             picture, stop.get_token());
+  EXPECT_FALSE(result.complete);
+  EXPECT_EQ(passes, std::vector{16});
+  // Each traced pixel is that of the whole picture.
+  const Picture whole = rendered(scene, {.size = size, .channels = {.depth = true}});
+  ASSERT_EQ(picture.depth().size(), whole.depth().size());
+  for (std::size_t y = 0; y < 96; y += 16)
+    for (std::size_t x = 0; x < 128; x += 16) EXPECT_EQ(picture.depth()[y * 128 + x], whole.depth()[y * 128 + x]);
+}
+
+TEST(Stopping, refine_ends_after_the_pass_in_which_it_is_stopped_and_can_go_on_later) {
+  const Scene scene = plain_scene();
+  RenderContext context;
+  for (const bool by_token : {true, false}) {
+    std::stop_source stop;
+    Picture picture;
+    std::vector<int> passes;
+    const auto pass_done = [&](int spacing) {
+      passes.push_back(spacing);
+      if (spacing == 4 && by_token) stop.request_stop();
+      return spacing != 4 || by_token;
+    };
+    const RenderResult result =
+        context.refine(scene, {.size = size, .max_samples = 4}, {.pass_done = pass_done}, picture, stop.get_token());
+    EXPECT_FALSE(result.complete);
+    EXPECT_EQ(passes, (std::vector{8, 4}));
+    passes.clear();
+    const auto all_passes = [&](int spacing) {
+      passes.push_back(spacing);
+      return true;
+    };
+    const RenderOptions options{.size = size, .channels = all_channels, .max_samples = 4};
+    EXPECT_TRUE(context.refine(scene, options, {.pass_done = all_passes}, picture).complete);
+    EXPECT_EQ(passes, (std::vector{8, 4, 2, 1}));
+    EXPECT_TRUE(bits_of(picture) == bits_of(rendered(scene, options)));
+  }
+}
+
+TEST(Stopping, false_after_the_last_pass_leaves_samples_out) {
+  const Scene scene = plain_scene();
+  RenderContext context;
+  Picture picture;
+  const auto until_last = [](int spacing) { return spacing != 1; };
+  EXPECT_TRUE(context.refine(scene, {.size = size}, {.pass_done = until_last}, picture).complete);
+  const RenderResult smoothed =
+      context.refine(scene, {.size = size, .max_samples = 16}, {.pass_done = until_last}, picture);
+  EXPECT_EQ(smoothed.complete, bits_of(picture) == bits_of(rendered(scene, {.size = size, .max_samples = 16})));
+}
+
+TEST(Stopping, render_draws_nothing_if_it_was_stopped_before) {
+  const Scene scene = plain_scene();
+  std::stop_source stop;
+  stop.request_stop();
+  RenderContext context;
+  Picture picture;
+  EXPECT_FALSE(context.render(scene, {.size = size}, picture, stop.get_token()).complete);
+  EXPECT_EQ(picture.color().size(), 4U * 128 * 96);
+  EXPECT_TRUE(context.render(scene, {.size = size}, picture).complete);
+  EXPECT_TRUE(bits_of(picture) == bits_of(rendered(scene, {.size = size})));
+}
+
+TEST(Stopping, of_a_window_is_said_too) {
+  const Scene scene = plain_scene();
+  std::stop_source stop;
+  stop.request_stop();
+  RenderContext context;
+  Picture picture;
+  const RenderOptions options{.size = size, .window = Rect{32, 32, 64, 32}};
+  EXPECT_FALSE(context.render(scene, options, picture, stop.get_token()).complete);
+  EXPECT_EQ(picture.window(), (Rect{32, 32, 64, 32}));
+  EXPECT_TRUE(context.render(scene, options, picture).complete);
+}
+
+TEST(Stopping, of_rays_throws) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Dataset grid = gyroid_grid();
+  const MadeRays rays = random_rays(grid.bounds(), 3000);
+  std::vector<double> t(3000);
+  std::vector<std::uint8_t> is_hit(3000);
+  RenderContext context;
+  const RayCaster caster(grid, Isosurface{0}, Accuracy::float64);
+  const std::string words = "rays were stopped by their caller";
+  expect_refused(ErrorCode::interrupted, words,
+                 [&] { caster.first_hits(rays.rays(), {.t = t}, context, stop.get_token()); });
+  expect_refused(ErrorCode::interrupted, words,
+                 [&] { caster.any_hits(rays.rays(), is_hit, context, stop.get_token()); });
+  AllHits all;
+  expect_refused(ErrorCode::interrupted, words,
+                 [&] { caster.all_hits(rays.rays(), all, context, 4096, stop.get_token()); });
+  expect_refused(ErrorCode::interrupted, words,
+                 [&] { FieldSampler(grid).largest_values(rays.rays(), {.t = t}, context, stop.get_token()); });
+  caster.first_hits(rays.rays(), {.t = t}, context);
+}
+
+TEST(Stopping, of_the_choice_of_a_method_throws) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Scene scene = plain_scene();
+  EXPECT_THROW(
+      try { choose_method(scene, 0, size, {.max_error = 0.1}, stop.get_token()); } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::interrupted);
+        throw;
+      },
+      Error);
+}
+
+TEST(Stopping, of_packing_leaves_no_file) {
+  const TemporaryFolder folder;
+  for (const bool before : {true, false}) {
+    std::stop_source stop;
+    if (before) stop.request_stop();
+    PackOptions options{.progress = [&](auto, auto, auto) { stop.request_stop(); }, .stop = stop.get_token()};
+    for (const std::filesystem::path& file : {std::filesystem::path(), folder / "stopped.rho"}) {
+      options.file = file;
+      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { gyroid_grid(options); });
+      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { ball_mesh(3, options); });
+      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { octahedron(options); });
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Callbacks, that_throw_end_packing_and_leave_no_file) {
+  const TemporaryFolder folder;
+  const PackOptions options{.file = folder / "thrown.rho",
+                            .progress = [](auto, auto, auto) { throw std::out_of_range("of the caller"); }};
+  EXPECT_THROW(gyroid_grid(options), std::out_of_range);
+  EXPECT_THROW(ball_mesh(3, options), std::out_of_range);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Callbacks, of_packing_say_how_much_is_done) {
+  std::string phase;
+  std::uint64_t last = 0, calls = 0;
+  gyroid_grid({.progress = [&](std::string_view now, std::uint64_t done, std::uint64_t total) {
+    if (now != phase) phase = now, last = 0;
+    EXPECT_FALSE(now.empty());
+    EXPECT_GE(done, last) << now;
+    EXPECT_TRUE(total == 0 || done <= total) << now;
+    last = done, ++calls;
+  }});
+  EXPECT_GE(calls, 2U);
+}
+
+TEST(Callbacks, that_throw_reach_the_caller_and_leave_the_context_usable) {
+  const Scene scene = plain_scene();
+  RenderContext context;
+  Picture picture;
+  const Passes passes{.pass_done = [](int spacing) -> bool {
+    if (spacing == 2) throw std::out_of_range("of the caller");
+    return true;
+  }};
+  EXPECT_THROW(context.refine(scene, {.size = size}, passes, picture), std::out_of_range);
+  const Passes refusing{.pass_done = [](int) -> bool { throw Error(ErrorCode::invalid, "of the caller"); }};
+  expect_refused(ErrorCode::invalid, "of the caller",
+                 [&] { context.refine(scene, {.size = size}, refusing, picture); });
+  EXPECT_TRUE(context.render(scene, {.size = size}, picture).complete);
+  EXPECT_TRUE(bits_of(picture) == bits_of(rendered(scene, {.size = size})));
+}
+
+TEST(Callbacks, that_open_data_may_throw) {
+  const SceneDocument document =
+      SceneDocument::parse(R"({"data": {"a": {"file": "a.rho"}}, "layers": [{"type": "mip"}]})");
+  EXPECT_THROW(resolve(document, [](const auto&) -> Dataset { throw std::out_of_range("of the caller"); }),
+               std::out_of_range);
+}
+
+}  // namespace
+}  // namespace rhoray::tests

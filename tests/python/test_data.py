@@ -1,0 +1,147 @@
+"""Arrays to data, and data to arrays."""
+import gc
+
+import numpy
+import pytest
+import rhoray as rr
+from conftest import box_mesh, distance_samples
+
+
+def test_a_volume_says_what_it_holds(ball):
+    assert ball.kind == "grid"
+    assert ball.length_unit == "mm"
+    assert ball.bounds == ((0, 0, 0), (20, 16, 12))
+    field = ball.field
+    samples = distance_samples()
+    assert (field.name, field.unit) == ("distance", "mm")
+    assert field.range == (samples.min(), samples.max())
+    assert field.histogram.sum() == samples.size
+
+
+def test_axes_orders_and_memory_orders_mean_the_same():
+    values = distance_samples()[:5, :6, :7].astype(numpy.float64)
+    points = numpy.array([[1.0, 2.0, 3.0], [5.5, 4.25, 0.5]])
+    expected, _ = rr.sample(rr.volume(values), points)
+    strided = numpy.zeros((10, 12, 14))[::2, ::2, ::2]
+    strided[...] = values
+    reversed_view = numpy.ascontiguousarray(values[::-1, :, ::-1])[::-1, :, ::-1]
+    for same in (numpy.asfortranarray(values), strided, reversed_view):
+        assert numpy.array_equal(rr.sample(rr.volume(same), points)[0], expected)
+    xyz = rr.volume(values.transpose(2, 1, 0), axes="xyz")
+    assert numpy.array_equal(rr.sample(xyz, points)[0], expected)
+
+
+@pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"])
+def test_every_element_type_is_taken(kind):
+    values = numpy.arange(27).reshape(3, 3, 3).astype(kind)
+    values_there, cells = rr.sample(rr.volume(values), [[1, 1, 1], [2, 0, 1]])
+    assert values_there.tolist() == [13, 11]
+    assert (cells < 8).all()
+
+
+def test_affines_and_positions_place_samples():
+    values = distance_samples()[:4, :5, :6]
+    turned = numpy.array([[0, -2, 0, 10], [3, 0, 0, 20], [0, 0, -1, 30], [0, 0, 0, 1.0]])
+    index = numpy.array([2.5, 1.25, 0.75, 1])
+    at = (turned @ index)[:3]
+    expected, _ = rr.sample(rr.volume(values), [index[:3]])
+    found, _ = rr.sample(rr.volume(values, affine=turned), [at])
+    assert found == pytest.approx(expected, rel=1e-12)  # two roundings of coordinates
+    x, y, z = numpy.array([0, 1, 3, 4, 8, 9.0]), numpy.array([0, 2, 3, 5, 6.0]), numpy.array([-4, -1, 0, 7.0])
+    uneven = rr.volume(values, positions=(x, y, z))
+    assert uneven.bounds == ((0, 0, -4), (9, 6, 7))
+    found, _ = rr.sample(uneven, [[x[3], y[1], z[2]]])
+    assert found[0] == values[2, 1, 3]
+
+
+def test_arrays_of_files_are_read_only_views_that_outlive_everything(tmp_path):
+    path = tmp_path / "box.rho"
+    points, cells, values = box_mesh()
+    rr.pack(points, cells, {"u": values}, path=path)
+    data = rr.open(path)
+    names = data.array_names
+    arrays = {name: data.array(name) for name in names}
+    copies = {name: array.copy() for name, array in arrays.items()}
+    assert not any(array.flags.writeable for array in arrays.values())
+    assert not any(array.flags.owndata for array in arrays.values())
+    del data
+    path.unlink()
+    gc.collect()
+    for name in names:
+        assert numpy.array_equal(arrays[name], copies[name])
+    with pytest.raises(ValueError):
+        arrays[names[0]][...] = 0
+
+
+def test_saved_data_are_those_of_a_packed_file(tmp_path, box):
+    box.save(tmp_path / "saved.rho")
+    points, cells, values = box_mesh()
+    region = (points[cells].mean(axis=1)[:, 0] > 0.5).astype(numpy.int32)
+    rr.mesh(points, cells, {"u": values}, {"region": region}, path=tmp_path / "packed.rho")
+    assert (tmp_path / "saved.rho").read_bytes() == (tmp_path / "packed.rho").read_bytes()
+    assert rr.open(tmp_path / "saved.rho").damaged_blocks() == []
+    with pytest.raises(rr.UsageError, match="already exists|exists"):
+        box.save(tmp_path / "saved.rho")
+    box.save(tmp_path / "saved.rho", replace=True)
+
+
+def test_opening_and_closing_keeps_no_memory(tmp_path):
+    rr.pack(distance_samples(), path=tmp_path / "a.rho")
+    for _ in range(300):
+        array = rr.open(tmp_path / "a.rho").array(rr.open(tmp_path / "a.rho").array_names[0])
+    assert array.size > 0
+
+
+def test_progress_is_told_and_its_exceptions_end_the_work(tmp_path):
+    phases = []
+    rr.volume(distance_samples(), progress=lambda phase, done, total: phases.append((phase, done, total)))
+    assert phases and all(isinstance(phase, str) for phase, _, _ in phases)
+
+    def fail(phase, done, total):
+        raise RuntimeError("enough")
+    with pytest.raises(RuntimeError, match="enough"):
+        rr.pack(distance_samples(), path=tmp_path / "never.rho", progress=fail)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_labels_and_boundaries_of_meshes(box):
+    assert box.kind == "tetrahedra"
+    assert box.fields["region"].of_cells
+    assert box.boundary().kind == "triangles"
+    half = box.boundary("region", 1)
+    hits = rr.trace(half, [[0.2, 0.4, 5], [0.8, 0.4, 5]], [[0, 0, -1], [0, 0, -1]])
+    assert hits.t.tolist() == [numpy.inf, 4]
+
+
+@pytest.mark.parametrize("call, error, words", [
+    (lambda: rr.volume(numpy.zeros((2, 2))), rr.UsageError, "three axes"),
+    (lambda: rr.volume(numpy.zeros((1, 2, 2))), rr.UsageError, "at least 2"),
+    (lambda: rr.volume(numpy.zeros((0, 2, 2))), rr.UsageError, "expected at least 2"),
+    (lambda: rr.volume({}), rr.UsageError, "at least one"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2), dtype=object)), TypeError, "object"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2), dtype=bool)), TypeError, "bool"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2), dtype=complex)), TypeError, "complex"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2), dtype=">f4")), TypeError, "big-endian"),
+    (lambda: rr.volume(numpy.ma.masked_less(numpy.zeros((2, 2, 2)), 1)), TypeError, "masked"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), spacing=(1, 0, 1)), rr.UsageError, "above 0"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), origin=(1, numpy.nan, 1)), rr.UsageError, "finite"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), axes="xzy"), rr.UsageError, "xzy"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), affine=numpy.zeros((3, 3))), rr.UsageError, "4 x 4"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), positions=([0, 1], [0, 1], [1, 1])), rr.UsageError, "rising"),
+    (lambda: rr.mesh(numpy.zeros((4, 2)), [[0, 1, 2, 3]]), (rr.UsageError, TypeError), ""),
+    (lambda: rr.mesh(numpy.eye(4)[:, :3], numpy.array([[0, 1, 2, 4]])), rr.UsageError, "index of 4 points"),
+    (lambda: rr.mesh(numpy.eye(4)[:, :3], numpy.array([[0, 1, 2, -1]])), rr.UsageError, "found -1"),
+    (lambda: rr.mesh(numpy.eye(4)[:, :3], numpy.array([[0, 1, 2, 3.0]])), rr.UsageError, "integers"),
+    (lambda: rr.mesh(numpy.full((4, 3), numpy.nan), numpy.array([[0, 1, 2, 3]])), rr.UsageError, "finite"),
+    (lambda: rr.open("/nonexistent.rho"), rr.FileError, "nonexistent"),
+])
+def test_bad_arrays_are_refused_with_a_sentence(call, error, words):
+    with pytest.raises(error, match=words):
+        call()
+
+
+def test_unknown_names_are_refused_with_those_that_exist(ball):
+    with pytest.raises(rr.UsageError, match="'distance'|distance"):
+        ball.with_field("distanze")
+    with pytest.raises(rr.UsageError, match="no array 'x'"):
+        ball.array("x")

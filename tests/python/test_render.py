@@ -1,0 +1,146 @@
+"""Pictures: those of the program, as numpy arrays."""
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy
+import pytest
+import rhoray as rr
+from conftest import distance_samples
+
+PROGRAM = os.environ["RHORAY_PROGRAM"]
+
+
+def pixels_of(path):
+    """The compressed pixels of a PNG file. One encoder wrote both files: equal pixels give equal chunks."""
+    data, at, idat = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+        if kind == b"IDAT":
+            idat += data[at + 8:at + 8 + length]
+        at += length + 12
+    return idat
+
+
+@pytest.mark.parametrize("options, words", [
+    ({"iso": 4}, ["--iso", "4"]),
+    ({"iso": [3, 5]}, ["--iso", "3,5", "--legend", "off"]),
+    ({"mode": "mip"}, ["--mode", "mip"]),
+    ({"iso": 4, "accuracy": "certified", "view": "front", "size": (200, 150)},
+     ["--iso", "4", "--accuracy", "certified", "--view", "front", "--size", "200x150"]),
+    ({"iso": "auto", "style": "presentation", "size": (160, 120)},
+     ["--iso", "auto", "--style", "presentation", "--size", "160x120"]),
+])
+def test_pictures_are_those_of_the_program(tmp_path, ball, options, words):
+    ball.save(tmp_path / "ball.rho")
+    subprocess.run([PROGRAM, "render", "ball.rho", *words, "-q", "-o", "program.png"], cwd=tmp_path, check=True)
+    rr.render(rr.open(tmp_path / "ball.rho"), **options).save(tmp_path / "python.png")
+    assert pixels_of(tmp_path / "python.png") == pixels_of(tmp_path / "program.png")
+
+
+def test_channels_are_views_with_known_numbers(ball):
+    picture = rr.render(ball, iso=4, accuracy="certified", size=(120, 90),
+                        antialias=1, camera={"position": [10, -40, 6], "target": [10, 8, 6], "up": [0, 0, 1], "fov": 30},
+                        channels=["depth", "normal", "value", "error", "cell", "cost"])
+    assert picture.depth.shape == (90, 120) and picture.normal.shape == (90, 120, 3)
+    assert picture.color.shape == (90, 120, 4) and picture.rgba.shape == (90, 120, 3)
+    assert not picture.depth.flags.owndata and not picture.depth.flags.writeable
+    # The trilinear distance differs from the true one by less than a cell's second-order term.
+    assert picture.depth[45, 60] == pytest.approx(44, abs=0.05)
+    shown = numpy.isfinite(picture.depth)
+    assert (picture.value[shown] == 4).all() and numpy.isnan(picture.value[~shown]).all()
+    assert (picture.cell[~shown] == 2**64 - 1).all()
+    assert picture.error[shown].max() < 1e-3
+    assert picture.stats["hits"] == shown.sum()
+    assert numpy.allclose(numpy.linalg.norm(picture.normal[shown], axis=-1), 1, atol=1e-5)
+    check = picture.verify(100)
+    assert check["broken"] == "" and check["random"]["missed"] == 0
+    depth = picture.depth
+    copy = depth.copy()
+    del picture
+    assert numpy.array_equal(depth, copy)
+
+
+def test_a_picture_s_scene_makes_the_same_picture(ball, box):
+    for data, options in ((ball, {"iso": [3, 5]}), (box, {}), (box, {"iso": 1.5, "color_by": "u"})):
+        picture = rr.render(data, size=(96, 96), **options)
+        again = rr.render(json.loads(json.dumps(picture.scene)), data={"data": data})
+        assert numpy.array_equal(picture.color, again.color)
+
+
+def test_pictures_show_themselves_in_notebooks(ball):
+    assert rr.render(ball, iso=4, size=(32, 32))._repr_png_().startswith(b"\x89PNG")
+
+
+def test_several_threads_render_at_once(ball):
+    expected = rr.render(ball, iso=4, size=(200, 200)).color
+    found = [None] * 4
+
+    def work(i):
+        found[i] = rr.render(ball, iso=4, size=(200, 200)).color
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(numpy.array_equal(color, expected) for color in found)
+
+
+def test_ctrl_c_ends_a_long_render():
+    program = """
+import numpy, rhoray as rr, sys, time
+v = rr.volume(numpy.random.default_rng(1).random((64, 64, 64)))
+rr.render(v, iso=0.5, size=(64, 64), accuracy="exact")
+print("ready", flush=True)
+try:
+    rr.render(v, iso=0.5, size=(4000, 4000), accuracy="exact")
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+def _render_in_child(queue):
+    try:
+        rr.render(rr.volume(distance_samples()), iso=4, size=(32, 32))
+        queue.put("rendered")
+    except rr.Error as error:
+        queue.put(str(error))
+
+
+@pytest.mark.parametrize("method, words", [("fork", "forked"), ("spawn", "rendered")])
+def test_forked_processes_get_a_sentence_and_spawned_ones_render(ball, method, words):
+    rr.render(ball, iso=4, size=(32, 32))
+    context = multiprocessing.get_context(method)
+    queue = context.Queue()
+    process = context.Process(target=_render_in_child, args=(queue,))
+    process.start()
+    assert words in queue.get(timeout=60)
+    process.join()
+    assert process.exitcode == 0
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda ball: rr.render(ball, iso=float("nan")), ""),
+    (lambda ball: rr.render(ball, iso=4, size=(0, 10)), "size"),
+    (lambda ball: rr.render(ball, iso=4, colormap="viridis"), "color_by"),
+    (lambda ball: rr.render(ball, iso=4, channels=["error"]), "error"),
+    (lambda ball: rr.render(ball, iso=4, channels=["depht"]), "depht"),
+    (lambda ball: rr.render(ball, iso=4, accuracy="precise"), "precise"),
+    (lambda ball: rr.render(ball, mode="isosurface"), "mode"),
+    (lambda ball: rr.render({"layers": []}), ""),
+    (lambda ball: rr.render({}, iso=3), "iso"),
+    (lambda ball: ball.boundary(), "mesh"),
+])
+def test_wrong_requests_are_refused_with_a_sentence(ball, call, words):
+    with pytest.raises(rr.Error, match=words):
+        call(ball)

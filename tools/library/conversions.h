@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/resolved_scene.h"
+#include "rhoray/context.h"
+#include "rhoray/scene.h"
+#include "tools/library/plain_types.h"
+
+/// Between the types of the public headers (outside) and those of the rooms (inside).
+namespace rhoray::v0_1::inside {
+
+render::Camera inside_of(const Camera& camera);
+Camera outside_of(const render::Camera& camera);
+
+render::Method inside_of(const Method& method);
+
+/// The scene with its datasets, and everything else that a document says. Without a camera it has
+/// that of render::Scene.
+/// Refuses what no scene may hold; the rest is refused where it is used.
+render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options);
+
+/// Refuses a scene without a camera. Otherwise as above.
+render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options);
+
+/// The scene of a document whose choices are made.
+Scene outside_of(const render::ResolvedScene& resolved);
+RenderOptions options_of(const render::ResolvedScene& resolved);
+
+Statistics outside_of(const render::FrameStatistics& statistics);
+
+}  // namespace rhoray::v0_1::inside

@@ -1,0 +1,318 @@
+#include "rhoray/pack.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <set>
+#include <system_error>
+
+#include "formats/base/descriptor.h"
+#include "formats/base/parallel.h"
+#include "preprocess/pack_mesh.h"
+#include "preprocess/pack_surface.h"
+#include "preprocess/pack_volume.h"
+#include "tools/library/arrays.h"
+#include "tools/library/conversions.h"
+#include "tools/library/dataset.h"
+#include "tools/library/guarded.h"
+
+namespace rhoray::v0_1 {
+
+namespace {
+
+constexpr const char* source_name = "arrays";
+
+/// Makes a packed file and opens it.
+/// @param write  (destination, progress): packs
+template <class Write>
+Dataset packed(const PackOptions& options, const Write& write) {
+  const auto progress = [&](std::string_view phase, std::uint64_t done, std::uint64_t total) {
+    if (options.stop.stop_requested())
+      throw rhoray::Error(rhoray::ErrorCode::interrupted, "packing was stopped by its caller");
+    if (options.progress) options.progress(phase, done, total);
+  };
+  if (!options.file.empty()) {
+    write(formats::Destination(options.file), progress);
+    return Dataset::open(options.file);
+  }
+  Descriptor memory(::memfd_create("rhoray-packed", MFD_CLOEXEC));
+  if (memory.number() < 0)
+    throw rhoray::Error(rhoray::ErrorCode::resource, concat("memfd_create: ", std::system_category().message(errno)));
+  write(formats::Destination(memory.number()), progress);
+  const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name);
+  return Dataset(std::make_shared<const Dataset::Implementation>(render::Dataset::load(file), std::move(memory)));
+}
+
+std::string name_of(std::string_view list, std::size_t index) {
+  return concat(list, "[", index, "]");
+}
+
+/// Refuses names that are empty or occur twice.
+void check_names(std::string_view list, const std::vector<FieldArray>& fields, std::set<std::string>& known) {
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].name.empty()) inside::refuse(name_of(list, i), ".name: is empty; expected a name");
+    if (!known.insert(fields[i].name).second)
+      inside::refuse(name_of(list, i), ".name: '", fields[i].name, "' occurs twice; expected different names");
+  }
+}
+
+void check_shape(std::string_view name, const ArrayView& array, std::span<const std::int64_t> expected) {
+  if (!array.is_given())
+    inside::refuse(name, ": not given; expected an array of the shape ", inside::text_of(expected));
+  if (!std::equal(array.shape().begin(), array.shape().end(), expected.begin(), expected.end()))
+    inside::refuse(name, ": an array of the shape ", inside::text_of(array.shape()), "; expected ",
+                   inside::text_of(expected));
+}
+
+formats::LabelNames label_names(const FieldArray& field) {
+  return {field.label_names.begin(), field.label_names.end()};
+}
+
+// ---- grids --------------------------------------------------------------------------------------
+
+/// Numbers of samples along x, y and z, and the distances between neighbours in bytes.
+struct Lattice {
+  std::int64_t count[3], stride[3];
+};
+
+Lattice lattice_of(std::string_view name, const ArrayView& values, AxisOrder order) {
+  if (!values.is_given()) inside::refuse(name, ": not given; expected an array of three axes");
+  if (values.shape().size() != 3)
+    inside::refuse(name, ": an array of the shape ", inside::text_of(values.shape()), "; expected three axes");
+  Lattice lattice{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t from = order == AxisOrder::xyz ? axis : 2 - axis;
+    lattice.count[axis] = values.shape()[from], lattice.stride[axis] = values.strides_bytes()[from];
+    if (lattice.count[axis] < 2)
+      inside::refuse(name, ": ", lattice.count[axis], " samples along ", "xyz"[axis], "; expected at least 2");
+  }
+  return lattice;
+}
+
+/// Copies samples of one size, x fastest.
+template <class Bits>
+void copy_samples(const Lattice& from, const void* first, std::byte* to) {
+  const auto [nx, ny, nz] = from.count;
+  parallel_for(static_cast<std::size_t>(ny * nz), 64, [&, nx = nx, ny = ny](const IndexRange& rows) {
+    for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+      const auto j = static_cast<std::int64_t>(row) % ny, k = static_cast<std::int64_t>(row) / ny;
+      const std::byte* source = static_cast<const std::byte*>(first) + j * from.stride[1] + k * from.stride[2];
+      std::byte* target = to + static_cast<std::int64_t>(row) * nx * static_cast<std::int64_t>(sizeof(Bits));
+      for (std::int64_t i = 0; i < nx; ++i, source += from.stride[0], target += sizeof(Bits)) {
+        Bits bits;  // strides need not keep alignment
+        std::memcpy(&bits, source, sizeof(Bits));
+        std::memcpy(target, &bits, sizeof(Bits));
+      }
+    }
+  });
+}
+
+/// Checks where the samples are.
+void place(const GridArrays& grid, const Lattice& lattice, preprocess::NeutralVolume& volume) {
+  const auto& positions = grid.positions;
+  const bool has_positions = std::any_of(positions.begin(), positions.end(), [](const auto& p) { return !p.empty(); });
+  if (has_positions && grid.world_from_grid)
+    inside::refuse("GridArrays: positions and world_from_grid are both given; expected one of them");
+  if (grid.world_from_grid) {
+    volume.world_from_grid = inside::inside_of(*grid.world_from_grid);
+  } else if (!has_positions) {
+    const double spacing[] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
+    for (const double step : spacing)
+      if (!(step > 0 && std::isfinite(step)))
+        inside::refuse("GridArrays::spacing: (", spacing[0], ", ", spacing[1], ", ", spacing[2],
+                       "); expected finite numbers above 0");
+    volume.world_from_grid = {
+        {spacing[0], 0, 0}, {0, spacing[1], 0}, {0, 0, spacing[2]}, inside::inside_of(grid.origin)};
+  }
+  const rhoray::Affine& map = volume.world_from_grid;
+  for (const rhoray::Vec3& axis : {map.x_axis, map.y_axis, map.z_axis, map.origin})
+    if (!inside::is_finite(inside::outside_of(axis)))
+      inside::refuse("GridArrays: its position is not finite; expected finite numbers");
+  if (map.determinant() == 0) inside::refuse("GridArrays::world_from_grid: its axes are linearly dependent");
+  if (!has_positions) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& along = positions[axis];
+    const std::string name = concat("GridArrays::positions[", axis, "]");
+    if (static_cast<std::int64_t>(along.size()) != lattice.count[axis])
+      inside::refuse(name, ": ", along.size(), " numbers; expected ", lattice.count[axis]);
+    for (std::size_t i = 0; i < along.size(); ++i)
+      if (!std::isfinite(along[i]) || (i > 0 && !(along[i] > along[i - 1])))
+        inside::refuse(name, ": ", along[i], " at index ", i, "; expected finite, strictly rising numbers");
+    volume.axes[axis] = along;
+  }
+}
+
+/// Whether a double holds an integer exactly.
+template <class T>
+bool fits_double(T value) {
+  if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
+    const auto rounded = static_cast<double>(value);
+    return rounded < 0x1p63 * (std::is_signed_v<T> ? 1 : 2) && static_cast<T>(rounded) == value;
+  }
+  return true;
+}
+
+/// Refuses samples that no double holds.
+void require_doubles(std::string_view name, ElementType type, const preprocess::NeutralVolume& volume) {
+  inside::for_type(type, [&]<class T>(T) {
+    if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
+      for (std::size_t at = 0; at < volume.owned_samples.size(); at += sizeof(T)) {
+        T value;
+        std::memcpy(&value, volume.owned_samples.data() + at, sizeof(T));
+        if (fits_double(value)) continue;
+        const auto sample = static_cast<std::int64_t>(at / sizeof(T));
+        const auto& count = volume.sample_count;
+        inside::refuse(name, ": sample (", sample % count.x, ", ", sample / count.x % count.y, ", ",
+                       sample / count.x / count.y, ") is ", value, ", which does not fit a double exactly");
+      }
+  });
+}
+
+preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, AxisOrder order) {
+  const FieldArray& field = grid.fields[index];
+  const std::string name = name_of("GridArrays::fields", index) + ".values";
+  const Lattice lattice = lattice_of(name, field.values, order);
+  preprocess::NeutralVolume volume;
+  volume.sample_count = Index3(lattice.count[0], lattice.count[1], lattice.count[2]);
+  volume.type = static_cast<formats::ElementType>(field.values.type());
+  place(grid, lattice, volume);
+  const std::size_t bytes = inside::element_bytes(field.values.type());
+  volume.owned_samples.resize(static_cast<std::size_t>(field.values.count()) * bytes);
+  std::byte* const to = volume.owned_samples.data();
+  if (bytes == 1) copy_samples<std::uint8_t>(lattice, field.values.first(), to);
+  if (bytes == 2) copy_samples<std::uint16_t>(lattice, field.values.first(), to);
+  if (bytes == 4) copy_samples<std::uint32_t>(lattice, field.values.first(), to);
+  if (bytes == 8) copy_samples<std::uint64_t>(lattice, field.values.first(), to);
+  require_doubles(name, field.values.type(), volume);
+  volume.samples = volume.owned_samples;
+  volume.length_unit = grid.length_unit;
+  volume.field_name = field.name, volume.field_unit = field.unit;
+  volume.label_names = label_names(field);
+  return volume;
+}
+
+// ---- meshes and surfaces ------------------------------------------------------------------------
+
+preprocess::Array<std::array<double, 3>> points_of(std::string_view name, const ArrayView& array) {
+  inside::require_floats(array, name, -1, 3);
+  preprocess::Array<std::array<double, 3>> points(static_cast<std::size_t>(array.shape()[0]));
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec3 point = inside::vector(array, static_cast<std::int64_t>(p));
+    if (!inside::is_finite(point))
+      inside::refuse(name, ": point ", p, " is (", point.x, ", ", point.y, ", ", point.z, "); expected finite numbers");
+    points[p] = {point.x, point.y, point.z};
+  }
+  return points;
+}
+
+/// Calls take(row, column, index) for every index of an array of the shape [n, columns].
+template <class Take>
+void for_each_index(std::string_view name, const ArrayView& array, std::int64_t columns, std::size_t point_count,
+                    const Take& take) {
+  if (!array.is_given()) inside::refuse(name, ": not given; expected integers of the shape [n, ", columns, "]");
+  if (array.shape().size() != 2 || array.shape()[1] != columns)
+    inside::refuse(name, ": an array of the shape ", inside::text_of(array.shape()), "; expected [n, ", columns, "]");
+  inside::for_type(array.type(), [&]<class T>(T) {
+    if constexpr (std::is_integral_v<T>) {
+      for (std::int64_t row = 0; row < array.shape()[0]; ++row)
+        for (std::int64_t column = 0; column < columns; ++column) {
+          const T index = inside::element<T>(array, row, column);
+          if (std::cmp_less(index, 0) || std::cmp_greater_equal(index, point_count))
+            inside::refuse(name, "[", row, "][", column, "]: found ", index, "; expected an index of ", point_count,
+                           " points");
+          take(row, column, static_cast<std::uint64_t>(index));
+        }
+    } else {
+      inside::refuse(name, ": floating-point numbers; expected integers");
+    }
+  });
+}
+
+std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std::vector<FieldArray>& fields,
+                                                std::int64_t count) {
+  std::vector<preprocess::NeutralField> out;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const ArrayView& values = fields[i].values;
+    check_shape(name_of(list, i) + ".values", values, std::array{count});
+    preprocess::NeutralField& field = out.emplace_back();
+    field.name = fields[i].name, field.unit = fields[i].unit;
+    field.label_names = label_names(fields[i]);
+    field.values.resize(static_cast<std::size_t>(count));
+    inside::for_type(values.type(), [&]<class T>(T) {
+      field.was_single_precision = std::is_same_v<T, float> || sizeof(T) <= 2;
+      for (std::size_t v = 0; v < field.values.size(); ++v) {
+        const T value = inside::element<T>(values, static_cast<std::int64_t>(v));
+        field.values[v] = static_cast<double>(value);
+        if (!fits_double(value))
+          inside::refuse(name_of(list, i), ".values[", v, "]: ", value, " does not fit a double exactly");
+      }
+    });
+  }
+  return out;
+}
+
+}  // namespace
+
+Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options) {
+  return inside::guarded([&] {
+    if (grid.fields.empty()) inside::refuse("GridArrays::fields: found none; expected at least one");
+    std::set<std::string> names;
+    check_names("GridArrays::fields", grid.fields, names);
+    for (std::size_t i = 1; i < grid.fields.size(); ++i)
+      check_shape(name_of("GridArrays::fields", i) + ".values", grid.fields[i].values, grid.fields[0].values.shape());
+    std::vector<preprocess::NeutralVolume> volumes;
+    volumes.reserve(grid.fields.size());  // a volume's span is of its own samples
+    for (std::size_t i = 0; i < grid.fields.size(); ++i) volumes.push_back(volume_of(grid, i, order));
+    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+      preprocess::pack_grid(volumes, destination,
+                            {.source_name = source_name, .replace_existing = options.replace_existing}, progress);
+    });
+  });
+}
+
+Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
+  return inside::guarded([&] {
+    preprocess::NeutralMesh mesh;
+    mesh.points = points_of("MeshArrays::points", arrays.points);
+    for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(),
+                   [&](std::int64_t, std::int64_t column, std::uint64_t index) {
+                     if (column == 0) mesh.cells.emplace_back();
+                     mesh.cells.back()[static_cast<std::size_t>(column)] = index;
+                   });
+    if (mesh.cells.empty()) inside::refuse("MeshArrays::tetrahedra: found none; expected at least one");
+    std::set<std::string> names;
+    check_names("MeshArrays::point_fields", arrays.point_fields, names);
+    check_names("MeshArrays::cell_fields", arrays.cell_fields, names);
+    mesh.point_fields =
+        fields_of("MeshArrays::point_fields", arrays.point_fields, static_cast<std::int64_t>(mesh.points.size()));
+    mesh.cell_fields =
+        fields_of("MeshArrays::cell_fields", arrays.cell_fields, static_cast<std::int64_t>(mesh.cells.size()));
+    mesh.length_unit = arrays.length_unit;
+    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+      preprocess::PackMeshOptions pack{.source_name = source_name, .replace_existing = options.replace_existing};
+      preprocess::give_fields(mesh, pack.cells_to_points);
+      preprocess::pack_mesh(mesh, destination, pack, progress);
+    });
+  });
+}
+
+Dataset pack(const SurfaceArrays& arrays, const PackOptions& options) {
+  return inside::guarded([&] {
+    preprocess::NeutralSurface surface;
+    surface.points = points_of("SurfaceArrays::points", arrays.points);
+    for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(),
+                   [&](std::int64_t, std::int64_t column, std::uint64_t index) {
+                     surface.facet_corners.push_back(index);
+                     if (column == 2) surface.facet_offsets.push_back(surface.facet_corners.size());
+                   });
+    if (surface.facet_corners.empty()) inside::refuse("SurfaceArrays::triangles: found none; expected at least one");
+    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+      preprocess::pack_surface(surface, destination,
+                               {.source_name = source_name, .replace_existing = options.replace_existing}, progress);
+    });
+  });
+}
+
+}  // namespace rhoray::v0_1

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rhoray/array_view.h"
+#include "rhoray/dataset.h"
+#include "rhoray/export.h"
+#include "rhoray/types.h"
+
+namespace rhoray::RHORAY_ABI {
+
+/// The order of the axes of a grid's arrays. numpy's C order of volumes is mostly zyx: the last
+/// index is x.
+enum class AxisOrder {
+  zyx,  ///< values[k][j][i]: the last index counts along x
+  xyz   ///< values[i][j][k]: the first index counts along x
+};
+
+/// A field in the caller's memory. NaN and infinite values mean that there is no data; cells that
+/// touch one are absent.
+struct FieldArray {
+  std::string name;
+  ArrayView values;
+  std::string unit{};
+  std::map<int, std::string> label_names{};  ///< of integers that mark regions
+};
+
+/// Samples on a lattice. Sample (i, j, k) is at world_from_grid(i, j, k).
+struct GridArrays {
+  /// At least one. Names differ and are not empty; the first is shown by default. All have one shape
+  /// of three axes with at least 2 samples each. U64 and I64 must fit a double exactly.
+  std::vector<FieldArray> fields;
+  Vec3 spacing{1, 1, 1};  ///< along x, y and z, whatever the axis order; finite, above 0
+  Vec3 origin{};          ///< position of sample (0, 0, 0)
+  /// Replaces spacing and origin: rotated, sheared or mirrored lattices. Its axes must be linearly
+  /// independent.
+  std::optional<Affine> world_from_grid{};
+  /// Replaces spacing and origin: positions of the samples along x, y and z, strictly rising, one
+  /// for each sample of the axis. Give all three or none.
+  std::array<std::vector<double>, 3> positions{};
+  std::string length_unit{};
+};
+
+/// Tetrahedra with fields, whose names differ.
+struct MeshArrays {
+  ArrayView points;      ///< [points, 3], F32 or F64, finite, world axes
+  ArrayView tetrahedra;  ///< [cells, 4], integers: indices of points, in VTK's order; others are turned
+  std::vector<FieldArray> point_fields{};  ///< [points] each; linear in each cell
+  std::vector<FieldArray> cell_fields{};   ///< [cells] each; can only colour surfaces
+  std::string length_unit{};
+};
+
+/// A surface of triangles.
+struct SurfaceArrays {
+  ArrayView points;     ///< [points, 3], F32 or F64, finite, world axes
+  ArrayView triangles;  ///< [triangles, 3], integers: indices of points
+  std::string length_unit{};
+};
+
+/// Where `pack` writes, and how it reports and stops.
+struct PackOptions {
+  /// Where the packed file is written. Empty: it stays in memory.
+  std::filesystem::path file{};
+  bool replace_existing = false;  ///< false: an existing file is refused
+  /// Called with the current phase and how much of it is done; `total` is 0 where it is not known.
+  /// Calls come one at a time, from any thread.
+  std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)> progress{};
+  std::stop_token stop{};  ///< ends the call with ErrorCode::interrupted; no file is left behind
+};
+
+/// Packs arrays into the format that rays are traced through, and opens the result. The bytes are
+/// those of the command `rhoray pack`, apart from the stored command. The arrays are copied and may
+/// be freed afterwards. Work runs on all cores.
+///
+/// Throws ErrorCode::usage for arrays that break the rules above, with the name of the array, what
+/// was found and what was expected; ErrorCode::resource for a full disk.
+RHORAY_API Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options = {});
+RHORAY_API Dataset pack(const MeshArrays& mesh, const PackOptions& options = {});
+RHORAY_API Dataset pack(const SurfaceArrays& surface, const PackOptions& options = {});
+
+}  // namespace rhoray::RHORAY_ABI

@@ -1,0 +1,37 @@
+#include "tools/python/module.h"
+
+#include <pybind11/pybind11.h>
+#include <rhoray/rhoray.h>
+
+namespace rhoray::python {
+
+namespace py = pybind11;
+
+namespace {
+
+/// Raises an exception of the package: the class that its table `_errors` names for the code.
+void raise(const Error& error) {
+  const py::module_ package = py::module_::import("rhoray");
+  const py::object make = package.attr("_error");
+  const py::object exception = make(static_cast<int>(error.code()), error.what(), error.hint());
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
+}
+
+}  // namespace
+
+}  // namespace rhoray::python
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "The compiled part of rhoray. Its names may change at any time; use the package.";
+  module.attr("version") = rhoray::library_version();
+  pybind11::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const rhoray::Error& error) {
+      rhoray::python::raise(error);
+    }
+  });
+  rhoray::python::define_datasets(module);
+  rhoray::python::define_rendering(module);
+  rhoray::python::define_rays(module);
+}
