@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -54,6 +55,36 @@ TEST(RepairSurface, fills_a_hole_and_drops_what_is_there_twice_or_flat) {
   EXPECT_EQ(repaired.report.dropped_flat, 1u);
   EXPECT_EQ(repaired.report.dropped_twins, 1u);
   EXPECT_NEAR(filled_volume(repaired.surface), 2, 1e-9);
+}
+
+/// The points that a facet has in common with the first one.
+std::size_t common_with_first(const NeutralSurface& triangles, std::size_t facet) {
+  const auto first = triangles.facet_corners.begin();
+  const auto corners = first + static_cast<std::ptrdiff_t>(3 * facet);
+  return static_cast<std::size_t>(std::count_if(
+      corners, corners + 3, [&](std::uint64_t corner) { return std::find(first, first + 3, corner) != first + 3; }));
+}
+
+// CGAL crashed when it refined the triangles of holes that touch in a point.
+TEST(RepairSurface, fills_holes_that_touch_in_a_point) {
+  NeutralSurface sphere;
+  add_sphere(sphere, 1, 2);
+  std::size_t tried = 0;
+  for (std::size_t facet = 1; facet + 1 < sphere.facet_offsets.size(); ++facet) {
+    if (common_with_first(sphere, facet) != 1) continue;
+    NeutralSurface open;
+    open.points = sphere.points;
+    for (std::size_t kept = 1; kept + 1 < sphere.facet_offsets.size(); ++kept)
+      if (kept != facet)
+        add_facet(open, {sphere.facet_corners[3 * kept], sphere.facet_corners[3 * kept + 1],
+                         sphere.facet_corners[3 * kept + 2]});
+    const auto repaired = repair_surface(open);
+    EXPECT_EQ(repaired.report.filled_holes, 2u);
+    EXPECT_TRUE(preprocess::find_faults(repaired.surface).empty());
+    EXPECT_NEAR(filled_volume(repaired.surface), filled_volume(sphere), 1e-9);
+    ++tried;
+  }
+  EXPECT_GT(tried, 5u);
 }
 
 TEST(RepairSurface, joins_edges_that_lie_on_each_other) {
