@@ -36,7 +36,7 @@ ArrayView::ArrayView(const void* first, ElementType type, std::span<const std::i
   check_shape(shape);
   if (strides_bytes.size() != shape.size())
     inside::refuse("an array of ", shape.size(), " axes and ", strides_bytes.size(), " strides; expected as many");
-  std::int64_t elements = 1, extent = static_cast<std::int64_t>(inside::element_bytes(type));
+  std::int64_t elements = 1, extent = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(type)));
   for (std::size_t axis = 0; axis < shape.size(); ++axis) {
     shape_[axis] = shape[axis], strides_[axis] = strides_bytes[axis];
     if (__builtin_mul_overflow(elements, shape[axis], &elements) ||
@@ -63,7 +63,7 @@ ArrayView::ArrayView(const void* first, ElementType type, std::size_t count, std
     inside::refuse("an array of ", count, " elements with the shape ", inside::text_of(shape),
                    "; expected sizes whose product is their number");
   if (first == nullptr && count > 0) inside::refuse("an array of ", count, " elements at a null pointer");
-  auto stride = static_cast<std::int64_t>(inside::element_bytes(type));
+  auto stride = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(type)));
   for (std::size_t axis = axis_count_; axis-- > 0;) {
     strides_[axis] = stride;
     if (count > 0) stride *= shape_[axis];  // without elements, the product may not fit

@@ -3,14 +3,9 @@
 #include <cmath>
 
 #include "formats/base/text.h"
-#include "formats/file_description.h"
 #include "tools/library/guarded.h"
 
 namespace rhoray::v0_1::inside {
-
-std::size_t element_bytes(ElementType type) {
-  return for_type(type, []<class T>(T) { return sizeof(T); });
-}
 
 std::string text_of(std::span<const std::int64_t> shape) {
   std::string text = "[";
@@ -27,8 +22,7 @@ void require_floats(const ArrayView& array, std::string_view name, std::int64_t 
   if (shape.size() != axes || (rows >= 0 && shape[0] != rows) || (columns > 0 && shape[1] != columns))
     refuse(name, ": an array of the shape ", text_of(shape), "; expected [", expected, "]");
   if (array.type() != ElementType::F32 && array.type() != ElementType::F64)
-    refuse(name, ": elements of the type ", formats::element_name(static_cast<formats::ElementType>(array.type())),
-           "; expected F32 or F64");
+    refuse(name, ": elements of the type ", formats::element_name(inside_of(array.type())), "; expected F32 or F64");
 }
 
 bool is_finite(const Vec3& v) {

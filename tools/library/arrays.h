@@ -7,40 +7,17 @@
 #include <string>
 #include <string_view>
 
+#include "formats/file_description.h"
 #include "rhoray/array_view.h"
 #include "rhoray/types.h"
 
 namespace rhoray::v0_1::inside {
 
-std::size_t element_bytes(ElementType type);
 std::string text_of(std::span<const std::int64_t> shape);  ///< "[3, 4]"
 
-/// Calls act(T()) with the C++ type of elements.
-template <class Act>
-decltype(auto) for_type(ElementType type, Act&& act) {
-  switch (type) {
-    case ElementType::U8:
-      return act(std::uint8_t{});
-    case ElementType::I8:
-      return act(std::int8_t{});
-    case ElementType::U16:
-      return act(std::uint16_t{});
-    case ElementType::I16:
-      return act(std::int16_t{});
-    case ElementType::U32:
-      return act(std::uint32_t{});
-    case ElementType::I32:
-      return act(std::int32_t{});
-    case ElementType::U64:
-      return act(std::uint64_t{});
-    case ElementType::I64:
-      return act(std::int64_t{});
-    case ElementType::F32:
-      return act(float{});
-    case ElementType::F64:
-      break;
-  }
-  return act(double{});
+/// The same type in packed files.
+constexpr formats::ElementType inside_of(ElementType type) {
+  return static_cast<formats::ElementType>(type);
 }
 
 /// The element at an index of up to two axes. The caller has checked type and shape.

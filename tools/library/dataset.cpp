@@ -149,7 +149,7 @@ ArrayView Dataset::array(std::string_view name) const {
     const formats::ArrayEntry& entry = file.entry(name);
     std::vector<std::int64_t> shape(entry.shape.begin(), entry.shape.end()), strides(shape.size());
     const auto type = static_cast<ElementType>(entry.type);
-    auto stride = static_cast<std::int64_t>(inside::element_bytes(type));
+    auto stride = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(type)));
     for (std::size_t axis = shape.size(); axis-- > 0; stride *= shape[axis]) strides[axis] = stride;
     return ArrayView(file.bytes(name).data(), type, shape, strides);
   });

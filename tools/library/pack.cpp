@@ -156,7 +156,7 @@ bool fits_double(T value) {
 
 /// Refuses samples that no double holds.
 void require_doubles(std::string_view name, ElementType type, const preprocess::NeutralVolume& volume) {
-  inside::for_type(type, [&]<class T>(T) {
+  formats::with_element_type(inside::inside_of(type), [&]<class T>(T) {
     if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
       for (std::size_t at = 0; at < volume.owned_samples.size(); at += sizeof(T)) {
         T value;
@@ -176,9 +176,9 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   const Lattice lattice = lattice_of(name, field.values, order);
   preprocess::NeutralVolume volume;
   volume.sample_count = Index3(lattice.count[0], lattice.count[1], lattice.count[2]);
-  volume.type = static_cast<formats::ElementType>(field.values.type());
+  volume.type = inside::inside_of(field.values.type());
   place(grid, lattice, volume);
-  const std::size_t bytes = inside::element_bytes(field.values.type());
+  const std::size_t bytes = formats::element_bytes(inside::inside_of(field.values.type()));
   volume.owned_samples.resize(static_cast<std::size_t>(field.values.count()) * bytes);
   std::byte* const to = volume.owned_samples.data();
   if (bytes == 1) copy_samples<std::uint8_t>(lattice, field.values.first(), to);
@@ -214,7 +214,7 @@ void for_each_index(std::string_view name, const ArrayView& array, std::int64_t 
   if (!array.is_given()) inside::refuse(name, ": not given; expected integers of the shape [n, ", columns, "]");
   if (array.shape().size() != 2 || array.shape()[1] != columns)
     inside::refuse(name, ": an array of the shape ", inside::text_of(array.shape()), "; expected [n, ", columns, "]");
-  inside::for_type(array.type(), [&]<class T>(T) {
+  formats::with_element_type(inside::inside_of(array.type()), [&]<class T>(T) {
     if constexpr (std::is_integral_v<T>) {
       for (std::int64_t row = 0; row < array.shape()[0]; ++row)
         for (std::int64_t column = 0; column < columns; ++column) {
@@ -240,7 +240,7 @@ std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std
     field.name = fields[i].name, field.unit = fields[i].unit;
     field.label_names = label_names(fields[i]);
     field.values.resize(static_cast<std::size_t>(count));
-    inside::for_type(values.type(), [&]<class T>(T) {
+    formats::with_element_type(inside::inside_of(values.type()), [&]<class T>(T) {
       field.was_single_precision = std::is_same_v<T, float> || sizeof(T) <= 2;
       for (std::size_t v = 0; v < field.values.size(); ++v) {
         const T value = inside::element<T>(values, static_cast<std::int64_t>(v));

@@ -67,10 +67,10 @@ class RHORAY_API RayScratch {
 /// Answers arbitrary rays through one dataset. It keeps the data alive. Any number of threads may
 /// call at a time, each with a scratch of its own, or with a context of its own.
 ///
-/// With Accuracy::certified a miss is a miss and a hit is within its bound, with Accuracy::exact the
-/// bound is the smallest that doubles allow. Both hold for the ray in the data's own frame: moving a
-/// ray from world axes there rounds. In a mesh that frame is relative to the mesh's origin, in a
-/// grid it counts samples.
+/// With Accuracy::certified a miss is a miss and a hit is within its bound. With Accuracy::exact the
+/// bound is also at most 1e-12 cells, or that of neighbouring doubles. Both hold for the ray in the
+/// data's own frame: moving a ray from world axes there rounds. In a mesh that frame is relative to
+/// the mesh's origin, in a grid it counts samples.
 ///
 /// Answers do not depend on threads or on the grouping of rays. Calls throw ErrorCode::usage for
 /// arrays of wrong shapes and for rays that are not finite or have no direction, with the ray's
