@@ -67,7 +67,7 @@ def test_channels_are_views_with_known_numbers(ball):
 
 
 def test_a_picture_s_scene_makes_the_same_picture(ball, box):
-    for data, options in ((ball, {"iso": [3, 5]}), (box, {}), (box, {"iso": 1.5, "color_by": "u"})):
+    for data, options in ((ball, {"iso": numpy.array([3, 5])}), (ball, {"iso": numpy.float32(4)}), (box, {}), (box, {"iso": 1.5, "color_by": "u"})):
         picture = rr.render(data, size=(96, 96), **options)
         again = rr.render(json.loads(json.dumps(picture.scene)), data={"data": data})
         assert numpy.array_equal(picture.color, again.color)
@@ -130,7 +130,8 @@ def test_forked_processes_get_a_sentence_and_spawned_ones_render(ball, method, w
 
 
 @pytest.mark.parametrize("call, words", [
-    (lambda ball: rr.render(ball, iso=float("nan")), ""),
+    (lambda ball: rr.render(ball, iso=float("nan")), "NaN or infinite"),
+    (lambda ball: rr.render(ball, iso=4, camera={"position": object()}), "tolist"),
     (lambda ball: rr.render(ball, iso=4, size=(0, 10)), "size"),
     (lambda ball: rr.render(ball, iso=4, colormap="viridis"), "color_by"),
     (lambda ball: rr.render(ball, iso=4, channels=["error"]), "error"),
@@ -142,5 +143,5 @@ def test_forked_processes_get_a_sentence_and_spawned_ones_render(ball, method, w
     (lambda ball: ball.boundary(), "mesh"),
 ])
 def test_wrong_requests_are_refused_with_a_sentence(ball, call, words):
-    with pytest.raises(rr.Error, match=words):
+    with pytest.raises(rr.UsageError, match=words):
         call(ball)

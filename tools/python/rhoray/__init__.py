@@ -28,6 +28,7 @@ class Error(Exception):
 
     def __init__(self, fact, code=2, hint=""):
         super().__init__(fact + (f"\nhint: {hint}" if hint else ""))
+        self.fact = fact
         self.code = code
         self.hint = hint
 
@@ -49,7 +50,7 @@ def _error(code, fact, hint):
     return classes.get(code, Error)(fact, code, hint)
 
 
-from rhoray import _core  # noqa: E402  (it raises the exceptions above)
+from rhoray import _core, _objects  # noqa: E402  (it raises the exceptions above)
 
 version = _core.version
 _open_file = builtins.open
@@ -221,16 +222,25 @@ def surface(points, triangles, *, path="", replace=False, progress=None):
     return Data(_core.pack_surface(points, triangles, os.fspath(path), replace, progress))
 
 
-def pack(values, *arrays, path, **options):
-    """Packs into a file what `volume`, `mesh` and `surface` take: one, two or more arrays.
+def pack(what, *arrays, path="", **options):
+    """Packs arrays, or an object of another library, in memory or, with `path`, into a file.
 
-    pack(values, path="ct.rho", spacing=(0.5, 0.5, 2)); pack(points, tetrahedra, {"u": u}, path="fem.rho")
+    pack(values, spacing=(0.5, 0.5, 2)); pack(points, tetrahedra, {"u": u}); pack(points, triangles)
+    Objects: xarray.DataArray with the dimensions x, y, z; nibabel and SimpleITK images (world axes
+    become RAS); meshio.Mesh; image data, rectilinear grids, tetrahedra and triangles of VTK and pyvista.
+    Options are those of `volume`, `mesh` and `surface`.
     """
-    if not arrays:
-        return volume(values, path=path, **options)
-    corners = numpy.asarray(arrays[0]).shape[-1:]
-    make = surface if corners == (3,) else mesh
-    return make(values, *arrays, path=path, **options)
+    makers = {"volume": volume, "mesh": mesh, "surface": surface}
+    if arrays:
+        corners = numpy.asarray(arrays[0]).shape[-1:]
+        return makers["surface" if corners == (3,) else "mesh"](what, *arrays, path=path, **options)
+    if isinstance(what, (numpy.ndarray, dict)):
+        return volume(what, path=path, **options)
+    known = _objects.arrays_of(what, UsageError)
+    if known is None:
+        raise UsageError(f"pack: a {type(what).__name__}; expected arrays, or an object that is described in its help")
+    name, values, found = known
+    return makers[name](*values, path=path, **{**found, **options})
 
 
 # ---- pictures ------------------------------------------------------------------------------------
@@ -327,6 +337,16 @@ def _by_file(scene, data):
     return opened
 
 
+def _text_of(document):
+    """JSON; numpy's numbers and arrays are taken as those of Python."""
+    try:
+        return json.dumps(document, allow_nan=False, default=lambda value: value.tolist())
+    except ValueError:
+        raise UsageError("render: a number of the scene is NaN or infinite; expected finite numbers") from None
+    except AttributeError as error:
+        raise UsageError(f"render: {error}; expected what JSON can say") from None
+
+
 def render(what, *, data=None, channels=(), **options):
     """Renders data or a scene, and returns a Picture.
 
@@ -350,8 +370,14 @@ def render(what, *, data=None, channels=(), **options):
         else:
             document = what
         datasets = _by_file(document, data)
+    text = _text_of(document)
     with _Context() as context:
-        return Picture(_core.render(context, json.dumps(document), datasets, list(channels)))
+        try:
+            return Picture(_core.render(context, text, datasets, list(channels)))
+        except FileError as error:
+            if not error.fact.startswith("scene:"):
+                raise
+            raise UsageError(error.fact, error.code, error.hint) from None
 
 
 # ---- rays ----------------------------------------------------------------------------------------

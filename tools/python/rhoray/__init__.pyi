@@ -15,6 +15,7 @@ _Channel = Literal["depth", "normal", "cell", "value", "error", "cost"]
 version: str
 
 class Error(Exception):
+    fact: str
     code: int
     hint: str
     def __init__(self, fact: str, code: int = ..., hint: str = ...) -> None: ...
@@ -89,7 +90,7 @@ def surface(
     replace: bool = ...,
     progress: _Progress | None = ...,
 ) -> Data: ...
-def pack(values: Any, *arrays: Any, path: _Path, **options: Any) -> Data: ...
+def pack(what: Any, *arrays: Any, path: _Path = ..., **options: Any) -> Data: ...
 
 class Picture:
     @property
