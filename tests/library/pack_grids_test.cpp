@@ -154,7 +154,9 @@ TEST(PackGrid, keeps_rotated_sheared_and_mirrored_lattices) {
     const Dataset data = pack({.fields = {samples.field("f")}, .world_from_grid = map}, AxisOrder::zyx);
     const FieldSampler sampler(data);
     for (const auto& [i, j, k] : {std::array{0, 0, 0}, {3, 0, 0}, {1, 2, 0}, {3, 2, 1}}) {
-      const auto along = [&](double x, double y, double z, double from) { return from + i * x + j * y + k * z; };
+      const auto along = [i = i, j = j, k = k](double x, double y, double z, double from) {
+        return from + i * x + j * y + k * z;
+      };
       const Vec3 p{along(map.x_axis.x, map.y_axis.x, map.z_axis.x, map.origin.x),
                    along(map.x_axis.y, map.y_axis.y, map.z_axis.y, map.origin.y),
                    along(map.x_axis.z, map.y_axis.z, map.z_axis.z, map.origin.z)};

@@ -20,6 +20,8 @@ template <class... Alternatives>
 struct Overloaded : Alternatives... {
   using Alternatives::operator()...;
 };
+template <class... Alternatives>
+Overloaded(Alternatives...) -> Overloaded<Alternatives...>;
 
 /// Adds a scene's datasets, each once.
 class Datasets {
