@@ -14,7 +14,8 @@ struct AllCrossings {
 };
 
 /// Finds all points at which a ray passes from one side of the isosurface to the other, in exact
-/// arithmetic. The ray is in the data's own frame (RayCaster), and t is in lengths of its direction.
+/// arithmetic. The ray is in the data's own frame (RayCaster), and t counts lengths of its
+/// direction.
 ///
 /// Inside is value >= isovalue. There is no surface at the border of the data or of cells without
 /// data: the ray has the side that it finds there. A ray that only touches the isosurface from

@@ -29,7 +29,7 @@ bool is_scene_document(const std::filesystem::path& input);
 ///               are then relative to the working folder
 SceneDocument read_scene(const std::filesystem::path& input);
 
-/// What the names of files in a document mean.
+/// Who decides which files the names in a document mean.
 enum class FileNames {
   of_files,   ///< files that are looked for while the document is read
   for_caller  ///< the caller decides; they stay as they are

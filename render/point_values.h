@@ -17,9 +17,9 @@ struct PointValue {
 };
 
 /// Evaluates a dataset's field at points in double precision: trilinear in the cells of a grid,
-/// linear in those of a mesh. A point in a face between cells has a value if one of them has data. A
-/// point of the border, or beside it by the rounding of world coordinates, belongs to the cell there.
-/// The answers do not depend on the order of the points.
+/// linear in those of a mesh. A point in a face between cells has a value if one of them has data.
+/// A point of the border, or beside it by the rounding of world coordinates, belongs to the cell
+/// there. The answers do not depend on the order of the points.
 ///
 /// Refuses a surface (ErrorCode::usage). Runs on the calling thread; several threads may call at a
 /// time.

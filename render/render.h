@@ -27,8 +27,9 @@ struct PixelRect {
 struct FrameOptions {
   int width = 960;
   int height = 720;
-  /// Only these pixels are asked for. They are the whole picture's, bit for bit. Other pixels of the
-  /// framebuffer may be written too, or keep their content; counts include those that are traced.
+  /// Only these pixels are asked for. They are those of the whole picture, bit for bit. Other
+  /// pixels of the framebuffer may be written too, or keep their content. Counts include traced
+  /// ones.
   std::optional<PixelRect> window{};
   ChannelSet channels{};
   /// Maximum number of samples per pixel. 1: only the ray through the pixel centre. More: pixels at

@@ -14,7 +14,8 @@ struct Enclosure {
 };
 
 /// Returns an enclosure of a number that is at least as large as another one, given an enclosure of
-/// each. Its ends are not below those of the other, and it is at most as wide as the wider one.
+/// each. Neither end is below the same end of the other enclosure. The result is at most as wide as
+/// the wider of the two.
 inline Enclosure not_below(const Enclosure& other, const Enclosure& number) {
   return {std::max(other.lo, number.lo), std::max(other.hi, number.hi)};
 }

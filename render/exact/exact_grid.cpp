@@ -135,7 +135,7 @@ std::optional<bool> common_side(const Visit& visit, double isovalue) {
   return std::nullopt;
 }
 
-/// What double precision proves about a cell: all of its roots are simple, and none is at its ends.
+/// The roots in a cell, where double precision proves that all are simple and none is at its ends.
 struct CertainChord {
   bool starts_inside = false;
   int root_count = 0;

@@ -6,7 +6,7 @@
 #include "render/exact/exact_tet.h"
 #include "render/traverse/ray.h"
 
-/// What double precision proves about tetrahedra along a ray.
+/// Facts about tetrahedra along a ray that double precision proves.
 namespace rhoray::render {
 
 /// The values of t at which the ray enters and leaves, and value - isovalue there. `in` is

@@ -83,7 +83,7 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
         },
         tbb::simple_partitioner());
   };
-  // Isolated: a thread that waits here takes no task of the caller's, which might wait for this one.
+  // Isolated: a thread that waits here takes no task of the caller, which might wait for this one.
   if (!arena_) return tbb::this_task_arena::isolate(work);
   // oneTBB limits an arena to the number of cores unless it is told otherwise.
   std::optional<tbb::global_control> allowed;

@@ -163,7 +163,7 @@ class Refusals(unittest.TestCase):
 class Command(unittest.TestCase):
     def test_help_has_an_example(self):
         done = subprocess.run([BUILD, "--help"], capture_output=True, text=True, check=True)
-        self.assertIn("data/guide/build /tmp/guide --rhoray build/release/bin/rhoray", done.stdout)
+        self.assertIn("data/guide/build guide --rhoray build/release/bin/rhoray", done.stdout)
 
     def test_needs_the_recipes(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-// What the library's file and headers show to other programs.
+// The symbols and headers that other programs see.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

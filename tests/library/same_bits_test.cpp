@@ -179,7 +179,7 @@ TEST(SameBits, for_any_floating_point_environment_of_the_caller) {
   // Denormal values: with FTZ or DAZ they would be 0.
   const Samples<double> samples =
       samples_of<double>(9, 9, 9, [](auto i, auto j, auto k) { return 1e-310 * static_cast<double>(i * i + j * k); });
-  // What the caller computes has the caller's rounding: only the library's answers are compared.
+  // The caller computes with the caller's rounding: only answers of the library are compared.
   const MadeRays rays = random_rays({{0, 0, 0}, {2.4, 5.6, 8.8}}, 50);
   const auto results = [&] {
     std::string bits;

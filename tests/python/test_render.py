@@ -1,4 +1,4 @@
-"""Pictures: those of the program, as numpy arrays."""
+"""Pictures as numpy arrays, compared with the program's."""
 import json
 import multiprocessing
 import os

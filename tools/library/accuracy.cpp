@@ -11,14 +11,6 @@ namespace rhoray::v0_1 {
 
 namespace {
 
-Method outside_of(const render::Method& method) {
-  for (const Accuracy accuracy :
-       {Accuracy::preview, Accuracy::float32, Accuracy::float64, Accuracy::certified, Accuracy::exact})
-    if (method == inside::inside_of(accuracy)) return accuracy;
-  return method.algorithm == render::Method::Algorithm::sampled ? Method::sampled(method.step, method.bisect)
-                                                                : Method::paper();
-}
-
 CheckedPixels outside_of(const render::CheckedPixels& pixels) {
   return {.pixels = pixels.pixels,
           .shown = pixels.shown,
@@ -50,7 +42,7 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
       inside::refuse("choose_method: layer ", layer, " is neither an isosurface nor a projection");
     const render::Choice choice = render::choose_method(
         resolved, layer, {.max_error = goal.max_error, .budget_ms = goal.budget_ms}, 0, std::move(stop));
-    return MethodChoice{.method = outside_of(choice.chosen.method),
+    return MethodChoice{.method = inside::outside_of(choice.chosen.method),
                         .error = choice.chosen.error,
                         .predicted_ms = choice.chosen.foreseen_ms,
                         .meets_goal = choice.meets_goal,

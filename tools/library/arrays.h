@@ -31,7 +31,8 @@ T element(const ArrayView& array, std::int64_t row, std::int64_t column = 0) {
   return value;
 }
 
-/// Refuses an array that is not F32 or F64, or whose shape is not [rows, columns] (columns 0: [rows]).
+/// Refuses an array that is not F32 or F64, or whose shape is not [rows, columns] (columns 0:
+/// [rows]).
 /// @param rows  -1: any
 /// @param name  of the array, for messages
 void require_floats(const ArrayView& array, std::string_view name, std::int64_t rows, std::int64_t columns);

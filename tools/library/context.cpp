@@ -38,19 +38,12 @@ void copy_window(const render::Framebuffer& whole, const Rect& window, render::F
   out.is_transparent = whole.is_transparent;
 }
 
-/// Writes a window of the context's whole picture, or all of it, to the caller's picture.
-void hand_over(const RenderOptions& options, render::Framebuffer& whole, Picture::Implementation& picture) {
+/// Says what the caller's picture shows, and copies a window of the context's whole picture to it.
+void hand_over(const RenderOptions& options, const render::Framebuffer& whole, Picture::Implementation& picture) {
   picture.size = options.size;
   picture.window = options.window.value_or(Rect{0, 0, options.size.width, options.size.height});
   if (!options.window) return;
-  const ChannelSet& channels = options.channels;
-  picture.pixels.reshape(picture.window.width, picture.window.height,
-                         {.depth = channels.depth,
-                          .normal = channels.normal,
-                          .cell = channels.cell,
-                          .value = channels.value,
-                          .error = channels.error,
-                          .cost = channels.cost});
+  picture.pixels.reshape(picture.window.width, picture.window.height, inside::inside_of(options.channels));
   copy_window(whole, picture.window, picture.pixels);
 }
 

@@ -14,8 +14,8 @@ class RenderContext::Implementation {
  public:
   explicit Implementation(const ContextOptions& options);
 
-  /// Calls act(render::RenderContext&), as `guarded` does. Refuses a second call meanwhile, a forked
-  /// process, and every call after a defect of the library was found.
+  /// Calls act(render::RenderContext&), as `guarded` does. Refuses a second call meanwhile, a
+  /// forked process, and every call after a defect of the library was found.
   template <class Act>
   decltype(auto) call(Act&& act) {
     begin();

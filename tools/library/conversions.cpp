@@ -167,15 +167,7 @@ Layer converted(const render::Layer& layer, const Dataset& data) {
       slice.threshold = outside_of(layer.threshold);
     out.show = slice;
   }
-  for (const Accuracy accuracy :
-       {Accuracy::preview, Accuracy::float32, Accuracy::float64, Accuracy::certified, Accuracy::exact})
-    if (layer.method == render::method_of(static_cast<render::Accuracy>(accuracy))) out.method = accuracy;
-  using Algorithm = render::Method::Algorithm;
-  if (layer.method.algorithm == Algorithm::sampled)
-    out.method = Method::sampled(layer.method.step, layer.method.bisect);
-  if (layer.method.algorithm == Algorithm::paper) out.method = Method::paper();
-  if (layer.method.algorithm == Algorithm::slack)
-    throw rhoray::Error(rhoray::ErrorCode::unsupported, "the method 'slack' is in the program only");
+  out.method = outside_of(layer.method);
   return out;
 }
 
@@ -241,6 +233,34 @@ render::Method inside_of(const Method& method) {
   return {.algorithm = Algorithm::paper};
 }
 
+Method outside_of(const render::Method& method) {
+  for (const Accuracy accuracy :
+       {Accuracy::preview, Accuracy::float32, Accuracy::float64, Accuracy::certified, Accuracy::exact})
+    if (method == inside_of(accuracy)) return accuracy;
+  if (method == inside_of(Method::paper())) return Method::paper();
+  if (method.algorithm == render::Method::Algorithm::sampled) return Method::sampled(method.step, method.bisect);
+  throw rhoray::Error(rhoray::ErrorCode::unsupported, "a method of the layer is in the program only",
+                      "give the layer an accuracy level");
+}
+
+render::ChannelSet inside_of(const ChannelSet& channels) {
+  return {.depth = channels.depth,
+          .normal = channels.normal,
+          .cell = channels.cell,
+          .value = channels.value,
+          .error = channels.error,
+          .cost = channels.cost};
+}
+
+ChannelSet outside_of(const render::ChannelSet& channels) {
+  return {.depth = channels.depth,
+          .normal = channels.normal,
+          .cell = channels.cell,
+          .value = channels.value,
+          .error = channels.error,
+          .cost = channels.cost};
+}
+
 render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options) {
   constexpr int longest_side = 65536;
   for (const int side : {options.size.width, options.size.height})
@@ -268,15 +288,9 @@ render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options)
   if (scene.camera) out.scene.camera = inside_of(*scene.camera);
   const auto is_lps = [](const render::Dataset& dataset) { return dataset.space() == formats::Space::lps; };
   if (std::any_of(out.datasets.begin(), out.datasets.end(), is_lps)) out.space = formats::Space::lps;
-  const ChannelSet& channels = options.channels;
   out.frame = {.width = options.size.width,
                .height = options.size.height,
-               .channels = {.depth = channels.depth,
-                            .normal = channels.normal,
-                            .cell = channels.cell,
-                            .value = channels.value,
-                            .error = channels.error,
-                            .cost = channels.cost},
+               .channels = inside_of(options.channels),
                .antialiasing = options.max_samples};
   if (const auto& window = options.window)
     out.frame.window = {.x = window->x, .y = window->y, .width = window->width, .height = window->height};
@@ -322,14 +336,8 @@ Scene outside_of(const render::ResolvedScene& resolved) {
 }
 
 RenderOptions options_of(const render::ResolvedScene& resolved) {
-  const render::ChannelSet& channels = resolved.frame.channels;
   return {.size = {resolved.frame.width, resolved.frame.height},
-          .channels = {.depth = channels.depth,
-                       .normal = channels.normal,
-                       .cell = channels.cell,
-                       .value = channels.value,
-                       .error = channels.error,
-                       .cost = channels.cost},
+          .channels = outside_of(resolved.frame.channels),
           .max_samples = resolved.frame.antialiasing};
 }
 

@@ -12,6 +12,11 @@ render::Camera inside_of(const Camera& camera);
 Camera outside_of(const render::Camera& camera);
 
 render::Method inside_of(const Method& method);
+/// Refuses methods that only the program has (ErrorCode::unsupported).
+Method outside_of(const render::Method& method);
+
+render::ChannelSet inside_of(const ChannelSet& channels);
+ChannelSet outside_of(const render::ChannelSet& channels);
 
 /// The scene with its datasets, and everything else that a document says. Without a camera it has
 /// that of render::Scene.

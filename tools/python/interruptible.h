@@ -12,8 +12,8 @@
 
 namespace rhoray::python {
 
-/// Calls act(stop token) on another thread, without the GIL, and heeds Ctrl+C meanwhile: signals are
-/// looked at every 50 ms. What act throws is rethrown here.
+/// Calls act(stop token) on another thread, without the GIL, and heeds Ctrl+C meanwhile: signals
+/// are looked at every 50 ms. What act throws is rethrown here.
 template <class Act>
 void interruptible(const Act& act) {
   std::stop_source stop;

@@ -43,9 +43,9 @@ std::vector<Ring> simple_rings(const Ring& ring) {
   return rings;
 }
 
-/// Fills holes that touch each other in a point. The mesh has that point twice, so that they are one
-/// ring; CGAL 5.5 crashes when it refines the triangles of such a ring. The facets are therefore
-/// added as polygons, and connected anew.
+/// Fills holes that touch each other in a point. The mesh has that point twice, so that the holes
+/// are one ring, and CGAL 5.5 crashes when it refines the triangles of such a ring. The facets are
+/// therefore added as polygons, and connected anew.
 TriangleMesh with_filled(const TriangleMesh& mesh, const std::vector<Ring>& rings, RepairReport& report) {
   Soup soup;
   pmp::polygon_mesh_to_polygon_soup(mesh, soup.points, soup.facets);

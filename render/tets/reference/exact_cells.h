@@ -7,12 +7,12 @@
 #include "render/exact/exact_tets.h"
 #include "render/tets/reference/walk.h"
 
-/// The cells of a mesh as the input of exact arithmetic. It gets the tetrahedra listed in the leaf
-/// cells along the ray, or those of the clusters whose boxes the ray hits. Lists extend a millionth
-/// of a leaf cell beyond it, and the lattice a little beyond the mesh (preprocess/leaf_lists).
-/// Therefore the rounding of the traversal misses none, for rays that start less than 2^28 leaf
-/// cells away. Boxes contain their tetrahedra, and none that the ray touches is missed
-/// (cluster_walk.h).
+/// The cells of a mesh as the input of exact arithmetic. It gets the tetrahedra that the leaf cells
+/// along the ray list, or every tetrahedron of the clusters whose boxes the ray hits. Lists extend
+/// a millionth of a leaf cell beyond it, and the lattice a little beyond the mesh
+/// (preprocess/leaf_lists). Therefore the rounding of the traversal misses none, for rays that
+/// start less than 2^28 leaf cells away. Boxes contain their tetrahedra, and none that the ray
+/// touches is missed (cluster_walk.h).
 ///
 /// It considers the tetrahedra whose values reach the isovalue, and joins their parts of the ray.
 /// This is correct where the cells are a partition with shared faces. Where cells overlap, or

@@ -307,7 +307,7 @@ TEST(ExactGridCrossings, forget_their_side_where_data_are_missing) {
                    {{1.5, true, {0, 0, 0}}, {4.5, false, {3, 0, 0}}, {7.5, true, {6, 0, 0}}});
   expect_crossings(row({-1, 1, nan, -1, 1}), along, 0, {{1.5, true, {0, 0, 0}}, {4.5, true, {3, 0, 0}}});
   expect_crossings(row({-1, -1, nan, 1, 1}), along, 0, {});
-  // The same in regions of two cells, of which the second and the third are skipped.
+  // The same in regions of two cells. The search skips the second and the third region.
   TestGrid skipped = row({1, -1, -1, -1, nan, 1, 1, 1, -1});
   skipped.levels = 1;
   expect_crossings(skipped, along, 0, {{1.5, false, {0, 0, 0}}, {8.5, false, {7, 0, 0}}});

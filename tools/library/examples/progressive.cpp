@@ -1,4 +1,5 @@
-// A view that is refined, cancelled by a newer request, and restarted: progressive FILE.rho LOWEST HIGHEST OUTPUT.png
+// A view that is refined, cancelled by a newer request, and restarted: progressive FILE.rho LOWEST
+// HIGHEST OUTPUT.png
 #include <rhoray/rhoray.h>
 
 #include <chrono>
@@ -13,7 +14,8 @@ int main(int count, char** words) try {
   scene.camera = rhoray::fit_camera(scene, {800, 600});
   rhoray::RenderContext context;  // keeps threads and memory from request to request
   rhoray::Picture picture;
-  // A user drags the isovalue: each request is shown at once, and the next one cancels its refinement.
+  // A user drags the isovalue: each request is shown at once, and the next one cancels its
+  // refinement.
   constexpr int requests = 8;
   for (int request = 1; request <= requests; ++request) {
     scene.layers[0].show = rhoray::Isosurface{lowest + (highest - lowest) * request / requests};

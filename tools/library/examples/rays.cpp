@@ -1,4 +1,5 @@
-// Certified rays for another renderer, which has threads and rays of its own: rays FILE.rho ISOVALUE
+// Certified rays for another renderer, which has threads and rays of its own: rays FILE.rho
+// ISOVALUE
 #include <rhoray/rhoray.h>
 
 #include <cmath>

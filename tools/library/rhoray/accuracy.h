@@ -63,10 +63,10 @@ struct SelfCheckOptions {
   unsigned threads = 0;  ///< 0: all cores
 };
 
-/// Traces pixels of a picture again in exact arithmetic and compares them. The picture must be whole
-/// and needs the channel `depth`, or `value` for a projection; `error` is compared if it is there.
-/// Throws ErrorCode::usage for a picture without them, and for a scene in which a pixel does not
-/// define one position: triangles, transparent surfaces, a projection beside other layers.
+/// Traces pixels of a picture again in exact arithmetic and compares them. The picture must be
+/// whole and needs the channel `depth`, or `value` for a projection; `error` is compared if it is
+/// there. Throws ErrorCode::usage for a picture without them, and for a scene in which a pixel does
+/// not define one position: triangles, transparent surfaces, a projection beside other layers.
 RHORAY_API SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheckOptions& options = {});
 
 }  // namespace rhoray::RHORAY_ABI

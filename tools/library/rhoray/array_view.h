@@ -29,9 +29,9 @@ constexpr ElementType element_type() {
   }
 }
 
-/// Numbers of the caller, with up to four axes, the slowest first, as numpy describes them. It keeps
-/// nothing alive: the numbers must outlive the call that takes the view. Nothing may write to them
-/// meanwhile.
+/// Numbers of the caller, with up to four axes, the slowest first, as numpy describes them. It
+/// keeps nothing alive: the numbers must outlive the call that takes the view. Nothing may write to
+/// them meanwhile.
 class RHORAY_API ArrayView {
  public:
   static constexpr std::size_t most_axes = 4;

@@ -73,8 +73,8 @@ struct Passes {
 ///
 /// Results do not depend on threads, on earlier calls, or on what the context keeps.
 ///
-/// Calls restore the floating-point environment that they find. They refuse to run in a process that
-/// was forked after the context was made (ErrorCode::usage).
+/// Calls restore the floating-point environment that they find. They refuse to run in a process
+/// that was forked after the context was made (ErrorCode::usage).
 class RHORAY_API RenderContext {
  public:
   explicit RenderContext(const ContextOptions& options = {});
@@ -86,13 +86,14 @@ class RHORAY_API RenderContext {
   /// not an error, and the result says that it is not complete. Preparing an isovalue is not
   /// interrupted.
   ///
-  /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found and
-  /// what was expected; ErrorCode::invalid for certified and exact pictures of data whose stored
-  /// ranges do not hold.
+  /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found
+  /// and what was expected; ErrorCode::invalid for certified and exact pictures of data whose
+  /// stored ranges do not hold.
   RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
 
-  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` is heeded after the
-  /// first pass, so that something of every request is shown; it ends a later pass at once.
+  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` is
+  /// heeded after the first pass, so that something of every request is shown; it ends a later pass
+  /// at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
                       std::stop_token stop = {});
 

@@ -79,8 +79,8 @@ class RHORAY_API Dataset {
   /// Throws ErrorCode::usage for an unknown name.
   ArrayView array(std::string_view name) const;
 
-  /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside a
-  /// render.
+  /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside
+  /// a render.
   /// @param threads  0: all cores
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
 

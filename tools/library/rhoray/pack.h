@@ -36,8 +36,8 @@ struct FieldArray {
 
 /// Samples on a lattice. Sample (i, j, k) is at world_from_grid(i, j, k).
 struct GridArrays {
-  /// At least one. Names differ and are not empty; the first is shown by default. All have one shape
-  /// of three axes with at least 2 samples each. U64 and I64 must fit a double exactly.
+  /// At least one. Names differ and are not empty; the first is shown by default. All have one
+  /// shape of three axes with at least 2 samples each. U64 and I64 must fit a double exactly.
   std::vector<FieldArray> fields;
   Vec3 spacing{1, 1, 1};  ///< along x, y and z, whatever the axis order; finite, above 0
   Vec3 origin{};          ///< position of sample (0, 0, 0)

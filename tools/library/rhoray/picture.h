@@ -21,8 +21,8 @@ struct ChannelSet {
 /// The cell of pixels that show nothing.
 inline constexpr std::uint64_t no_cell = ~std::uint64_t{0};
 
-/// A picture, or a window of it: rows from the top, pixels from the left. Spans stay valid until the
-/// picture is rendered to again or destroyed. One render writes to it at a time; memory is kept
+/// A picture, or a window of it: rows from the top, pixels from the left. Spans stay valid until
+/// the picture is rendered to again or destroyed. One render writes to it at a time; memory is kept
 /// while size and channels stay the same.
 class RHORAY_API Picture {
  public:
@@ -36,7 +36,8 @@ class RHORAY_API Picture {
   Size size() const;    ///< of the whole picture; 0 x 0 before the first render
   Rect window() const;  ///< the pixels of the whole picture that are here
 
-  // Shapes are those of the window: [height, width, ...]. A channel that was not asked for is empty.
+  // Shapes are those of the window: [height, width, ...]. A channel that was not asked for is
+  // empty.
 
   /// [height, width, 4]: linear RGB over the background, and alpha: the covered part of the pixel.
   std::span<const float> color() const;
@@ -44,12 +45,13 @@ class RHORAY_API Picture {
   std::span<const float> depth() const;
   /// [height, width, 3]: unit normals towards the eye, world axes; 0 where nothing is hit.
   std::span<const float> normal() const;
-  /// Id of the cell that is hit, else no_cell. Grid: (k * cells_y + j) * cells_x + i. Mesh: index in
-  /// the source.
+  /// Id of the cell that is hit, else no_cell. Grid: (k * cells_y + j) * cells_x + i. Mesh: index
+  /// in the source.
   std::span<const std::uint64_t> cell() const;
   /// The field at the hit; NaN where nothing is hit.
   std::span<const double> value() const;
-  /// Proven bound on the error of depth (of a largest value: of value); NaN where nothing is proven.
+  /// Proven bound on the error of depth (of a largest value: of value); NaN where nothing is
+  /// proven.
   std::span<const float> error() const;
   /// Macrocells and cells that were visited for the pixel.
   std::span<const std::uint32_t> cost() const;
