@@ -8,6 +8,7 @@
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
 #include "tests/library/pictures.h"
+#include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
@@ -33,6 +34,15 @@ TEST(Datasets, live_as_long_as_a_scene_a_caster_or_a_sampler_holds_them) {
   caster.first_hits(rays.rays(), {.t = again}, scratch);
   EXPECT_EQ(again, t);
   sampler.at(rays.rays().origins, value);
+}
+
+TEST(Datasets, have_a_path_that_another_process_can_open) {
+  const TemporaryFolder folder;
+  const Dataset in_memory = gyroid_grid();
+  EXPECT_EQ(run_program({RHORAY_PROGRAM, "info", in_memory.path().string()}).exit_code, 0);
+  EXPECT_EQ(gyroid_grid({.file = folder / "grid.rho"}).path(), folder / "grid.rho");
+  const Dataset boundary = ball_mesh().boundary();
+  expect_refused(ErrorCode::usage, "boundary of a mesh in memory", [&] { boundary.path(); });
 }
 
 TEST(Datasets, open_and_close_two_hundred_times) {

@@ -1,6 +1,7 @@
 #include "tools/library/dataset.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -120,6 +121,14 @@ std::span<const std::string> Dataset::notes() const {
 
 std::uint64_t Dataset::id() const {
   return implementation_->id();
+}
+
+std::filesystem::path Dataset::path() const {
+  const Descriptor& memory = implementation_->memory();
+  if (memory.number() >= 0) return concat("/proc/", ::getpid(), "/fd/", memory.number());
+  if (implementation_->is_in_memory())
+    inside::refuse("path: this is the boundary of a mesh in memory; expected the mesh itself");
+  return implementation_->first().file().name();
 }
 
 Dataset Dataset::boundary() const {

@@ -9,10 +9,9 @@ namespace py = pybind11;
 
 namespace {
 
-/// Raises an exception of the package: the class that its table `_errors` names for the code.
+/// Raises the exception of the package that belongs to the code.
 void raise(const Error& error) {
-  const py::module_ package = py::module_::import("rhoray");
-  const py::object make = package.attr("_error");
+  const py::object make = py::module_::import("rhoray._errors").attr("error_of");
   const py::object exception = make(static_cast<int>(error.code()), error.what(), error.hint());
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
 }

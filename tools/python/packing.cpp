@@ -115,7 +115,7 @@ void define_datasets(py::module_& module) {
   py::class_<Field>(module, "Field").def(py::init<std::string, py::array, std::string, std::map<int, std::string>>());
   py::class_<Dataset>(module, "Dataset")
       .def_static("open", &Dataset::open, py::call_guard<py::gil_scoped_release>())
-      .def_property_readonly("id", &Dataset::id)
+      .def_property_readonly("path", [](const Dataset& data) { return data.path().string(); })
       .def_property_readonly("kind",
                              [](const Dataset& data) {
                                constexpr const char* kinds[] = {"grid", "tetrahedra", "triangles"};

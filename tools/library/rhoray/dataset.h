@@ -66,6 +66,12 @@ class RHORAY_API Dataset {
   std::span<const std::string> notes() const;  ///< changes made while packing or loading, one sentence each
   std::uint64_t id() const;                    ///< of this opened data; never given again in a process
 
+  /// Returns the file with these data, as it was named when it was opened. Data that were packed in
+  /// memory have a name too, /proc/PID/fd/N: other programs of the same user can open it while this
+  /// dataset exists. A boundary has the name of its mesh.
+  /// Throws ErrorCode::usage for the boundary of a mesh in memory.
+  std::filesystem::path path() const;
+
   /// Returns the outside of a mesh: the triangles that belong to one cell only, with the fields of
   /// their cells. Throws ErrorCode::usage for other kinds.
   Dataset boundary() const;
