@@ -22,6 +22,7 @@ class StartedProgram {
  public:
   struct Streams {
     int out = -1;                   ///< descriptor that becomes standard output; -1: /dev/null
+    int in = -1;                    ///< the same for standard input
     std::vector<int> ignored = {};  ///< signals that are ignored from the start, as under nohup
   };
 
@@ -35,7 +36,8 @@ class StartedProgram {
     arguments.push_back(nullptr);
     for (const int signal : streams.ignored) ::signal(signal, SIG_IGN);
     const int nothing = ::open("/dev/null", O_RDWR);
-    const bool ready = ::dup2(nothing, 0) >= 0 && ::dup2(streams.out < 0 ? nothing : streams.out, 1) >= 0 &&
+    const bool ready = ::dup2(streams.in < 0 ? nothing : streams.in, 0) >= 0 &&
+                       ::dup2(streams.out < 0 ? nothing : streams.out, 1) >= 0 &&
                        ::dup2(::open(said.c_str(), O_CREAT | O_WRONLY, 0600), 2) >= 0 && ::chdir(folder.c_str()) == 0;
     if (ready) ::execv(arguments[0], arguments.data());
     ::_exit(127);

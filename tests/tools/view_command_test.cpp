@@ -61,6 +61,24 @@ TEST(ViewCommand, prints_its_address_serves_and_ends_when_it_is_interrupted) {
   EXPECT_EQ(bench.contents(), before) << "it writes no file";
 }
 
+TEST(ViewCommand, exchanges_lines_with_the_program_that_starts_it) {
+  const Workbench bench;
+  bench.make_box();
+  int out[2], in[2];
+  ASSERT_EQ(::pipe2(out, O_CLOEXEC), 0);
+  ASSERT_EQ(::pipe2(in, O_CLOEXEC), 0);
+  StartedProgram program(bench.path(), {"view", "box.rho", "--no-browser", "--stdio"}, {.out = out[1], .in = in[0]});
+  ::close(out[1]), ::close(in[0]);
+  EXPECT_THAT(first_line(out[0]), HasSubstr(R"({"url":"http://127.0.0.1:)")) << program.said();
+  EXPECT_THAT(first_line(out[0]), HasSubstr(R"({"hello":)"));
+  const std::string lines = "{\"set\": {\"n\": 1}}\n{\"set\": 5}\n";
+  EXPECT_EQ(::write(in[1], lines.data(), lines.size()), static_cast<ssize_t>(lines.size()));
+  EXPECT_THAT(first_line(out[0]), HasSubstr(R"("error":"message: \"set\")")) << "the first line is no error";
+  ::close(in[1]);
+  EXPECT_EQ(program.wait(), 0) << program.said();
+  ::close(out[0]);
+}
+
 TEST(ViewCommand, refuses_what_it_cannot_show_before_it_listens) {
   const Workbench bench;
   bench.make_box();

@@ -18,6 +18,8 @@
 #include "tools/rhoray/render/reproduce.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
+#include "tools/view/client_message.h"
+#include "tools/view/line_exchange.h"
 #include "tools/view/server.h"
 
 namespace rhoray::tools {
@@ -32,6 +34,7 @@ struct ViewCommand {
   std::filesystem::path socket;
   std::vector<std::string> hosts;
   bool opens_no_browser = false;
+  bool uses_stdio = false;
 };
 
 /// Opens the page in the user's browser, if a desktop is there to open it on.
@@ -56,11 +59,12 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   display.show(concat("opening ", asked.data[0].file.string()));
   DataAccess access = access_for(command.common, display);
   access.loaded = std::make_shared<DataAccess::Loaded>();
-  ViewedScene viewed{.title = command.inputs.front().filename().string(),
+  const std::filesystem::path& input = command.inputs.front();
+  ViewedScene viewed{.title = (render::is_scene_document(input) ? input.stem() : input.filename()).string(),
                      .program = concat("rhoray ", version()),
                      .scene_spec = with_label_layers(asked, access)};
   viewed.plan = resolve_layers(viewed.scene_spec, access);
-  const std::filesystem::path output = default_output(command.inputs.front(), ".png");
+  const std::filesystem::path output = default_output(input, ".png");
   settle_annotations(viewed.scene_spec, output, viewed.plan);
   if (has_texts(viewed.plan)) find_font(known_fonts());  // refused now, not at the first picture
   aim_camera(viewed.scene_spec, viewed.plan);
@@ -71,14 +75,45 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   return viewed;
 }
 
+/// Serves until the token is told to stop, and exchanges the state of the view with the program that
+/// started this one (PROTOCOL.md), until that closes its pipe.
+/// @param told  where the server's messages go meanwhile
+void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_token& interrupt) {
+  std::stop_source stop;
+  const std::stop_callback interrupted(interrupt, [&] { stop.request_stop(); });
+  const auto take = [&](std::string_view line) -> std::string {
+    try {
+      server.set(parse_program_message(line));
+      return {};
+    } catch (const Error& error) {
+      return dump(Json{{"error", error.what()}});
+    }
+  };
+  LineExchange exchange(STDIN_FILENO, STDOUT_FILENO, {.answer = take, .ended = [&] { stop.request_stop(); }});
+  exchange.write(server.hello());
+  told = &exchange;
+  server.run(stop.get_token());
+  told = nullptr;
+}
+
 int run(const ViewCommand& command) {
   ProgressDisplay display(command.common);
+  LineExchange* told = nullptr;
+  const auto tell_program = [&](std::string text) {
+    if (told == nullptr) return;
+    if (text.starts_with(R"({"state")"))
+      told->write_state(std::move(text));
+    else
+      told->write(std::move(text));
+  };
   Server server(opened(command, display), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
                                            .socket = command.socket,
                                            .allowed_hosts = command.hosts,
-                                           .threads = command.common.threads});
+                                           .threads = command.common.threads,
+                                           .tell_program = tell_program});
   display.clear();
-  std::puts(command.common.json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
+  const bool prints_json = command.common.json || command.uses_stdio;
+  std::puts(prints_json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
   std::fflush(stdout);
   if (!command.socket.empty())
     say(command.common,
@@ -87,7 +122,10 @@ int run(const ViewCommand& command) {
     open_browser(server.url());
   say(command.common, "Ctrl+C ends it");
   const InterruptRequest interrupt;
-  server.run(interrupt.token());
+  if (command.uses_stdio)
+    serve_and_exchange(server, told, interrupt.token());
+  else
+    server.run(interrupt.token());
   return 0;
 }
 
@@ -115,7 +153,12 @@ Subcommand view_subcommand() {
                          "open the socket; the printed ssh command makes a tunnel to it"),
                      value_option("--allow-host", "NAME[,NAME...]",
                                   "Answer under these host names, too: those of a proxy", command->hosts),
-                     flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser)}),
+                     flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser),
+                     for_experts(with_details(
+                         flag_option("--stdio", "Exchange the view's state with the program that starts this one",
+                                     command->uses_stdio),
+                         "One line of JSON for each change of camera or scene: those in the browser to stdout, and "
+                         "those of the program from stdin. The server ends when stdin ends. Implies --json"))}),
            picture_options(command->picture),
            in_group("Input", read_options(command->picture.scene_spec.data[0].read)),
            in_group("Input", {cache_option(command->common)}),

@@ -77,8 +77,14 @@ Probe probe_of(const Json& json) {
   return {.id = counter_of(json["id"], "id"), .x = place_of(pixel[0]), .y = place_of(pixel[1])};
 }
 
+/// "{}" becomes an empty text.
+std::string patch_of(const Json& json) {
+  if (!json.is_object()) refuse("scene", "an object");
+  return json.empty() ? "" : dump(json);
+}
+
 PictureRequest picture_request_of(const Json& json) {
-  require_keys(json, "message", {"n", "size", "moving", "camera", "scene"});
+  require_keys(json, "message", {"n", "size", "moving", "camera", "scene", "set"});
   PictureRequest request{.number = counter_of(json["n"], "n")};
   if (!json.contains("size") || !json["size"].is_array() || json["size"].size() != 2) refuse("size", "two numbers");
   request.width = side_of(json["size"][0]), request.height = side_of(json["size"][1]);
@@ -87,46 +93,68 @@ PictureRequest picture_request_of(const Json& json) {
     request.is_moving = json["moving"].get<bool>();
   }
   if (json.contains("camera")) request.camera = camera_of(json["camera"]);
-  if (json.contains("scene")) {
-    if (!json["scene"].is_object()) refuse("scene", "an object");
-    if (!json["scene"].empty()) request.patch = dump(json["scene"]);
-  }
+  if (json.contains("scene")) request.patch = patch_of(json["scene"]);
+  if (json.contains("set")) request.set_number = counter_of(json["set"], "set");
   return request;
 }
 
-/// Parses JSON of limited depth.
+/// Parses an object of limited size and depth.
 Json parsed(std::string_view text) {
+  if (text.size() > view_limits::message_bytes)
+    throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_bytes, " bytes"));
   const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
     if (depth > view_limits::message_depth)
       throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_depth, " levels"));
     return true;
   };
+  Json json;
   try {
-    return Json::parse(text, is_shallow);
+    json = Json::parse(text, is_shallow);
   } catch (const Json::exception&) {
     throw Error(ErrorCode::invalid, "message: expected JSON");
   }
+  if (!json.is_object()) throw Error(ErrorCode::invalid, "message: expected an object");
+  return json;
+}
+
+/// Refuses another value than true for the only key.
+void require_true(const Json& json, const std::string& key) {
+  require_keys(json, "message", {key});
+  if (json[key] != true) refuse(key, "true");
 }
 
 }  // namespace
 
 ClientMessage parse_client_message(std::string_view text) {
-  if (text.size() > view_limits::message_bytes)
-    throw Error(ErrorCode::invalid, concat("message: more than ", view_limits::message_bytes, " bytes"));
   const Json json = parsed(text);
-  if (!json.is_object()) throw Error(ErrorCode::invalid, "message: expected an object");
   if (json.contains("ack")) {
     require_keys(json, "message", {"ack"});
     return Acknowledgement{counter_of(json["ack"], "ack")};
   }
   if (json.contains("probe")) return probe_of(json);
   if (json.contains("keep")) {
-    require_keys(json, "message", {"keep"});
-    if (json["keep"] != true) refuse("keep", "true");
+    require_true(json, "keep");
     return KeepRequest{};
+  }
+  if (json.contains("follow")) {
+    require_true(json, "follow");
+    return FollowRequest{};
   }
   if (!json.contains("n")) refuse("n", "a number");
   return picture_request_of(json);
+}
+
+ViewState parse_program_message(std::string_view text) {
+  const Json message = parsed(text);
+  require_keys(message, "message", {"set"});
+  if (!message.contains("set")) refuse("set", "an object");
+  const Json& json = message["set"];
+  require_keys(json, "set", {"n", "camera", "scene"});
+  if (!json.contains("n")) refuse("n", "a number");
+  ViewState state{.number = counter_of(json["n"], "n")};
+  if (json.contains("camera")) state.camera = camera_of(json["camera"]);
+  if (json.contains("scene")) state.patch = patch_of(json["scene"]);
+  return state;
 }
 
 }  // namespace rhoray::tools

@@ -22,6 +22,7 @@
 #include "tools/view/admission.h"
 #include "tools/view/page.h"
 #include "tools/view/painter.h"
+#include "tools/view/view_link.h"
 
 namespace rhoray::tools {
 
@@ -53,7 +54,8 @@ Response plain(http::status status, const std::string& text) {
 void add_safety(Response& response) {
   response.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
-               "base-uri 'none'; form-action 'none'; frame-ancestors 'self'");
+               "base-uri 'none'; form-action 'none'; "
+               "frame-ancestors 'self' http://127.0.0.1:* http://localhost:*");  // notebooks show the page in a frame
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
@@ -86,10 +88,12 @@ Response answer(const Request& request, const Admission& admission) {
 struct Shared {
   Admission admission;
   Painter painter;
+  ViewLink link;
   std::size_t connection_count = 0, client_count = 0;
   asio::io_context context;  ///< last: connections that end with it use the others
 
-  Shared(ViewedScene viewed, unsigned threads) : painter(std::move(viewed), threads) {}
+  Shared(ViewedScene viewed, const ServerOptions& options)
+      : painter(std::move(viewed), options.threads), link(options.tell_program) {}
   ~Shared() { painter.stop(); }  // which posts to the context
 };
 
@@ -104,7 +108,9 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
   Session& operator=(const Session&) = delete;
   ~Session() {
     --shared_.client_count;
-    if (id_) shared_.painter.remove(*id_);
+    if (!id_) return;
+    shared_.link.remove(*id_);
+    shared_.painter.remove(*id_);
   }
 
   void start(const Request& request) {
@@ -150,13 +156,25 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
     buffer_.consume(buffer_.size());
     try {
       if (!socket_.got_text()) throw Error(ErrorCode::invalid, "message: expected text");
-      shared_.painter.take(*id_, parse_client_message(text));
+      const ClientMessage message = parse_client_message(text);
+      if (std::holds_alternative<FollowRequest>(message)) return follow();
+      const auto* const request = std::get_if<PictureRequest>(&message);
+      if (request != nullptr && shared_.link.has(*id_)) shared_.link.show(*request);
+      shared_.painter.take(*id_, message);
     } catch (const Error& error) {
       send(dump(Json{{"error", error.what()}}));
     }
   }
 
+  void follow() {
+    shared_.link.add(*id_, [weak = this->weak_from_this()](std::string text) {
+      if (const auto self = weak.lock()) self->send(std::move(text));
+    });
+  }
+
   void send(Message message) {
+    if (const auto* const text = std::get_if<std::string>(&message))
+      if (id_ && shared_.link.has(*id_) && text->starts_with(R"({"error")")) shared_.link.report(*text);
     const std::size_t bytes = std::visit([](const auto& each) { return each.size(); }, message);
     bytes_waiting_ += bytes;
     if (bytes_waiting_ > most_bytes_waiting) return beast::get_lowest_layer(socket_).close();
@@ -256,7 +274,7 @@ class Server::Implementation {
   using Unix = asio::local::stream_protocol;
 
   Implementation(ViewedScene viewed, const ServerOptions& options)
-      : shared_(std::move(viewed), options.threads), socket_path_(options.socket) {
+      : shared_(std::move(viewed), options), socket_path_(options.socket) {
     shared_.admission.token = random_token();
     shared_.admission.proxies = options.allowed_hosts;
     if (socket_path_.empty())
@@ -273,6 +291,10 @@ class Server::Implementation {
     return concat("http://127.0.0.1:", shared_.admission.port, "/#token=", shared_.admission.token);
   }
   std::uint16_t port() const { return shared_.admission.port; }
+  std::string hello() const { return shared_.painter.hello(); }
+  void set(const ViewState& state) {
+    asio::post(shared_.context, [this, state] { shared_.link.set(state); });
+  }
 
   void run(const std::stop_token& stop) {
     const std::stop_callback stopping(stop, [this] { shared_.context.stop(); });
@@ -318,6 +340,12 @@ std::string Server::url() const {
 }
 std::uint16_t Server::port() const {
   return implementation_->port();
+}
+std::string Server::hello() const {
+  return implementation_->hello();
+}
+void Server::set(const ViewState& state) {
+  implementation_->set(state);
 }
 void Server::run(const std::stop_token& stop) {
   implementation_->run(stop);

@@ -17,6 +17,9 @@ struct ServerOptions {
   std::filesystem::path socket{};            ///< a Unix socket instead, mode 0600; empty: none
   std::vector<std::string> allowed_hosts{};  ///< names under which a proxy reaches the server
   unsigned threads = 0;                      ///< that trace; 0 = all cores
+  /// Takes messages to the program that started the server, JSON (PROTOCOL.md). The server's thread
+  /// calls it; it must not wait. Empty: nobody is told.
+  std::function<void(std::string)> tell_program{};
 };
 
 /// Serves one scene to browsers: a page that is compiled in, and pictures over a WebSocket. It reads
@@ -37,6 +40,10 @@ class Server {
   /// nobody. With a socket the address is that of a tunnel to it, at port 8123.
   std::string url() const;
   std::uint16_t port() const;
+  std::string hello() const;  ///< the first message to a client and to the program
+
+  /// Changes what the first view of each page shows. Any thread may call it.
+  void set(const ViewState& state);
 
   /// Serves until the token is told to stop. Another thread may tell it.
   void run(const std::stop_token& stop);

@@ -34,6 +34,10 @@ TEST(ClientMessage, says_what_a_client_wants_to_see) {
   const Probe probe = std::get<Probe>(parse_client_message(R"({"probe": [3, 4], "id": 5})"));
   EXPECT_THAT((std::array{probe.x, probe.y, static_cast<int>(probe.id)}), testing::ElementsAre(3, 4, 5));
   EXPECT_TRUE(std::holds_alternative<KeepRequest>(parse_client_message(R"({"keep": true})")));
+  EXPECT_TRUE(std::holds_alternative<FollowRequest>(parse_client_message(R"({"follow": true})")));
+  EXPECT_EQ(request.set_number, 0U);
+  const auto following = parse_client_message(R"({"n": 8, "size": [1, 1], "set": 3})");
+  EXPECT_EQ(std::get<PictureRequest>(following).set_number, 3U);
   const auto orthographic = parse_client_message(
       R"({"n": 0, "size": [1, 1], "camera": {"position": [0, 0, 9], "target": [0, 0, 0], "up": [0, 1, 0],)"
       R"( "ortho_height": 2}})");
@@ -74,12 +78,30 @@ TEST(ClientMessage, that_lies_is_refused_in_one_sentence) {
        R"({"probe": [-1, 2], "id": 1})",
        R"({"probe": [4096, 2], "id": 1})",
        R"({"probe": [1.5, 2], "id": 1})",
+       R"({"n": 1, "size": [1, 1], "set": -1})",
+       R"({"follow": false})",
+       R"({"follow": true, "n": 1})",
        R"({"keep": false})",
        R"({"keep": true, "path": "/etc/passwd"})"})
     expect_error(ErrorCode::invalid, "message: ", [&] { parse_client_message(text); });
   const std::string deep = R"({"n": 1, "size": )" + std::string(1000, '[') + std::string(1000, ']') + "}";
   expect_error(ErrorCode::invalid, "levels", [&] { parse_client_message(deep); });
   expect_error(ErrorCode::invalid, "bytes", [&] { parse_client_message(std::string(70000, ' ')); });
+}
+
+TEST(ProgramMessage, says_what_views_shall_show) {
+  const ViewState state = parse_program_message(
+      R"({"set": {"n": 3, "scene": {"style": "fast"}, "camera": {"position": [1, 2, 3], "target": [0, 0, 0],)"
+      R"( "up": [0, 0, 1], "ortho_height": 4}}})");
+  EXPECT_EQ(state.number, 3U);
+  EXPECT_EQ(state.patch, R"({"style":"fast"})");
+  ASSERT_TRUE(state.camera);
+  EXPECT_EQ(state.camera->orthographic_height, 4);
+  EXPECT_FALSE(parse_program_message(R"({"set": {"n": 4}})").camera);
+  for (const char* text : {"", "{}", R"({"set": 3})", R"({"set": {}})", R"({"set": {"n": -1}})", full,
+                           R"({"set": {"n": 1, "scene": 5}})", R"({"set": {"n": 1, "camera": {}}})",
+                           R"({"set": {"n": 1, "size": [1, 1]}})", R"({"set": {"n": 1}, "keep": true})"})
+    expect_error(ErrorCode::invalid, "message: ", [&] { parse_program_message(text); });
 }
 
 TEST(ClientMessage, of_random_changes_is_read_or_refused) {

@@ -11,6 +11,9 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include <condition_variable>
+#include <deque>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
@@ -38,7 +41,7 @@ class Running {
   explicit Running(const tools::ServerOptions& options = {})
       : server_(viewed_box(folder_), options), thread_([this](const std::stop_token& stop) { server_.run(stop); }) {}
 
-  const Server& server() const { return server_; }
+  Server& server() { return server_; }
   std::string host() const { return concat("127.0.0.1:", server_.port()); }
   std::string token() const { return server_.url().substr(server_.url().find("token=") + 6); }
 
@@ -207,17 +210,80 @@ TEST(ViewServer, says_hello_and_sends_pictures) {
   EXPECT_THAT(text, HasSubstr(R"("command":"iso 0.8")"));
 }
 
+/// Messages to the program that started a server.
+class Told {
+ public:
+  void add(std::string text) {
+    const std::lock_guard lock(mutex_);
+    texts_.push_back(std::move(text));
+    changed_.notify_one();
+  }
+  /// The next message; an empty one after a minute.
+  Json next() {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, std::chrono::minutes(1), [&] { return !texts_.empty(); })) return {};
+    Json json = Json::parse(texts_.front());
+    texts_.pop_front();
+    return json;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::string> texts_;
+};
+
+TEST(ViewServer, shares_a_views_state_with_the_program_that_started_it) {
+  Told told;
+  Running running({.tell_program = [&](std::string text) { told.add(std::move(text)); }});
+  const auto next_set = [](Page& page) {
+    for (;;)
+      if (const Json message = Json::parse(page.text()); message.contains("set")) return message["set"];
+  };
+  const auto ask = [](Page& page, int n, double isovalue, int set) {
+    page.say(concat(R"({"n": )", n, R"(, "size": [8, 8], "moving": true, "set": )", set,
+                    R"(, "scene": {"layers": {"0": {"isovalue": )", isovalue, "}}}}"));
+  };
+  Page page(running), other(running);
+  ask(other, 1, 0.1, 0);  // does not follow, and is not told about
+  page.say(R"({"follow": true})");
+  ask(page, 1, 0.5, 0);
+  const Json first = told.next()["state"];
+  EXPECT_EQ(first["scene"]["layers"]["0"]["isovalue"], 0.5);
+  EXPECT_EQ(first["size"], Json({8, 8}));
+  EXPECT_EQ(first["moving"], true);
+  EXPECT_EQ(first["n"], 0);
+
+  running.server().set(tools::parse_program_message(R"({"set": {"n": 1, "scene": {"style": "fast"}}})"));
+  const Json set = next_set(page);
+  EXPECT_EQ(set, Json({{"n", 1}, {"scene", {{"style", "fast"}}}}));
+  ask(page, 2, 0.6, 0);  // was sent before the page knew of it
+  ask(page, 3, 0.7, 1);
+  EXPECT_EQ(told.next()["state"]["scene"]["layers"]["0"]["isovalue"], 0.7);
+
+  Page late(running);
+  late.say(R"({"follow": true})");
+  EXPECT_EQ(next_set(late)["scene"]["layers"]["0"]["isovalue"], 0.7) << "a page that comes later shows the same";
+
+  page.say(R"({"n": 4, "size": [8, 8], "set": 1, "scene": {"colour": 1}})");
+  EXPECT_TRUE(told.next().contains("state"));
+  while (page.text().find("error") == std::string::npos) {
+  }
+  EXPECT_THAT(told.next()["error"].get<std::string>(), HasSubstr("colour"));
+}
+
 TEST(ViewServer, survives_what_clients_send) {
   Running running;
   Page good(running), bad(running);
   good.text(), bad.text();
   std::mt19937_64 random(7);
   const std::string right = R"({"n": 1, "size": [8, 8], "moving": true, "scene": {"style": "fast"}})";
-  const std::string seeds[] = {right, R"({"ack": 1})", R"({"probe": [1, 2], "id": 3})", R"({"keep": true})"};
+  const std::string seeds[] = {right, R"({"ack": 1})", R"({"probe": [1, 2], "id": 3})", R"({"keep": true})",
+                               R"({"follow": true})"};
   const int count = message_count(2000), batch = 100;
   std::uint32_t number = 0;
   for (int i = 0; i < count; i += batch) {
-    for (int k = 0; k < batch; ++k) bad.say(mutated(seeds[random() % 4], random));
+    for (int k = 0; k < batch; ++k) bad.say(mutated(seeds[random() % 5], random));
     // A right request and a probe of it are answered whatever came before.
     bad.say(right);
     bad.say(concat(R"({"probe": [0, 0], "id": )", 1'000'000'000 + i, "}"));

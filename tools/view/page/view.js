@@ -27,6 +27,7 @@ export class View {
   faceHandles = [];     // {element, end, axis} of faces of the clip box
   layerInfo = new Map();  // by number of a layer: what `resolved` said when it was last drawn
   requestNumber = 0;
+  setNumber = 0;        // of the newest state that the program which started the server has set
   isMoving = false;
   isOnline = false;
   state = "connecting";
@@ -99,11 +100,12 @@ export class View {
 
   /** Calls a function that changes the patch; what equals the document of the server is then left out. */
   edit(act, moving = false) {
+    const before = this.document;
     act(this.patch);
     this.#document = merge(this.hello.document, this.patch);
     this.patch = difference(this.hello.document, this.#document) ?? {};
     for (const key of Object.keys(this.patch)) if (equal(this.patch[key], {})) delete this.patch[key];
-    this.#editedAt = this.requestNumber + 1;
+    if (!equal(before, this.#document)) this.#editedAt = this.requestNumber + 1;
     this.change(moving);
     this.app.refresh(this);
   }
@@ -175,8 +177,8 @@ export class View {
     if (!this.#isDirty || !this.#hasSize || !this.isOnline || !this.camera || document.hidden) return false;
     this.#isDirty = false;
     const n = ++this.requestNumber, size = [this.canvas.width, this.canvas.height];
-    const { isMoving: moving, camera, patch: scene } = this;
-    if (!this.connection.send({ n, size, moving, camera, scene })) return false;
+    const { isMoving: moving, camera, patch: scene, setNumber: set } = this;
+    if (!this.connection.send({ n, size, moving, camera, scene, set })) return false;
     this.check = this.effects = null;
     if (moving) return true;
     this.#rest = { n, accuracy: this.accuracy };
@@ -208,13 +210,15 @@ export class View {
 
   #start() {
     this.drawn = null;
-    this.requestNumber = this.#editedAt = 0;
+    this.requestNumber = this.setNumber = this.#editedAt = 0;
     this.#keepers = [];
     this.prober.reset();
+    if (this === this.app.views[0]) this.connection.send({ follow: true });
   }
 
   #take(message) {
     if (message.hello) this.#greet(message.hello);
+    if (message.set) this.#takeOver(message.set);
     if (message.resolved) this.#resolve(message.resolved);
     if (message.finished) {
       this.finished = message.finished;
@@ -245,6 +249,13 @@ export class View {
     if (isFirst) this.app.greeted(this);
     this.#setState("tracing");
     this.change(false);
+  }
+
+  /** Shows the state that the program which started the server has set. */
+  #takeOver({ n, camera, scene }) {
+    this.setNumber = n;
+    this.replacePatch(scene);
+    this.setCamera(camera ?? this.hello.camera, false);
   }
 
   #resolve(resolved) {
