@@ -38,7 +38,7 @@ struct NeutralVolume {
   int component_count = 1;
   formats::ElementType type = formats::ElementType::U8;
   Array<std::byte> owned_samples;       ///< either these
-  std::shared_ptr<const void> mapping;  ///< or a mapping that keeps `samples` alive
+  std::shared_ptr<const void> mapping;  ///< or a mapping, or else the caller, keeps `samples` alive
   /// native byte order, component_count x volume(sample_count) elements
   std::span<const std::byte> samples;
   /// when not empty, `mapping` is of this file and holds `samples`

@@ -1,5 +1,7 @@
 """Arrays to data, and data to arrays."""
 import gc
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -16,6 +18,18 @@ def test_a_volume_says_what_it_holds(ball):
     assert (field.name, field.unit) == ("distance", "mm")
     assert field.range == (samples.min(), samples.max())
     assert field.histogram.sum() == samples.size
+
+
+def test_a_contiguous_array_is_packed_without_a_copy(tmp_path):
+    program = (
+        "import numpy, resource, rhoray as rr\n"
+        "rr.volume(numpy.zeros((8, 8, 8)))  # what the first call needs for itself\n"
+        "values = numpy.ones((256, 512, 256), dtype=numpy.uint16)\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        f"rr.volume(values, path={str(tmp_path / 'v.rho')!r})\n"
+        "more = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)\n"
+        "assert more < 0.2 * values.nbytes, more\n")
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_axes_orders_and_memory_orders_mean_the_same():

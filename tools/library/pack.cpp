@@ -91,6 +91,13 @@ Lattice lattice_of(std::string_view name, const ArrayView& values, AxisOrder ord
   return lattice;
 }
 
+/// Whether the samples stand in memory as a packed file is made of them: x fastest, without gaps.
+bool is_plain(const Lattice& lattice, const void* first, std::int64_t bytes) {
+  const auto [nx, ny, nz] = lattice.count;
+  return lattice.stride[0] == bytes && lattice.stride[1] == bytes * nx && lattice.stride[2] == bytes * nx * ny &&
+         reinterpret_cast<std::uintptr_t>(first) % static_cast<std::uintptr_t>(bytes) == 0;
+}
+
 /// Copies samples of one size, x fastest.
 template <class Bits>
 void copy_samples(const Lattice& from, const void* first, std::byte* to) {
@@ -158,9 +165,9 @@ bool fits_double(T value) {
 void require_doubles(std::string_view name, ElementType type, const preprocess::NeutralVolume& volume) {
   formats::with_element_type(inside::inside_of(type), [&]<class T>(T) {
     if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
-      for (std::size_t at = 0; at < volume.owned_samples.size(); at += sizeof(T)) {
+      for (std::size_t at = 0; at < volume.samples.size(); at += sizeof(T)) {
         T value;
-        std::memcpy(&value, volume.owned_samples.data() + at, sizeof(T));
+        std::memcpy(&value, volume.samples.data() + at, sizeof(T));
         if (fits_double(value)) continue;
         const auto sample = static_cast<std::int64_t>(at / sizeof(T));
         const auto& count = volume.sample_count;
@@ -179,14 +186,20 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   volume.type = inside::inside_of(field.values.type());
   place(grid, lattice, volume);
   const std::size_t bytes = formats::element_bytes(inside::inside_of(field.values.type()));
-  volume.owned_samples.resize(static_cast<std::size_t>(field.values.count()) * bytes);
-  std::byte* const to = volume.owned_samples.data();
-  if (bytes == 1) copy_samples<std::uint8_t>(lattice, field.values.first(), to);
-  if (bytes == 2) copy_samples<std::uint16_t>(lattice, field.values.first(), to);
-  if (bytes == 4) copy_samples<std::uint32_t>(lattice, field.values.first(), to);
-  if (bytes == 8) copy_samples<std::uint64_t>(lattice, field.values.first(), to);
+  const void* const first = field.values.first();
+  const std::size_t total = static_cast<std::size_t>(field.values.count()) * bytes;
+  if (is_plain(lattice, first, static_cast<std::int64_t>(bytes))) {
+    volume.samples = {static_cast<const std::byte*>(first), total};
+  } else {
+    volume.owned_samples.resize(total);
+    std::byte* const to = volume.owned_samples.data();
+    if (bytes == 1) copy_samples<std::uint8_t>(lattice, first, to);
+    if (bytes == 2) copy_samples<std::uint16_t>(lattice, first, to);
+    if (bytes == 4) copy_samples<std::uint32_t>(lattice, first, to);
+    if (bytes == 8) copy_samples<std::uint64_t>(lattice, first, to);
+    volume.samples = volume.owned_samples;
+  }
   require_doubles(name, field.values.type(), volume);
-  volume.samples = volume.owned_samples;
   volume.length_unit = grid.length_unit;
   volume.field_name = field.name, volume.field_unit = field.unit;
   volume.label_names = label_names(field);
