@@ -46,7 +46,7 @@ class Program(Installed):
 
     def test_only_rhoray_is_a_command(self):
         self.assertEqual([path.name for path in (self.prefix / "bin").iterdir()], ["rhoray"])
-        parts = sorted(path.name for path in next(self.prefix.glob("lib*/**/rhoray")).iterdir())
+        parts = sorted(path.name for path in next(self.prefix.glob("lib*/**/rhoray-pictures.so")).parent.iterdir())
         self.assertEqual(parts, ["rhoray-import-worker", "rhoray-pictures.so", "rhoray-repair-worker",
                                  "rhoray-slices-worker", "rhoray-tetgen-worker", "rhoray-validate-worker",
                                  "rhoray-vdb-worker"])

@@ -1,4 +1,6 @@
 """Data that the tests share: small, made here, with known answers."""
+import tempfile
+
 import numpy
 import pytest
 import rhoray as rr
@@ -11,6 +13,15 @@ def distance_samples():
     k, j, i = numpy.mgrid[0:25, 0:33, 0:41]
     at = 0.5 * numpy.stack([i, j, k], axis=-1)
     return numpy.linalg.norm(at - CENTRE, axis=-1).astype(numpy.float32)
+
+
+@pytest.fixture
+def temporary_folder(tmp_path, monkeypatch):
+    """The folder of the module's temporary files during a test."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -108,5 +108,5 @@ def test_vtk(expected):
 
 
 def test_other_objects_are_refused():
-    with pytest.raises(rr.UsageError, match="a str; expected"):
-        rr.pack("head.nrrd")
+    with pytest.raises(rr.UsageError, match="the type int; expected"):
+        rr.pack(7)

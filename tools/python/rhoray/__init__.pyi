@@ -1,7 +1,7 @@
 import dataclasses
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 _Path = str | os.PathLike[str]
 _Accuracy = Literal["preview", "float", "double", "certified", "exact"]
 _Point = tuple[float, float, float]
-_Progress = Callable[[str, int, int], object]
+_Progress = bool | Callable[[str, int, int], object] | None
+_Numbers = Sequence[float] | NDArray[Any]
 _Channel = Literal["depth", "normal", "cell", "value", "error", "cost"]
 
 version: str
@@ -35,8 +36,11 @@ class Field:
     labels: dict[int, str]
 
 class Data:
+    report: dict[str, Any] | None
     @property
     def kind(self) -> Literal["grid", "tetrahedra", "triangles"]: ...
+    @property
+    def path(self) -> str: ...
     @property
     def fields(self) -> dict[str, Field]: ...
     @property
@@ -55,7 +59,16 @@ class Data:
     def damaged_blocks(self) -> list[tuple[int, int]]: ...
     def save(self, path: _Path, replace: bool = ...) -> None: ...
 
-def open(path: _Path, field: str | None = ...) -> Data: ...
+def open(
+    path: _Path,
+    field: str | None = ...,
+    *,
+    raw: str | None = ...,
+    spacing: _Numbers | None = ...,
+    origin: _Numbers | None = ...,
+    time: str | float | None = ...,
+    progress: _Progress = ...,
+) -> Data: ...
 def volume(
     values: NDArray[Any] | Mapping[str, NDArray[Any]],
     *,
@@ -68,7 +81,7 @@ def volume(
     length_unit: str = ...,
     path: _Path = ...,
     replace: bool = ...,
-    progress: _Progress | None = ...,
+    progress: _Progress = ...,
 ) -> Data: ...
 def mesh(
     points: NDArray[Any],
@@ -80,7 +93,7 @@ def mesh(
     length_unit: str = ...,
     path: _Path = ...,
     replace: bool = ...,
-    progress: _Progress | None = ...,
+    progress: _Progress = ...,
 ) -> Data: ...
 def surface(
     points: NDArray[Any],
@@ -88,8 +101,11 @@ def surface(
     *,
     path: _Path = ...,
     replace: bool = ...,
-    progress: _Progress | None = ...,
+    progress: _Progress = ...,
 ) -> Data: ...
+@overload
+def pack(what: _Path, *, color: Literal[True], path: _Path, **options: Any) -> None: ...  # type: ignore[misc]
+@overload
 def pack(what: Any, *arrays: Any, path: _Path = ..., **options: Any) -> Data: ...
 
 class Picture:
@@ -167,6 +183,88 @@ class AllHits:
     enters: NDArray[numpy.bool_]
     truncated: NDArray[numpy.bool_]
 
+def info(what: Data | _Path, *, stats: bool = ..., progress: _Progress = ..., **options: Any) -> dict[str, Any]: ...
+def validate(
+    what: Data | _Path,
+    iso: float | str,
+    *,
+    report: _Path = ...,
+    replace: bool = ...,
+    progress: _Progress = ...,
+    field: str | None = ...,
+    accuracy: _Accuracy | None = ...,
+    method: str | None = ...,
+    samples: int | None = ...,
+    seed: int | None = ...,
+    max_depth_error: float | None = ...,
+    threads: int | None = ...,
+    time_limit: float | None = ...,
+    memory: str | int | None = ...,
+    **options: Any,
+) -> dict[str, Any]: ...
+def resample(
+    mesh: Data | _Path,
+    path: _Path = ...,
+    *,
+    replace: bool = ...,
+    progress: _Progress = ...,
+    size: int | Sequence[int] | None = ...,
+    spacing: float | _Numbers | None = ...,
+    max_error: float | str | None = ...,
+    field: str | Sequence[str] | None = ...,
+    cell_data: bool = ...,
+    threads: int | None = ...,
+    memory: str | int | None = ...,
+) -> Data: ...
+def tetrahedralize(
+    *surfaces: Data | _Path,
+    path: _Path = ...,
+    replace: bool = ...,
+    progress: _Progress = ...,
+    regions: bool = ...,
+    max_volume: float | str | Mapping[int, float] | None = ...,
+    repair: bool = ...,
+    max_move: float | None = ...,
+    largest_part: bool = ...,
+    wrap: float | None = ...,
+    quality: float | None = ...,
+    size_field: _Path | None = ...,
+    sizes: _Path | None = ...,
+    cavities: bool = ...,
+    tetgen: str | None = ...,
+    time_limit: float | None = ...,
+    memory: str | int | None = ...,
+) -> Data: ...
+@dataclasses.dataclass(frozen=True)
+class Accuracy:
+    columns: dict[str, NDArray[Any]]
+    units: dict[str, str]
+    meanings: dict[str, str]
+    conclusions: list[str]
+    notes: list[str]
+    facts: dict[str, Any]
+    report: str | None
+
+def accuracy(
+    what: Data | Mapping[str, Any] | _Path,
+    folder: _Path = ...,
+    *,
+    data: Mapping[str, Data] | None = ...,
+    replace: bool = ...,
+    progress: _Progress = ...,
+    iso: float | str | Sequence[float | str] | None = ...,
+    mode: Literal["iso", "mip"] | None = ...,
+    field: str | None = ...,
+    size: str | Sequence[int] | None = ...,
+    time_limit: float | None = ...,
+    repeat: int | None = ...,
+    seed: int | None = ...,
+    max_error: float | None = ...,
+    budget_ms: float | None = ...,
+    threads: int | None = ...,
+    memory: str | int | None = ...,
+    **options: Any,
+) -> Accuracy: ...
 def trace(
     data: Data,
     origins: ArrayLike,
@@ -183,3 +281,27 @@ def trace(
 def sample(
     data: Data, points: ArrayLike, *, field: str | None = ...
 ) -> tuple[NDArray[numpy.float64], NDArray[numpy.uint64]]: ...
+
+class View:
+    url: str
+    size: tuple[int, int] | None
+    error: str | None
+    @property
+    def scene(self) -> dict[str, Any]: ...
+    @scene.setter
+    def scene(self, document: Mapping[str, Any]) -> None: ...
+    def picture(self, size: tuple[int, int] | None = ..., channels: Sequence[_Channel] = ...) -> Picture: ...
+    def observe(self, function: Callable[[View], object]) -> Callable[[], None]: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> View: ...
+    def __exit__(self, kind: object, error: object, trace: object) -> None: ...
+
+def view(
+    what: Data | Mapping[str, Any] | _Path,
+    *,
+    data: Mapping[str, Data] | None = ...,
+    port: int | None = ...,
+    hosts: str | Sequence[str] = ...,
+    browser: bool | None = ...,
+    **options: Any,
+) -> View: ...

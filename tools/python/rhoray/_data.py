@@ -1,10 +1,15 @@
 """Packed data, and what makes them of arrays."""
+import copy
 import dataclasses
 import os
+import pathlib
+import shutil
+import tempfile
+import weakref
 
 import numpy
 
-from rhoray import _core, _objects
+from rhoray import _core, _objects, _program, _progress
 from rhoray._errors import UsageError
 
 
@@ -23,17 +28,27 @@ class Field:
 class Data:
     """A packed file, mapped or in memory, with all its fields. It cannot be changed.
 
-    Its arrays stay valid while any of them, or a picture of it, is in use.
+    Its arrays stay valid while any of them, or a picture of it, is in use. `report` is the JSON summary
+    of the command that made the data, as a dict; None: no command did.
     """
 
-    def __init__(self, core, field=None):
+    def __init__(self, core, field=None, report=None, is_boundary=False):
         self._core = core
         self._name = core.field_name(field or "") if core.kind != "triangles" else ""
+        self._is_boundary = is_boundary
+        self.report = report
 
     @property
     def kind(self):
         """"grid", "tetrahedra" or "triangles"."""
         return self._core.kind
+
+    @property
+    def path(self):
+        """The packed file. Data in memory have a name, too, by which other programs can open them."""
+        if self._is_boundary:
+            raise UsageError("path: this is the boundary of a mesh, which is in no file; expected the mesh itself")
+        return self._core.path
 
     @property
     def fields(self):
@@ -61,7 +76,9 @@ class Data:
 
     def with_field(self, name):
         """The same data, showing another field."""
-        return Data(self._core, name)
+        other = copy.copy(self)
+        other._name = self._core.field_name(name)
+        return other
 
     @property
     def array_names(self):
@@ -76,24 +93,113 @@ class Data:
         """The outside of a mesh, or the surface of the cells with a label of a field of cells."""
         if (field is None) != (label is None):
             raise UsageError("boundary: found one of field and label; expected both or none")
-        return Data(self._core.boundary() if field is None else self._core.boundary(field, label))
+        core = self._core.boundary() if field is None else self._core.boundary(field, label)
+        return Data(core, is_boundary=True)
 
     def damaged_blocks(self):
         """(first byte, byte count) of each block whose checksum does not match."""
         return self._core.damaged_blocks()
 
     def save(self, path, replace=False):
-        """Writes data that are in memory to a packed file."""
-        self._core.save(os.fspath(path), replace)
+        """Writes data that are in memory, or in a temporary file, to a packed file."""
+        if self._core in _in_temporary_files:
+            _copy(self._core.path, os.fspath(path), replace)
+        else:
+            self._core.save(os.fspath(path), replace)
 
     def __repr__(self):
         field = f", field {self._name!r}" if self._name else ""
         return f"<rhoray.Data: {self.kind}, bounds {self.bounds}{field}>"
 
 
-def open(path, field=None):  # noqa: A001  (the command's name)
-    """Maps a packed file (.rho). The program packs other files: `rhoray pack`."""
-    return Data(_core.Dataset.open(os.fspath(path)), field)
+def open(path, field=None, *, raw=None, spacing=None, origin=None, time=None, progress=None):  # noqa: A001
+    """Maps a packed file (.rho), or packs any file or folder that `rhoray pack` reads, and maps that.
+
+    The packed copy is a temporary file that lives as long as the data; `pack` with a path keeps one.
+    field: shown at first; of a file that is not packed, only this field is kept.
+    raw, spacing, origin, time: as for `rhoray pack`, such as raw="512x512x275:uint16", spacing=(1, 1, 2).
+    progress: True for a bar, or a function that is called with (phase, done, total).
+    """
+    reading = {"raw": raw, "spacing": spacing, "origin": origin, "time": time}
+    if all(value is None for value in reading.values()) and _is_packed(path):
+        return Data(_core.Dataset.open(os.path.abspath(path)), field)
+    return _pack_file(path, progress=progress, field=field, **reading)
+
+
+def _is_packed(path):
+    """Whether a file begins as packed files do (formats/SPEC.md), or has their name."""
+    start = b'{"__metadata__":{"format":"rhoray"'
+    if os.path.splitext(path)[1] == ".rho":
+        return True
+    if not os.path.isfile(path) or not os.access(path, os.R_OK):
+        return False
+    with pathlib.Path(path).open("rb") as file:
+        return file.read(8 + len(start))[8:] == start
+
+
+# ---- files that the program makes ----------------------------------------------------------------
+
+_in_temporary_files = weakref.WeakSet()
+
+
+def made(make, path, name, field=None):
+    """Data of the packed file that make(path) writes; `report` is what it returns.
+
+    Without a path, the file lies in a temporary folder, with this name, and lives as long as the data.
+    """
+    if path:
+        report = make(os.fspath(path))
+        return Data(_core.Dataset.open(os.path.abspath(path)), field, report)
+    folder = tempfile.mkdtemp(prefix="rhoray-")
+    try:
+        report = make(os.path.join(folder, name))
+        core = _core.Dataset.open(os.path.join(folder, name))
+    except BaseException:
+        remove(folder)
+        raise
+    weakref.finalize(core, remove, folder, os.getpid())
+    _in_temporary_files.add(core)
+    return Data(core, field, report)
+
+
+def remove(folder, process=None):
+    """Removes a temporary folder. process: the only one that does it, not those that it forked."""
+    if process in (None, os.getpid()):
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _copy(source, path, replace):
+    """Copies a file. The copy is complete or absent."""
+    if os.path.exists(path) and not replace:
+        raise UsageError(f"{path} already exists", hint="use --force to overwrite it, or choose another name")
+    part = f"{path}.{os.getpid()}.part"
+    try:
+        shutil.copyfile(source, part)
+        os.replace(part, path)
+    except BaseException:
+        pathlib.Path(part).unlink(missing_ok=True)
+        raise
+
+
+def _pack_file(file, *, path="", replace=False, progress=None, field=None, **options):
+    file = os.fspath(file)
+    words = _program.option_words({"field": field, **options})
+
+    def make(output):
+        force = ["--force"] if replace else []
+        return _program.run("pack", [file], [f"--output={output}", *force, *words], progress)
+    if options.get("color"):
+        if not path:
+            raise UsageError("pack: color=True makes a texture, which needs a file; expected path=...")
+        make(os.fspath(path))
+        return None
+    return made(make, path, pathlib.Path(os.path.abspath(file)).stem + ".rho", first_of(field))
+
+
+def first_of(field):
+    """The first name of an option `field`: "a,b" or ["a", "b"]; None: there is none."""
+    names = field.split(",") if isinstance(field, str) else field
+    return names[0] if names else None
 
 
 # ---- arrays to data ------------------------------------------------------------------------------
@@ -109,6 +215,10 @@ def _fields(values, default_name, units):
     return [_field(name, array, units.get(name, "")) for name, array in named.items()]
 
 
+def _absolute(path):
+    return os.path.abspath(path) if path else ""
+
+
 def volume(values, *, axes="zyx", spacing=(1, 1, 1), origin=(0, 0, 0), affine=None, positions=None, units=None,
            length_unit="", path="", replace=False, progress=None):
     """Packs samples on a lattice, in memory or, with `path`, into a file.
@@ -118,7 +228,7 @@ def volume(values, *, axes="zyx", spacing=(1, 1, 1), origin=(0, 0, 0), affine=No
     spacing, origin: along x, y, z, whatever the axes.
     affine: 4 x 4, world from index (x, y, z, 1), instead of spacing and origin.
     positions: three rising arrays along x, y, z, instead of spacing and origin.
-    progress: called with (phase, done, total).
+    progress: True for a bar, or a function that is called with (phase, done, total).
     """
     if axes not in ("zyx", "xyz"):
         raise UsageError(f"axes: {axes!r}; expected 'zyx' or 'xyz'")
@@ -131,39 +241,47 @@ def volume(values, *, axes="zyx", spacing=(1, 1, 1), origin=(0, 0, 0), affine=No
     along = [numpy.asarray(axis, dtype=float).tolist() for axis in positions] if positions is not None else [[], [], []]
     if len(along) != 3:
         raise UsageError(f"positions: {len(along)} arrays; expected three, along x, y and z")
-    return Data(_core.pack_grid(_fields(values, "values", units), axes == "xyz", tuple(spacing), tuple(origin), columns,
-                                along, length_unit, os.fspath(path), replace, progress))
+    with _progress.shown(progress) as show:
+        return Data(_core.pack_grid(_fields(values, "values", units), axes == "xyz", tuple(spacing), tuple(origin),
+                                    columns, along, length_unit, _absolute(path), replace, show))
 
 
 def mesh(points, tetrahedra, point_fields=None, cell_fields=None, *, units=None, length_unit="", path="",
          replace=False, progress=None):
     """Packs tetrahedra. points: [n, 3]; tetrahedra: [m, 4] indices; fields: dicts of arrays by name."""
-    return Data(_core.pack_mesh(points, tetrahedra, _fields(point_fields or {}, "", units),
-                                _fields(cell_fields or {}, "", units), length_unit, os.fspath(path), replace,
-                                progress))
+    with _progress.shown(progress) as show:
+        return Data(_core.pack_mesh(points, tetrahedra, _fields(point_fields or {}, "", units),
+                                    _fields(cell_fields or {}, "", units), length_unit, _absolute(path), replace, show))
 
 
 def surface(points, triangles, *, path="", replace=False, progress=None):
     """Packs a surface. points: [n, 3]; triangles: [m, 3] indices."""
-    return Data(_core.pack_surface(points, triangles, os.fspath(path), replace, progress))
+    with _progress.shown(progress) as show:
+        return Data(_core.pack_surface(points, triangles, _absolute(path), replace, show))
 
 
 def pack(what, *arrays, path="", **options):
-    """Packs arrays, or an object of another library, in memory or, with `path`, into a file.
+    """Packs arrays, an object of another library, or a file, in memory or, with `path`, into a file.
 
     pack(values, spacing=(0.5, 0.5, 2)); pack(points, tetrahedra, {"u": u}); pack(points, triangles)
+    pack("head.nrrd", path="head.rho"): the options are those of `rhoray pack`, with underscores, such as
+    field=["u", "v"], cell_data=True or max_error=0.001; replace=True is --force, and without a path the
+    file is temporary. color=True makes a texture: it returns None.
     Objects: xarray.DataArray with the dimensions x, y, z; nibabel and SimpleITK images (world axes
     become RAS); meshio.Mesh; image data, rectilinear grids, tetrahedra and triangles of VTK and pyvista.
-    Options are those of `volume`, `mesh` and `surface`.
+    Options of arrays and objects are those of `volume`, `mesh` and `surface`.
     """
     makers = {"volume": volume, "mesh": mesh, "surface": surface}
     if arrays:
         corners = numpy.asarray(arrays[0]).shape[-1:]
         return makers["surface" if corners == (3,) else "mesh"](what, *arrays, path=path, **options)
+    if isinstance(what, (str, os.PathLike)):
+        return _pack_file(what, path=path, **options)
     if isinstance(what, (numpy.ndarray, dict)):
         return volume(what, path=path, **options)
     known = _objects.arrays_of(what, UsageError)
     if known is None:
-        raise UsageError(f"pack: a {type(what).__name__}; expected arrays, or an object that is described in its help")
+        raise UsageError(f"pack: found the type {type(what).__name__}; expected arrays, a file, or an object that its "
+                         "help describes")
     name, values, found = known
     return makers[name](*values, path=path, **{**found, **options})

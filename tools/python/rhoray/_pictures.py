@@ -3,11 +3,8 @@ import json
 import os
 import tempfile
 
-import numpy
-
-from rhoray import _core
+from rhoray import _core, _scenes
 from rhoray._contexts import Context
-from rhoray._data import Data, open as open_data
 from rhoray._errors import FileError, UsageError
 
 
@@ -57,61 +54,6 @@ class Picture:
         return f"<rhoray.Picture: {self.size[0]} x {self.size[1]}, {self.stats['hits']} pixels show something>"
 
 
-def _without_none(**keys):
-    return {key: value for key, value in keys.items() if value is not None}
-
-
-def _layer(data, iso, mode, **keys):
-    kinds = {"iso": "isosurface", "mip": "mip", "triangles": "triangles", "boundary": "boundary"}
-    if mode is None:
-        by_kind = {"grid": "iso", "tetrahedra": "boundary", "triangles": "triangles"}
-        mode = "iso" if iso is not None else by_kind[data.kind]
-    if mode not in kinds:
-        raise UsageError(f"mode: {mode!r}; expected 'iso', 'mip', 'boundary' or 'triangles'")
-    layer = {"data": "data", "type": kinds[mode]}
-    layer.update(_without_none(**keys))
-    if iso is not None:
-        layer["isovalue"] = list(iso) if isinstance(iso, (list, tuple, numpy.ndarray)) else iso
-    return layer
-
-
-def _document(data, iso=None, mode=None, size=None, accuracy=None, view=None, azimuth=None, elevation=None, zoom=None,
-              camera=None, color=None, color_by=None, colormap=None, range=None, opacity=None, normals=None,  # noqa: A002
-              style=None, lights=None, effects=None, clip=None, background=None, antialias=None):
-    """The scene document that the options of `render` say, for one dataset named "data"."""
-    document = {"data": {"data": _without_none(file="data", field=data._name or None)},
-                "layers": [_layer(data, iso, mode, color=color, color_by=color_by, colormap=colormap,
-                                  range=list(range) if range is not None else None, opacity=opacity,
-                                  normals=normals)],
-                "camera": {**_without_none(view=view, azimuth=azimuth, elevation=elevation, zoom=zoom),
-                           **(camera or {})},
-                "image": _without_none(size=list(size) if size is not None else None, background=background,
-                                       antialias=antialias)}
-    document.update(_without_none(accuracy=accuracy, style=style, lights=lights, effects=effects, clip=clip))
-    return document
-
-
-def _by_file(scene, data):
-    """The data that a scene names by files, each with the name of its file."""
-    given = data or {}
-    opened = {}
-    for name, spec in scene.get("data", {}).items():
-        file = spec.get("file", name)
-        known = given.get(name, given.get(file))
-        opened[file] = (known if known is not None else open_data(file))._core
-    return opened
-
-
-def _text_of(document):
-    """JSON; numpy's numbers and arrays are taken as those of Python."""
-    try:
-        return json.dumps(document, allow_nan=False, default=lambda value: value.tolist())
-    except ValueError:
-        raise UsageError("render: a number of the scene is NaN or infinite; expected finite numbers") from None
-    except AttributeError as error:
-        raise UsageError(f"render: {error}; expected what JSON can say") from None
-
-
 def render(what, *, data=None, channels=(), **options):
     """Renders data or a scene, and returns a Picture.
 
@@ -124,18 +66,9 @@ def render(what, *, data=None, channels=(), **options):
     elevation, zoom, camera (a dict), color, color_by, colormap, range, opacity, normals, style, lights,
     effects, clip, background, antialias. What is not given is chosen as `rhoray render` does.
     """
-    if isinstance(what, Data):
-        document, datasets = _document(what, **options), {"data": what._core}
-    else:
-        if options:
-            raise UsageError(f"render: a scene has its own {', '.join(options)}; expected keys in its document")
-        if not isinstance(what, dict):
-            with open(what, encoding="utf-8") as file:
-                document = json.load(file)
-        else:
-            document = what
-        datasets = _by_file(document, data)
-    text = _text_of(document)
+    document, known = _scenes.read(what, data, options, "render")
+    datasets = {file: opened._core for file, opened in _scenes.opened(document, known).items()}
+    text = _scenes.text_of(document, "render")
     with Context() as context:
         try:
             return Picture(_core.render(context, text, datasets, list(channels)))
