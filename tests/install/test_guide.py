@@ -1,5 +1,6 @@
 """Builds the user's guide with the built program, and checks its pages."""
 import html.parser
+import json
 import os
 import pathlib
 import re
@@ -12,7 +13,8 @@ import urllib.parse
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "data/guide/build"
 RHORAY = ROOT / "build/release/bin/rhoray"
-PAGES = 10
+PAGES = 15
+SCRIPTS = sorted(path.stem for path in (ROOT / "data/guide/tutorial").glob("*.py"))
 LOADING = {"src", "srcset", "poster", "background"}  # attributes by which a page loads something, in any element
 
 
@@ -57,7 +59,7 @@ class Guide(unittest.TestCase):
     def test_is_built_in_silence(self):
         self.assertEqual((self.done.returncode, self.done.stdout, self.done.stderr), (0, "", ""))
 
-    def test_has_ten_pages_and_an_index_that_names_them_all(self):
+    def test_has_all_pages_and_an_index_that_names_them(self):
         names = [path.name for path in self.pages]
         self.assertEqual(len(names), PAGES + 1)
         links = Read(self.guide / "index.html").links
@@ -79,6 +81,20 @@ class Guide(unittest.TestCase):
             self.assertEqual(Read(path).styles_and_scripts, [], path.name)
         style = (self.guide / "style.css").read_text()
         self.assertEqual(re.findall(r"url\(|@import|https?:", style), [])
+
+    def test_each_script_is_there_as_a_page_a_script_and_a_notebook(self):
+        self.assertEqual(len(SCRIPTS), 5)
+        for name in SCRIPTS:
+            page = (self.guide / f"{name}.html").read_text(encoding="utf-8")
+            self.assertRegex(page, r'<pre class="output"><code>\S')
+            self.assertIn("<figure>", page)
+            given = ROOT / f"data/guide/tutorial/{name}.py"
+            self.assertEqual((self.guide / f"scripts/{name}.py").read_bytes(), given.read_bytes())
+            notebook = json.loads((self.guide / f"scripts/{name}.ipynb").read_text(encoding="utf-8"))
+            code = "\n".join(cell["source"] for cell in notebook["cells"] if cell["cell_type"] == "code")
+            compile(code, name, "exec")
+            self.assertIn("import rhoray as rr", code)
+            self.assertNotIn("# %%", code)
 
     def test_every_image_has_a_text_and_is_shown(self):
         shown = set()
@@ -103,6 +119,55 @@ class Guide(unittest.TestCase):
         self.assertEqual(sorted(first), sorted(second))
         for name, content in first.items():
             self.assertEqual(content, second[name], name)
+
+
+class Scripts(unittest.TestCase):
+    """A guide of one page and one script."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="rhoray-guide-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "tutorial").mkdir()
+        (self.folder / "01-page.md").write_text("# Page\n\nA page.\n")
+
+    def build(self, cells, *options):
+        (self.folder / "tutorial/02-script.py").write_text(f'"""Script\n\nA script.\n"""\n{cells}\n')
+        return build(self.folder / "out", "--pages", self.folder, *options)
+
+    def page(self):
+        path = self.folder / "out/02-script.html"
+        return path.read_text() if path.exists() else None
+
+    def test_cells_share_names_and_show_their_output(self):
+        done = self.build("# %% First\n# *Text*, and\n# more.\n#\n# End.\na = 1 < 2\n\n# %%\nprint('is', a)\n")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for part in ('<h2 id="first">First</h2>\n<p><em>Text</em>, and\nmore.</p>\n<p>End.</p>',
+                     '<pre class="cell"><code>a = 1 &lt; 2</code></pre></div>',
+                     '<pre class="output"><code>is True</code></pre>'):
+            self.assertIn(part, self.page())
+
+    def test_a_cell_that_fails_is_named_with_its_line(self):
+        done = self.build("# %% First\na = 1\n\n# %%\n# Text.\nb = 2\nassert a == b, 'differ'")
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, "build: tutorial/02-script.py:11: AssertionError: differ\n"))
+
+    def test_a_picture_that_is_not_saved(self):
+        done = self.build("# %%\nif False:\n    picture.save(\"a.png\")  # a picture")
+        self.assertIn("the picture 'a.png' was not drawn", done.stderr)
+
+    def test_is_left_out_where_a_library_is_missing(self):
+        done = self.build("# %%\nimport no_such_library")
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stderr, "build: note: tutorial/02-script.py is left out: Python has no module "
+                                      "no_such_library\n")
+        self.assertIsNone(self.page())
+
+    def test_is_left_out_where_the_module_is_not_built(self):
+        done = self.build("# %%\nimport rhoray", "--python", self.folder)
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stderr, f"build: note: {self.folder}: no Python module rhoray; its pages are left out\n")
+        self.assertIsNone(self.page())
 
 
 class Refusals(unittest.TestCase):

@@ -159,3 +159,28 @@ def test_unknown_names_are_refused_with_those_that_exist(ball):
         ball.with_field("distanze")
     with pytest.raises(rr.UsageError, match="no array 'x'"):
         ball.array("x")
+
+
+def test_arrays_come_out_as_they_went_in(ball, box):
+    samples, = ball.unpack()
+    assert samples["distance"].dtype == numpy.float32
+    assert numpy.array_equal(samples["distance"], distance_samples())
+    assert ball.array("samples").ndim == 7  # of superbricks, bricks and samples
+    two = rr.volume({"a": numpy.arange(60, dtype=numpy.int16).reshape(3, 4, 5), "b": numpy.ones((3, 4, 5))})
+    assert {name: values.dtype.str for name, values in two.unpack()[0].items()} == {"a": "<i2", "b": "<f8"}
+
+    points, cells, fields, fields_of_cells = box.unpack()
+    expected_points, expected_cells, values = box_mesh()
+    assert numpy.array_equal(points, expected_points) and numpy.array_equal(cells, expected_cells)
+    assert numpy.array_equal(fields["u"], values)
+    middles = points[cells].mean(axis=1)
+    assert numpy.array_equal(fields_of_cells["region"], middles[:, 0] > 0.5)
+    assert numpy.array_equal(rr.sample(box, middles)[1], numpy.arange(len(cells)))
+    again = rr.mesh(points, cells, fields, fields_of_cells)
+    assert numpy.array_equal(rr.render(again, iso=2).rgba, rr.render(box, iso=2).rgba)
+
+    triangle = rr.surface(numpy.eye(3), numpy.array([[0, 1, 2]]))
+    points, triangles = triangle.unpack()
+    assert numpy.array_equal(points, numpy.eye(3)) and triangles.tolist() == [[0, 1, 2]]
+    with pytest.raises(rr.UsageError, match="boundary"):
+        box.boundary().unpack()

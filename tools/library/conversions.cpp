@@ -129,7 +129,9 @@ Material converted(const render::Material& material) {
 void show(const Slice& slice, const render::Dataset& dataset, render::Layer& layer) {
   layer.mode = render::Mode::slice;
   layer.plane = converted(slice.plane);
-  layer.material = {.specular = 0, .opacity = layer.material.opacity};
+  render::Material plain;
+  plain.specular = 0, plain.opacity = layer.material.opacity;
+  layer.material = plain;
   layer.material.color_by = field_colors(dataset.field().name, slice.colors, dataset);
   layer.material.lit = slice.is_lit;
   if (slice.threshold) layer.threshold = inside_of(*slice.threshold);

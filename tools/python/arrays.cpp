@@ -27,12 +27,12 @@ ElementType type_of(const py::dtype& type, const std::string& name) {
                        "; expected integers of 8 to 64 bits, float32 or float64");
 }
 
-const char* format_of(ElementType type) {
-  constexpr const char* formats[] = {"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
-  return formats[static_cast<std::size_t>(type)];
-}
-
 }  // namespace
+
+py::dtype dtype_of(ElementType type) {
+  constexpr const char* formats[] = {"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
+  return py::dtype(formats[static_cast<std::size_t>(type)]);
+}
 
 ArrayView view_of(const py::array& array, const std::string& name) {
   if (py::hasattr(array, "mask"))
@@ -46,7 +46,7 @@ ArrayView view_of(const py::array& array, const std::string& name) {
 py::array array_of(const ArrayView& view, const py::object& owner) {
   const std::vector<std::int64_t> shape(view.shape().begin(), view.shape().end());
   const std::vector<std::int64_t> strides(view.strides_bytes().begin(), view.strides_bytes().end());
-  py::array array(py::dtype(format_of(view.type())), shape, strides, view.first(), owner);
+  py::array array(dtype_of(view.type()), shape, strides, view.first(), owner);
   array.attr("flags").attr("writeable") = false;
   return array;
 }

@@ -27,13 +27,21 @@ pybind11::array array_of(std::span<const T> values, std::vector<std::int64_t> sh
   return array_of(ArrayView(values.data(), element_type<T>(), shape, strides), owner);
 }
 
+pybind11::dtype dtype_of(ElementType type);
+
+/// A numpy array that owns the memory of a vector, as elements of this type.
+template <class T>
+pybind11::array array_of(std::vector<T>&& values, ElementType type, const std::vector<std::int64_t>& shape) {
+  auto kept = std::make_unique<std::vector<T>>(std::move(values));
+  const void* const data = kept->data();
+  const pybind11::capsule owner(kept.release(), [](void* all) { delete static_cast<std::vector<T>*>(all); });
+  return pybind11::array(dtype_of(type), shape, data, owner);
+}
+
 /// A numpy array that owns these numbers.
 template <class T>
-pybind11::array array_of(std::vector<T>&& values, std::vector<std::int64_t> shape) {
-  auto kept = std::make_unique<std::vector<T>>(std::move(values));
-  T* const data = kept->data();
-  const pybind11::capsule owner(kept.release(), [](void* all) { delete static_cast<std::vector<T>*>(all); });
-  return pybind11::array_t<T>(std::move(shape), data, owner);
+pybind11::array array_of(std::vector<T>&& values, const std::vector<std::int64_t>& shape) {
+  return array_of(std::move(values), element_type<T>(), shape);
 }
 
 }  // namespace rhoray::python

@@ -109,6 +109,26 @@ Dataset pack_surface(const py::array& points, const py::array& triangles, const 
   return packed(file, replace, progress, [&](const PackOptions& options) { return pack(surface, options); });
 }
 
+/// (points, tetrahedra, fields of points, fields of cells), as pack_mesh takes them.
+py::tuple unpacked_mesh(const Dataset& data) {
+  MeshCopy copy;
+  interruptible([&](const std::stop_token&) { copy = unpack_mesh(data); });
+  py::dict of_points, of_cells;
+  for (FieldCopy& field : copy.fields) {
+    const auto size = static_cast<std::int64_t>(field.values.size());
+    py::dict& fields = field.is_of_cells ? of_cells : of_points;
+    if (field.is_single_precision)
+      fields[py::str(field.name)] = array_of(std::vector<float>(field.values.begin(), field.values.end()), {size});
+    else
+      fields[py::str(field.name)] = array_of(std::move(field.values), {size});
+  }
+  const auto points = static_cast<std::int64_t>(copy.points.size());
+  const auto tetrahedra = static_cast<std::int64_t>(copy.tetrahedra.size());
+  return py::make_tuple(array_of(std::move(copy.points), element_type<double>(), {points, 3}),
+                        array_of(std::move(copy.tetrahedra), element_type<std::uint64_t>(), {tetrahedra, 4}), of_points,
+                        of_cells);
+}
+
 }  // namespace
 
 void define_datasets(py::module_& module) {
@@ -135,6 +155,13 @@ void define_datasets(py::module_& module) {
       .def("array_names", &Dataset::array_names)
       .def("array", [](const py::object& self,
                        const std::string& name) { return array_of(self.cast<const Dataset&>().array(name), self); })
+      .def("unpack_grid",
+           [](const Dataset& data, const std::string& field) {
+             GridCopy copy;
+             interruptible([&](const std::stop_token&) { copy = unpack_grid(data, field); });
+             return array_of(std::move(copy.samples), copy.type, {copy.shape.begin(), copy.shape.end()});
+           })
+      .def("unpack_mesh", &unpacked_mesh)
       .def("boundary", [](const Dataset& data) { return data.boundary(); })
       .def("boundary",
            [](const Dataset& data, const std::string& field, int label) { return data.boundary(field, label); })

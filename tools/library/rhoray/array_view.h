@@ -29,12 +29,12 @@ constexpr ElementType element_type() {
   }
 }
 
-/// Numbers of the caller, with up to four axes, the slowest first, as numpy describes them. It
+/// Numbers of the caller, with up to eight axes, the slowest first, as numpy describes them. It
 /// keeps nothing alive: the numbers must outlive the call that takes the view. Nothing may write to
 /// them meanwhile.
 class RHORAY_API ArrayView {
  public:
-  static constexpr std::size_t most_axes = 4;
+  static constexpr std::size_t most_axes = 8;
 
   /// Stands for an array that is not given.
   ArrayView() = default;
@@ -47,7 +47,7 @@ class RHORAY_API ArrayView {
   /// @param first          the element with index 0 on every axis
   /// @param shape          the number of elements of each axis
   /// @param strides_bytes  the distance between neighbours on each axis; may be negative
-  /// Refuses more than four axes, other numbers of strides than of axes, negative sizes, null with
+  /// Refuses more than eight axes, other numbers of strides than of axes, negative sizes, null with
   /// elements, and sizes whose product or whose extent in bytes exceeds 2^63 - 1.
   ArrayView(const void* first, ElementType type, std::span<const std::int64_t> shape,
             std::span<const std::int64_t> strides_bytes);

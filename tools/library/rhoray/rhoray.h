@@ -12,4 +12,5 @@
 #include "rhoray/rays.h"
 #include "rhoray/scene.h"
 #include "rhoray/types.h"
+#include "rhoray/unpack.h"
 #include "rhoray/version.h"

@@ -89,6 +89,20 @@ class Data:
         """A read-only view of an array of the packed file; nothing is copied."""
         return self._core.array(name)
 
+    def unpack(self):
+        """Copies what `volume`, `mesh` or `surface` would pack again, as a tuple of their arguments.
+
+        A grid: ({field: values[k, j, i]},), in the types of the fields. Tetrahedra: (points [n, 3], indices
+        [m, 4], fields of points, fields of cells), in the order of the source, in world axes, so that the
+        cells of `sample` and `trace` are rows where the source had tetrahedra. Triangles: (points, indices).
+        """
+        if self.kind == "grid":
+            return {name: self._core.unpack_grid(name) for name in self.fields},
+        if self.kind == "tetrahedra":
+            return self._core.unpack_mesh()
+        self.path  # noqa: B018  (refuses the boundary of a mesh)
+        return self.array("points").copy(), self.array("triangles").copy()
+
     def boundary(self, field=None, label=None):
         """The outside of a mesh, or the surface of the cells with a label of a field of cells."""
         if (field is None) != (label is None):

@@ -65,6 +65,15 @@ def render(what, *, data=None, channels=(), **options):
     list), mode ("iso", "mip", "boundary", "triangles"), size (width, height), accuracy, view, azimuth,
     elevation, zoom, camera (a dict), color, color_by, colormap, range, opacity, normals, style, lights,
     effects, clip, background, antialias. What is not given is chosen as `rhoray render` does.
+
+    >>> import numpy, rhoray as rr
+    >>> data = rr.volume(numpy.hypot(*numpy.mgrid[-9:10, -9:10]) + numpy.zeros((19, 1, 1)))  # a cylinder
+    >>> picture = rr.render(data, iso=5, size=(80, 60), channels=["depth"])
+    >>> picture.rgba.shape, picture.depth.dtype
+    ((60, 80, 3), dtype('float32'))
+    >>> again = rr.render(picture.scene, data={"data": data})
+    >>> numpy.array_equal(again.rgba, picture.rgba)
+    True
     """
     document, known = _scenes.read(what, data, options, "render")
     datasets = {file: opened._core for file, opened in _scenes.opened(document, known).items()}

@@ -48,6 +48,17 @@ def trace(data, origins, directions, *, iso=None, query="first", accuracy="doubl
 
     query: "first" (Hits), "any" (an array of bool), "all" (AllHits, always exact), "largest" (Hits).
     iso: the isovalue of a grid or a mesh; surfaces have none.
+
+    Two rays along x. One meets the sphere of radius 1 around (2, 2, 2), one misses it:
+
+    >>> import numpy, rhoray as rr
+    >>> k, j, i = numpy.mgrid[0:5, 0:5, 0:5]
+    >>> data = rr.volume(numpy.sqrt((i - 2.) ** 2 + (j - 2.) ** 2 + (k - 2.) ** 2))
+    >>> hits = rr.trace(data, [[0, 2, 2], [0, 4, 4]], [[1, 0, 0], [1, 0, 0]], iso=1, accuracy="certified")
+    >>> hits.t
+    array([ 1., inf])
+    >>> hits.is_hit
+    array([ True, False])
     """
     origins, directions = _floats(origins), _floats(directions)
     limits = [None if limit is None else _floats(limit) for limit in (t_min, t_max)]
@@ -73,5 +84,14 @@ def trace(data, origins, directions, *, iso=None, query="first", accuracy="doubl
 
 
 def sample(data, points, *, field=None):
-    """Evaluates a field at points [n, 3], world axes. Returns (values, cells); NaN: no data there."""
+    """Evaluates a field at points [n, 3], world axes. Returns (values, cells); NaN: no data there.
+
+    cells: ids of the cells, 2**64 - 1 for none. Those of a mesh count the cells that were packed; the packed
+    file holds them in another order, and its array "cell_ids" tells which.
+
+    >>> import numpy, rhoray as rr
+    >>> values, cells = rr.sample(rr.volume(numpy.arange(27.).reshape(3, 3, 3)), [[0.5, 0, 0], [0, 0, 3]])
+    >>> values
+    array([0.5, nan])
+    """
     return _core.FieldSampler(data._core, field or data._name, "double").sample(_floats(points))

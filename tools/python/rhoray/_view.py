@@ -147,7 +147,7 @@ class View:
             f'<iframe src="{url}" title="Rhoray" width="100%" height="600" style="border: 0"></iframe>'
             f'<p>Nothing above? Open <a href="{url}" target="_blank">the page</a>; from another machine first: '
             f'<code>ssh -N -L {port}:127.0.0.1:{port} {html.escape(socket.gethostname())}</code></p>'
-            f'<details><summary>Picture</summary><img alt="what the page showed at first" '
+            f'<details open><summary>Picture</summary><img alt="what the page showed at first" '
             f'src="data:image/png;base64,{base64.b64encode(png).decode()}"></details>')}
 
     def _page(self):
