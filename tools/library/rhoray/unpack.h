@@ -30,7 +30,7 @@ struct FieldCopy {
 
 /// A mesh in the order of its source. Tetrahedra that were cut from one cell follow each other.
 struct MeshCopy {
-  std::vector<std::array<double, 3>> points{};  ///< world axes
+  std::vector<std::array<double, 3>> points{};             ///< world axes
   std::vector<std::array<std::uint64_t, 4>> tetrahedra{};  ///< corners in an order of positive volume
   std::vector<FieldCopy> fields{};
 };
