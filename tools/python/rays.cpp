@@ -41,22 +41,31 @@ std::size_t count_of(const Rays& rays) {
   return rays.origins.shape().empty() ? 0 : static_cast<std::size_t>(rays.origins.shape()[0]);
 }
 
+/// An array of numpy whose memory nobody has filled: the threads that write it also bring its pages.
+template <class T>
+class Output {
+ public:
+  explicit Output(std::vector<std::int64_t> shape) : array_(std::move(shape)) {}
+  std::span<T> values() { return {array_.mutable_data(), static_cast<std::size_t>(array_.size())}; }
+  py::object array() const { return array_; }
+
+ private:
+  py::array_t<T> array_;
+};
+
 /// Answers, as a dict of arrays.
 template <class Ask>
 py::dict hits_of(const Rays& rays, bool proves_errors, bool has_gradient, const Ask& ask) {
-  const std::size_t count = count_of(rays);
-  std::vector<double> t(count), value(count), error(proves_errors ? count : 0), gradient(has_gradient ? 3 * count : 0);
-  std::vector<std::uint64_t> cell(count);
-  interruptible([&](const std::stop_token& stop) {
-    ask(Hits{.t = t, .error = error, .value = value, .gradient = gradient, .cell = cell}, stop);
-  });
-  const auto rows = static_cast<std::int64_t>(count);
+  const auto rows = static_cast<std::int64_t>(count_of(rays));
+  Output<double> t({rows}), value({rows}), error({proves_errors ? rows : 0}), gradient({has_gradient ? rows : 0, 3});
+  Output<std::uint64_t> cell({rows});
+  Hits hits{.t = t.values(), .error = error.values(), .value = value.values()};
+  hits.gradient = gradient.values(), hits.cell = cell.values();
+  interruptible([&](const std::stop_token& stop) { ask(hits, stop); });
   py::dict dict;
-  dict["t"] = array_of(std::move(t), {rows});
-  dict["value"] = array_of(std::move(value), {rows});
-  dict["cell"] = array_of(std::move(cell), {rows});
-  dict["error"] = proves_errors ? py::object(array_of(std::move(error), {rows})) : py::none();
-  dict["gradient"] = has_gradient ? py::object(array_of(std::move(gradient), {rows, 3})) : py::none();
+  dict["t"] = t.array(), dict["value"] = value.array(), dict["cell"] = cell.array();
+  dict["error"] = proves_errors ? error.array() : py::none();
+  dict["gradient"] = has_gradient ? gradient.array() : py::none();
   return dict;
 }
 
@@ -84,12 +93,13 @@ py::dict all_hits(const RayCaster& caster, RenderContext& context, const Rays& r
 
 py::tuple sample(const FieldSampler& sampler, const py::array& points) {
   const ArrayView view = view_of(points, "points");
-  const std::size_t count = view.shape().empty() ? 0 : static_cast<std::size_t>(view.shape()[0]);
-  std::vector<double> values(count);
-  std::vector<std::uint64_t> cells(count);
-  interruptible([&](const std::stop_token&) { sampler.at(view, values, cells); });
-  const auto rows = static_cast<std::int64_t>(count);
-  return py::make_tuple(array_of(std::move(values), {rows}), array_of(std::move(cells), {rows}));
+  const std::int64_t rows = view.shape().empty() ? 0 : view.shape()[0];
+  Output<double> values({rows});
+  Output<std::uint64_t> cells({rows});
+  const std::span<double> of_field = values.values();
+  const std::span<std::uint64_t> ids = cells.values();
+  interruptible([&](const std::stop_token&) { sampler.at(view, of_field, ids); });
+  return py::make_tuple(values.array(), cells.array());
 }
 
 }  // namespace
