@@ -28,6 +28,7 @@ const ForeignFormat formats_read[] = {
     {"VTK rectilinear grid in pieces", ForeignKind::volume, {".pvtr"}, import_worker, true},
     {"Legacy VTK", ForeignKind::volume, {".vtk"}, import_worker},
     {"VTKHDF image data", ForeignKind::volume, {".vtkhdf", ".hdf"}, import_worker},
+    {"XDMF", ForeignKind::volume, {".xdmf", ".xmf"}, import_worker, true},
     {"DICOM", ForeignKind::volume, {".dcm", ".ima", ".zip", "dicom/"}, import_worker},
     {"VolVis SLC", ForeignKind::volume, {".slc"}, import_worker},
     {"Gaussian cube", ForeignKind::volume, {".cube"}, import_worker},
@@ -43,6 +44,7 @@ const ForeignFormat formats_read[] = {
     {"VTK structured grid in pieces", ForeignKind::mesh, {".pvts"}, import_worker, true},
     {"Legacy VTK", ForeignKind::mesh, {".vtk"}, import_worker},
     {"VTKHDF unstructured grid", ForeignKind::mesh, {".vtkhdf", ".hdf"}, import_worker},
+    {"XDMF", ForeignKind::mesh, {".xdmf", ".xmf"}, import_worker, true},
     {"TetGen", ForeignKind::mesh, {".node", ".ele"}, import_worker, true},
     {"CARP", ForeignKind::mesh, {".pts", ".elem", ".tet"}, import_worker, true},
     {"Exodus", ForeignKind::mesh, {".e", ".ex2", ".exo", ".exii", ".gen"}, import_worker},
@@ -70,11 +72,11 @@ const Advice advices[] = {
      "64x64x64:int32:be:524"},
     {{".fld"}, "SCIRun's fields are not supported; use the .vtu or .ply made from it"},
     {{".sol", ".solb"}, "it holds only values; name the .mesh or .meshb beside it"},
-    {{".xdmf", ".xmf"}, "XDMF is not read; convert it to .vtu, for example with ParaView or meshio"},
     {{".vtkhdf"}, "only image data and unstructured grids in VTKHDF are read; save it with ParaView as .vtu or .vti"},
     {{".h5", ".hdf5", ".hdf"},
-     "HDF5 by itself says nothing of meshes and volumes; convert it to .vtu, .vti or .nrrd with the program that wrote "
-     "it, or with ParaView"},
+     "HDF5 by itself says nothing of meshes and volumes; name the .xdmf or .xmf file that describes it, or convert it "
+     "to "
+     ".vtu, .vti or .nrrd with the program that wrote it"},
     {{".cgns"}, "CGNS is not read; convert it to .vtu, for example with ParaView or meshio"},
     {{".case"}, "EnSight is not read; convert it to .vtu, for example with ParaView"},
     {{".foam"}, "OpenFOAM is not read; convert it to .vtu, for example with foamToVTK or ParaView"},
@@ -144,6 +146,24 @@ ForeignKind kind_of_vtkhdf(const std::filesystem::path& path) {
   return kind_in(ForeignFile(path).text());
 }
 
+/// Returns the kind of an XDMF file, as the type of its first Topology says: the grids of volumes
+/// are rectilinear. Mesh for all others, whose reader says what is wrong.
+ForeignKind kind_of_xdmf(const std::filesystem::path& path) {
+  if (first_bytes(path, 1).empty()) return ForeignKind::mesh;
+  const ForeignFile file(path);
+  std::string_view text = file.text();
+  constexpr std::string_view topology = "<Topology";
+  for (std::size_t at = text.find(topology); at != text.npos; at = text.find(topology)) {
+    text.remove_prefix(at);
+    const std::string tag = lower_case(text.substr(0, text.find('>')));
+    if (tag.find("type=") != tag.npos)
+      return tag.find("3drectmesh") != tag.npos || tag.find("3dcorectmesh") != tag.npos ? ForeignKind::volume
+                                                                                        : ForeignKind::mesh;
+    text.remove_prefix(topology.size());
+  }
+  return ForeignKind::mesh;
+}
+
 }  // namespace
 
 std::string_view name_of(ForeignKind kind) {
@@ -161,6 +181,7 @@ ForeignKind foreign_kind(const std::filesystem::path& path) {
   }
   const ForeignFormat* format = format_of(path);
   if (format != nullptr && format->name.starts_with("VTKHDF")) return kind_of_vtkhdf(path);
+  if (format != nullptr && format->name == "XDMF") return kind_of_xdmf(path);
   if (format == nullptr || (format->name == "PLOT3D" && !holds_plot3d(path))) return ForeignKind::unknown;
   return format->kind;
 }

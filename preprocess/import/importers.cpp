@@ -56,6 +56,8 @@ constexpr Importer<NeutralVolume(const std::filesystem::path&, const std::string
     volume_steps_importers[] = {
         {".nii", read_nifti},
         {".nii.gz", read_nifti},
+        {".xdmf", read_xdmf_volume},
+        {".xmf", read_xdmf_volume},
 };
 constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
     {".vtu", read_vtu},
@@ -81,8 +83,8 @@ constexpr Importer<CellMesh(const std::filesystem::path&)> mesh_importers[] = {
 };
 /// Formats that may hold several time steps.
 constexpr Importer<CellMesh(const std::filesystem::path&, const std::string& time)> steps_importers[] = {
-    {".e", read_exodus},    {".ex2", read_exodus}, {".exo", read_exodus},
-    {".exii", read_exodus}, {".gen", read_exodus}, {".msh", read_gmsh},
+    {".e", read_exodus},   {".ex2", read_exodus}, {".exo", read_exodus},     {".exii", read_exodus},
+    {".gen", read_exodus}, {".msh", read_gmsh},   {".xdmf", read_xdmf_mesh}, {".xmf", read_xdmf_mesh},
 };
 constexpr Importer<NeutralSurface(const std::filesystem::path&)> surface_importers[] = {
     {".vtk", read_legacy_vtk_surface},

@@ -29,6 +29,7 @@ constexpr Beginning beginnings[] = {
     {0, "# vtk DataFile"sv, "VTK"},
     {0, "<?xml"sv, "XML"},
     {0, "<VTKFile"sv, "VTK XML"},
+    {0, "<Xdmf"sv, "XDMF"},
     {128, "DICM"sv, "DICOM"},
     {0, "PK\3\4"sv, "zip"},
     {0, "\x1f\x8b\x08"sv, "gzip"},

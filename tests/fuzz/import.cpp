@@ -101,6 +101,13 @@ void legacy_vtk(const Path& path) {
 void gmsh(const Path& path) {
   use(read_gmsh(path, ""));
 }
+/// The grids of a file decide; both readers are tried.
+void xdmf(const Path& path) {
+  for (const char* time : {"", "first"}) {
+    attempt([&] { use(read_xdmf_volume(path, "", time)); });
+    attempt([&] { use(read_xdmf_mesh(path, time)); });
+  }
+}
 void tetgen_surface(const Path& path) {
   NeutralSurface surface = read_tetgen_surface(path);
   use(surface);
@@ -148,6 +155,7 @@ constexpr Format formats_known[] = {{"nrrd", {".nhdr", ".raw"}, nrrd},
                                     {"legacy_vtk", {".vtk", ""}, legacy_vtk},
                                     {"vti", {".vti", ""}, volume<read_vti>},
                                     {"vtu", {".vtu", ""}, from_path<read_vtu>},
+                                    {"xdmf", {".xdmf", ".bin"}, xdmf},
                                     {"zip", {".zip", ""}, zip}};
 
 const Format& chosen_format() {

@@ -100,6 +100,15 @@ std::vector<BrokenFile> broken_files() {
       {"piece.pvtu", xml +
                          "\"PUnstructuredGrid\"><PUnstructuredGrid><Piece Source=\"missing.vtu\"/></PUnstructuredGrid>"
                          "</VTKFile>"},
+      {"cut.xdmf", "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\"><Domain><Grid Name=\"a\"><Topology"},
+      {"alone.xmf",
+       "<Xdmf><Domain><Grid><Topology TopologyType=\"Tetrahedron\"><DataItem Dimensions=\"1 4\" Format=\"HDF\">"
+       "missing.h5:/cells</DataItem></Topology><Geometry><DataItem Dimensions=\"4 3\">0 0 0 1 0 0 0 1 0 0 0 "
+       "1</DataItem>"
+       "</Geometry></Grid></Domain></Xdmf>"},
+      {"lattice.xmf",
+       "<Xdmf><Domain><Grid><Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"5 4 3\"/><Geometry "
+       "GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\">0 0"},
       {"cut.vts", xml + "\"StructuredGrid\"><StructuredGrid WholeExtent=\"0 1 0 1"},
       {"cut.pvts", xml + "\"PStructuredGrid\"><PStructuredGrid"},
       {"alone.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1"},

@@ -94,6 +94,10 @@ TEST(SpecialFiles, are_refused_where_another_file_names_them) {
              "<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\"><PUnstructuredGrid GhostLevel=\"0\"><PPoints>"
              "<PDataArray type=\"Float32\" NumberOfComponents=\"3\"/></PPoints><Piece Source=\"p.vtu\"/>"
              "</PUnstructuredGrid></VTKFile>");
+  write_file(bench / "a.xdmf",
+             "<Xdmf><Domain><Grid><Topology TopologyType=\"Tetrahedron\"><DataItem Dimensions=\"1 4\" "
+             "NumberType=\"Int\">0 1 2 3</DataItem></Topology><Geometry><DataItem Dimensions=\"4 3\" "
+             "Format=\"Binary\">p</DataItem></Geometry></Grid></Domain></Xdmf>");
   write_file(bench / "a.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
   make_pipe(bench, "a.ele");
   write_file(bench / "cube.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
@@ -101,7 +105,7 @@ TEST(SpecialFiles, are_refused_where_another_file_names_them) {
   write_file(bench / "scene.json",
              R"({"data": {"b": {"file": "p.rho"}}, "layers": [{"type": "isosurface", "data": "b", "isovalue": 60}]})");
   for (const char* words : {"info a.nhdr", "info b.nhdr", "info c.nhdr", "pack a.nhdr -o x.rho", "info a.mhd",
-                            "pack a.mhd -o x.rho", "info a.bov", "info a.pvtu", "pack a.node -o x.rho",
+                            "pack a.mhd -o x.rho", "info a.bov", "info a.pvtu", "info a.xdmf", "pack a.node -o x.rho",
                             "tetrahedralize cube.off -o x.vtu", "render scene.json -o x.png"})
     expect_refusal(bench, words, ": found a pipe; expected a file");
 }

@@ -28,6 +28,8 @@ NeutralVolume read_bov(const std::filesystem::path& path, const std::string& fie
 NeutralVolume read_dicom(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_legacy_vtk_volume(const std::filesystem::path& path, const std::string& field);
 NeutralVolume read_vtkhdf_volume(const std::filesystem::path& path, const std::string& field);
+/// @param time  time step, as in ImportVolumeOptions
+NeutralVolume read_xdmf_volume(const std::filesystem::path& path, const std::string& field, const std::string& time);
 NeutralVolume read_raw(const std::filesystem::path& path, const RawVolume& raw);
 
 // Colours (VolumeRequest::colors).
@@ -54,6 +56,7 @@ CellMesh read_medit(const std::filesystem::path& path);
 /// @param time  time step, as in ImportMeshOptions
 CellMesh read_exodus(const std::filesystem::path& path, const std::string& time);
 CellMesh read_gmsh(const std::filesystem::path& path, const std::string& time);
+CellMesh read_xdmf_mesh(const std::filesystem::path& path, const std::string& time);
 
 NeutralSurface read_legacy_vtk_surface(const std::filesystem::path& path);
 NeutralSurface read_ply(const std::filesystem::path& path);

@@ -27,14 +27,13 @@ void StructuredPieces::add_pieces(const VtkXmlStream& file) {
   }
 }
 
-StructuredPieces::Extent StructuredPieces::extent_of(const VtkXmlStream& file, const XmlElement& element,
-                                                     std::string_view name) {
+GridExtent StructuredPieces::extent_of(const VtkXmlStream& file, const XmlElement& element, std::string_view name) {
   const auto refuse = [&](std::string_view expected) {
     file.refuse_attribute(name, in_quotes(element.attribute(name)), expected);
   };
   const auto numbers = numbers_in<std::int32_t, 6>(element.attribute(name));
   if (!numbers) refuse("six numbers");
-  Extent extent;
+  GridExtent extent;
   for (int axis = 0; axis < 3; ++axis) {
     extent.first[axis] = (*numbers)[static_cast<std::size_t>(2 * axis)];
     extent.last[axis] = (*numbers)[static_cast<std::size_t>(2 * axis + 1)];
@@ -47,40 +46,12 @@ StructuredPieces::Extent StructuredPieces::extent_of(const VtkXmlStream& file, c
   return extent;
 }
 
-/// Number of points, or of cells: one fewer on each axis with more than one point.
-Index3 StructuredPieces::owner_count(const Extent& extent, bool in_cells) {
-  Index3 count;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t steps = extent.last[axis] - extent.first[axis];
-    count[axis] = in_cells ? std::max<std::int64_t>(steps, 1) : steps + 1;
-  }
-  return count;
-}
-
 void StructuredPieces::check_cover() const {
-  const auto refuse = [&] {
+  std::vector<GridExtent> parts;
+  for (const Piece& piece : pieces_) parts.push_back(piece.extent);
+  if (!cover_once(whole_, parts))
     file_.refuse_attribute("Extent", concat(pieces_.size(), " pieces that do not make up WholeExtent"),
                            "pieces that cover it once");
-  };
-  const std::int64_t cells = volume(owner_count(whole_, true));
-  std::int64_t sum = 0;
-  for (const auto& [file, element, extent] : pieces_) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (extent.first[axis] < whole_.first[axis] || extent.last[axis] > whole_.last[axis]) refuse();
-    sum += volume(owner_count(extent, true));
-    if (sum > cells) refuse();
-  }
-  if (sum != cells) refuse();
-  const auto overlap = [](const Extent& a, const Extent& b) {
-    const Index3 a_size = owner_count(a, true), b_size = owner_count(b, true);
-    bool result = true;
-    for (int axis = 0; axis < 3; ++axis)
-      result = result && a.first[axis] < b.first[axis] + b_size[axis] && b.first[axis] < a.first[axis] + a_size[axis];
-    return result;
-  };
-  for (std::size_t a = 0; a < pieces_.size(); ++a)
-    for (std::size_t b = 0; b < a; ++b)
-      if (overlap(pieces_[a].extent, pieces_[b].extent)) refuse();
 }
 
 std::vector<StructuredPieces::Parts> StructuredPieces::arrays(std::string_view section,
@@ -117,15 +88,9 @@ void StructuredPieces::read(const Parts& parts, bool in_cells, std::span<T> to) 
   const Index3 whole = owner_count(whole_, in_cells);
   const std::int64_t width = std::ssize(to) / volume(whole);
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const Index3 size = owner_count(pieces_[p].extent, in_cells);
-    Array<T> part(static_cast<std::size_t>(volume(size) * width));
+    Array<T> part(static_cast<std::size_t>(volume(owner_count(pieces_[p].extent, in_cells)) * width));
     pieces_[p].file->read(parts[p], std::span<T>(part));
-    const Index3 first = pieces_[p].extent.first - whole_.first;
-    for (std::int64_t row = 0; row < size.y * size.z; ++row) {
-      const std::int64_t j = first.y + row % size.y, k = first.z + row / size.y;
-      std::copy_n(part.begin() + row * size.x * width, size.x * width,
-                  to.begin() + ((k * whole.y + j) * whole.x + first.x) * width);
-    }
+    copy_to_whole<T>(part, pieces_[p].extent, whole_, in_cells, width, to);
   }
 }
 template void StructuredPieces::read(const Parts&, bool, std::span<double>) const;
@@ -134,7 +99,7 @@ template void StructuredPieces::read(const Parts&, bool, std::span<std::byte>) c
 std::vector<double> StructuredPieces::coordinates(const Parts& parts, int axis) const {
   std::vector<double> positions;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const Extent& extent = pieces_[p].extent;
+    const GridExtent& extent = pieces_[p].extent;
     const auto count = static_cast<std::uint64_t>(extent.last[axis] - extent.first[axis] + 1);
     if (pieces_[p].file->checked_count(parts[p], count) != count)
       file_.refuse("element Coordinates", concat(parts[p].component_count, " numbers for each position"), "1");

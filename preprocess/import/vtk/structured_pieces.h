@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/base/vector.h"
+#include "preprocess/import/reading/grid_cover.h"
 #include "preprocess/import/vtk/vtk_xml_stream.h"
 
 namespace rhoray::preprocess {
@@ -44,23 +45,18 @@ class StructuredPieces {
   std::vector<double> coordinates(const Parts& parts, int axis) const;
 
  private:
-  /// First and last point along each axis.
-  struct Extent {
-    Index3 first, last;
-  };
   struct Piece {
     const VtkXmlStream* file;
     const XmlElement* element;
-    Extent extent;
+    GridExtent extent;
   };
 
-  static Extent extent_of(const VtkXmlStream& file, const XmlElement& element, std::string_view name);
+  static GridExtent extent_of(const VtkXmlStream& file, const XmlElement& element, std::string_view name);
   void add_pieces(const VtkXmlStream& file);
-  static Index3 owner_count(const Extent& extent, bool in_cells);
   void check_cover() const;
 
   const VtkXmlStream& file_;
-  Extent whole_;
+  GridExtent whole_;
   std::vector<Piece> pieces_;
 };
 

@@ -29,8 +29,8 @@ std::size_t append_numbered(std::string& to, std::string_view text) {
   return end + 1;
 }
 
-/// Replaces numbers of characters, `&lt;` and the other four predefined entities; nothing if there
-/// is any other.
+}  // namespace
+
 std::optional<std::string> without_entities(std::string_view text) {
   constexpr std::pair<std::string_view, char> entities[] = {
       {"&lt;", '<'}, {"&gt;", '>'}, {"&amp;", '&'}, {"&quot;", '"'}, {"&apos;", '\''}};
@@ -53,6 +53,8 @@ std::optional<std::string> without_entities(std::string_view text) {
   }
   return result;
 }
+
+namespace {
 
 class Parser {
  public:
@@ -87,12 +89,29 @@ class Parser {
         if (!skip_behind("?>")) return false;
       } else if (is_at("<!--")) {
         if (!skip_behind("-->")) return false;
-      } else if (is_at("<!DOCTYPE") && text_.find('[', at_) > text_.find('>', at_)) {
-        if (!skip_behind(">")) return false;  // declares nothing
+      } else if (is_at("<!DOCTYPE")) {
+        if (!skip_document_type()) return false;
       } else {
         return !is_at("<!");
       }
     }
+  }
+
+  /// Moves behind a DOCTYPE that declares nothing, or has empty brackets. False for any other.
+  bool skip_document_type() {
+    const std::size_t end = std::min(text_.find_first_of("[>", at_), text_.size());
+    const bool has_brackets = end < text_.size() && text_[end] == '[';
+    at_ = end;
+    if (has_brackets) {
+      ++at_;
+      skip_spaces();
+      if (!is_at("]")) return false;
+      ++at_;
+      skip_spaces();
+    }
+    if (!is_at(">")) return false;
+    ++at_;
+    return true;
   }
 
   void skip_spaces() { at_ = std::min(text_.find_first_not_of(spaces, at_), text_.size()); }

@@ -22,6 +22,10 @@ struct XmlElement {
   const XmlElement* child(std::string_view name) const;
 };
 
+/// Replaces numbers of characters, `&lt;` and the other four predefined entities; nothing if there
+/// is any other.
+std::optional<std::string> without_entities(std::string_view text);
+
 /// The root element of a text, parsed up to the start of an element named `last`, if there is one.
 /// The content of that element then runs to the end of the text and is not parsed. Nothing for text
 /// that is not well-formed, or uses features that data files do not (declarations, CDATA).

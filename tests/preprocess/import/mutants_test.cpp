@@ -20,6 +20,7 @@
 #include "preprocess/process/messages.h"
 #include "preprocess/subdivide.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/xdmf_files.h"
 #include "tests/support/memory_file.h"
 
 namespace rhoray::preprocess {
@@ -223,6 +224,9 @@ std::vector<Seed> seeds() {
       {"a.vtu", Family::mesh, {{"a.vtu", vtk_unstructured()}}},
       {"a.vts", Family::mesh, {{"a.vts", vtk_structured()}}},
       {"a.pvtu", Family::mesh, {{"a.pvtu", parallel_grid()}, {"piece.vtu", vtk_unstructured()}}},
+      {"a.xdmf", Family::mesh, {{"a.xdmf", xdmf_mesh()}, {"a.bin", bytes_of_values(std::vector<float>{1, 2, 3, 4})}}},
+      {"hdf5.xdmf", Family::mesh, {{"hdf5.xdmf", xdmf_hdf5()}, {"a.h5", hdf5()}}},
+      {"volume.xmf", Family::volume, {{"volume.xmf", xdmf_volume()}, {"a.bin", int16_bytes()}}},
       {"mesh.vtk",
        Family::mesh,
        {{"mesh.vtk", legacy("UNSTRUCTURED_GRID\nPOINTS 4 double\n" + four_points +
