@@ -2,6 +2,7 @@
 import json
 import multiprocessing
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -145,3 +146,27 @@ def test_forked_processes_get_a_sentence_and_spawned_ones_render(ball, method, w
 def test_wrong_requests_are_refused_with_a_sentence(ball, call, words):
     with pytest.raises(rr.UsageError, match=words):
         call(ball)
+
+
+def test_a_command_draws_the_same_picture(ball, box, tmp_path):
+    pictures = [rr.render(ball, iso=[3, 5, 7], size=(60, 40)), rr.render(ball, mode="mip", size=(60, 40)),
+                rr.render(box, size=(60, 40)), rr.render(box, iso=2, size=(60, 40), background="none")]
+    program = os.environ["RHORAY_PROGRAM"]
+    for picture in pictures:
+        words = shlex.split(picture.command)
+        assert words[:2] == ["rhoray", "render"] and words[-2:] == ["-o", "picture.png"]
+        subprocess.run([program, *words[1:], "--force", "-q"], cwd=tmp_path, check=True)
+        assert picture.compare(tmp_path / "picture.png")["differing"] == 0
+    with pytest.raises(rr.UsageError, match="boundary"):
+        rr.render(box.boundary(), size=(8, 8)).command
+
+
+def test_pictures_are_compared(ball):
+    one, other = (rr.render(ball, iso=iso, size=(60, 40), zoom=1) for iso in (5, 4))
+    same, found = one.compare(one), one.compare(other)
+    assert (same["pixels"], same["differing"], same["root_mean_square"]) == (2400, 0, 0)
+    difference = abs(one.rgba.astype(int) - other.rgba).max(axis=-1)
+    assert found["differing"] == (difference > 0).sum()
+    assert found["largest"]["size"] == pytest.approx(difference.max() / 255)
+    with pytest.raises(rr.Error):
+        one.compare(rr.render(ball, iso=5, size=(61, 40)))

@@ -1,9 +1,10 @@
 """Pictures of data and of scenes."""
 import json
 import os
+import shlex
 import tempfile
 
-from rhoray import _core, _scenes
+from rhoray import _core, _program, _scenes
 from rhoray._contexts import Context
 from rhoray._errors import FileError, UsageError
 
@@ -11,8 +12,9 @@ from rhoray._errors import FileError, UsageError
 class Picture:
     """A picture, with the scene that makes it again. Its arrays are views of its memory."""
 
-    def __init__(self, core):
+    def __init__(self, core, data):
         self._core = core
+        self._data = data  # by the files of the scene
 
     size = property(lambda self: self._core.size, doc="(width, height)")
     color = property(lambda self: self._core.color, doc="[height, width, 4]: linear RGB and alpha, float32")
@@ -34,6 +36,28 @@ class Picture:
     def scene(self):
         """The scene document that says every choice, as a dict; `render` makes the same picture of it."""
         return json.loads(self._core.document)
+
+    @property
+    def command(self):
+        """The shell command that draws the same picture. Data in memory must exist when it runs."""
+        document = json.dumps(_scenes.with_paths(self.scene, self._data))
+        return f"rhoray render {shlex.quote(document)} -o picture.png"
+
+    def compare(self, other):
+        """How far the 8-bit colours of another Picture, or of a picture file, differ.
+
+        A dict as `rhoray compare --json` prints it: the number of pixels, how many differ, the largest
+        difference (colours from 0 to 1) with its pixel, root mean square and mean.
+        """
+        with tempfile.TemporaryDirectory(prefix="rhoray-") as folder:
+            own, theirs = os.path.join(folder, "own.png"), os.path.join(folder, "other.png")
+            self.save(own)
+            if isinstance(other, Picture):
+                other.save(theirs)
+            else:
+                theirs = os.fspath(other)
+            found = _program.run("compare", [own, theirs], [])
+        return {key: value for key, value in found.items() if key not in ("a", "b")}
 
     def verify(self, pixels=500, seed=1):
         """Compares random pixels, and pixels at edges, with exact arithmetic. Needs the channel depth, or value."""
@@ -76,11 +100,12 @@ def render(what, *, data=None, channels=(), **options):
     True
     """
     document, known = _scenes.read(what, data, options, "render")
-    datasets = {file: opened._core for file, opened in _scenes.opened(document, known).items()}
+    known = _scenes.opened(document, known)
+    datasets = {file: opened._core for file, opened in known.items()}
     text = _scenes.text_of(document, "render")
     with Context() as context:
         try:
-            return Picture(_core.render(context, text, datasets, list(channels)))
+            return Picture(_core.render(context, text, datasets, list(channels)), known)
         except FileError as error:
             if not error.fact.startswith("scene:"):
                 raise
