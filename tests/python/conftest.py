@@ -1,9 +1,13 @@
 """Data that the tests share: small, made here, with known answers."""
+import signal
 import tempfile
 
 import numpy
 import pytest
 import rhoray as rr
+
+# Python that is started in the background of a script ignores Ctrl+C; the tests send it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 CENTRE = numpy.array([10.0, 8.0, 6.0])
 
