@@ -27,7 +27,7 @@ struct PixelRect {
 struct FrameOptions {
   int width = 960;
   int height = 720;
-  /// Only these pixels are asked for. They are those of the whole picture, bit for bit. Other
+  /// Only these pixels are asked for. They have the same bits as in the whole picture. Other
   /// pixels of the framebuffer may be written too, or keep their content. Counts include traced
   /// ones.
   std::optional<PixelRect> window{};

@@ -207,6 +207,17 @@ void convert_effects(const Scene& scene, render::Scene& out) {
   if (scene.background) out.background = inside_of(*scene.background);
 }
 
+/// The same channels in the other type.
+template <class To, class From>
+To channels_of(const From& channels) {
+  return {.depth = channels.depth,
+          .normal = channels.normal,
+          .cell = channels.cell,
+          .value = channels.value,
+          .error = channels.error,
+          .cost = channels.cost};
+}
+
 }  // namespace
 
 render::Camera inside_of(const Camera& camera) {
@@ -246,21 +257,11 @@ Method outside_of(const render::Method& method) {
 }
 
 render::ChannelSet inside_of(const ChannelSet& channels) {
-  return {.depth = channels.depth,
-          .normal = channels.normal,
-          .cell = channels.cell,
-          .value = channels.value,
-          .error = channels.error,
-          .cost = channels.cost};
+  return channels_of<render::ChannelSet>(channels);
 }
 
 ChannelSet outside_of(const render::ChannelSet& channels) {
-  return {.depth = channels.depth,
-          .normal = channels.normal,
-          .cell = channels.cell,
-          .value = channels.value,
-          .error = channels.error,
-          .cost = channels.cost};
+  return channels_of<ChannelSet>(channels);
 }
 
 render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options) {

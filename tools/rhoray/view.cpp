@@ -144,21 +144,23 @@ Subcommand view_subcommand() {
           {{with_details(files_option("FILE", "Volume, mesh or surface, packed or not; or a scene document (.json)",
                                       command->inputs),
                          "As for `rhoray render`, whose options choose what is shown at first")},
-           in_group("Server",
-                    {number_option("--port", "N", "Port on the loopback interface; default a free one",
-                                   Interval<int>{1, 65535}, command->port),
-                     with_details(
-                         value_option("--socket", "FILE", "Listen on a Unix socket instead of a port", command->socket),
-                         "For machines with several users, of whom any could reach a port. Only you may "
-                         "open the socket; the printed ssh command makes a tunnel to it"),
-                     value_option("--allow-host", "NAME[,NAME...]",
-                                  "Answer under these host names, too: those of a proxy", command->hosts),
-                     flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser),
-                     for_experts(with_details(
-                         flag_option("--stdio", "Exchange the view's state with the program that starts this one",
-                                     command->uses_stdio),
-                         "One line of JSON for each change of camera or scene: those in the browser to stdout, and "
-                         "those of the program from stdin. The server ends when stdin ends. Implies --json"))}),
+           in_group(
+               "Server",
+               {number_option("--port", "N", "Port on the loopback interface; default a free one",
+                              Interval<int>{1, 65535}, command->port),
+                with_details(
+                    value_option("--socket", "FILE", "Listen on a Unix socket instead of a port", command->socket),
+                    "For machines with several users, of whom any could reach a port. Only you may "
+                    "open the socket; the printed ssh command makes a tunnel to it"),
+                value_option("--allow-host", "NAME[,NAME...]", "Answer under these host names, too: those of a proxy",
+                             command->hosts),
+                flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser),
+                for_experts(with_details(
+                    flag_option("--stdio", "Exchange the view's state with the program that starts this one",
+                                command->uses_stdio),
+                    "Each change of camera or scene is a line of JSON. Changes in the browser are written to stdout, "
+                    "and changes of the program are read from stdin. The server ends when stdin ends. Implies "
+                    "--json"))}),
            picture_options(command->picture),
            in_group("Input", read_options(command->picture.scene_spec.data[0].read)),
            in_group("Input", {cache_option(command->common)}),

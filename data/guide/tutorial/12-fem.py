@@ -27,7 +27,7 @@ stress = load * (length - x) * z / inertia / 1e6  # MPa
 
 
 def deflection(at):
-    """200 times that of the axis of the beam, in m."""
+    """Returns 200 times the deflection of the axis, in m."""
     return -200 * load * at ** 2 * (3 * length - at) / (6 * modulus * inertia)
 
 

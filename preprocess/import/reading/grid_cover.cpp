@@ -15,7 +15,8 @@ Index3 owner_count(const GridExtent& extent, bool in_cells) {
 }
 
 // The function that is 1 in the cells of a box and 0 elsewhere is a sum of steps at its corners, of
-// height 1 or -1. So the parts cover the whole once if their steps add up to those of the whole.
+// height 1 or -1. So the parts cover the whole once if the sum of their steps has the steps of the
+// whole.
 bool cover_once(const GridExtent& whole, std::span<const GridExtent> parts) {
   std::map<std::array<std::int64_t, 3>, std::int64_t> steps;
   const auto add = [&](const GridExtent& extent, std::int64_t height) {

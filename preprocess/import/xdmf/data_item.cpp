@@ -309,7 +309,7 @@ void XdmfData::open_hdf(XdmfNumbers& numbers, bool has_shape) {
   if (bar < numbers.text_.size()) {
     Sizes shape;
     numbers.part_ = part_in_text(document_, item, numbers.text_.substr(bar + 1), shape);
-    if (shape != data_set.shape()) numbers.refuse("a part of an array of other sizes", "those of the data set");
+    if (shape != data_set.shape()) numbers.refuse("a part of an array of other sizes", "the sizes of the data set");
     check_part(document_, item, *numbers.part_, shape);
     there = product_of(numbers.part_->count);
   }

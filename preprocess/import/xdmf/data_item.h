@@ -19,7 +19,7 @@ namespace rhoray::preprocess {
 class XdmfNumbers {
  public:
   std::uint64_t count() const { return count_; }
-  /// Of an HDF5 file: the type in that file.
+  /// In an HDF5 file, the file decides the type.
   formats::ElementType type() const { return type_; }
 
   /// Reads all numbers. T is double, std::int64_t (floats are refused), or std::byte for numbers of

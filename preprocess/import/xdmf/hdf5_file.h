@@ -44,7 +44,7 @@ class Hdf5DataSet {
   std::shared_ptr<const Handle> file_, data_set_;
   std::vector<std::uint64_t> shape_;
   formats::ElementType type_ = formats::ElementType::U8;
-  std::uint64_t stored_bytes_ = 0;  ///< at most those of the file
+  std::uint64_t stored_bytes_ = 0;  ///< at most the size of the file
 };
 
 /// An HDF5 file, open for reading. Refusals name the file and the data set.

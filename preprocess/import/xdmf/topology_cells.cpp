@@ -71,7 +71,7 @@ std::optional<std::uint64_t> cell_count_in(const XdmfDocument& document, const X
   return std::nullopt;
 }
 
-/// What is subtracted from each node.
+/// Returns the number that is subtracted from each node.
 std::uint64_t base_of(const XdmfDocument& document, const XmlElement& topology) {
   const std::string_view text = topology.attribute("BaseOffset");
   const auto base = text.empty() ? std::optional<std::int64_t>(0) : parse_number<std::int64_t>(text);

@@ -14,15 +14,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-class XdmfCollections : public testing::Test {
- protected:
-  CellMesh read(const std::string& content, const std::string& time = {}) {
-    write_file(folder_ / "a.xdmf", content);
-    return read_cells(folder_ / "a.xdmf", {.time = time});
-  }
-
-  TemporaryFolder folder_;
-};
+class XdmfCollections : public XdmfMeshes {};
 
 std::string time_of(const std::string& value) {
   return concat("<Time Value=\"", value, "\"/>\n");

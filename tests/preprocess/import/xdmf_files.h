@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "formats/base/text.h"
+#include "preprocess/import_mesh.h"
+#include "preprocess/input_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
@@ -140,5 +142,16 @@ inline std::string xdmf_volume() {
                             geometry(item("3", "0 0 0") + item("3", "1 1 1"), "ORIGIN_DXDYDZ") +
                             attribute("a", item("5 4 3", "a.bin", "NumberType=\"Short\" Format=\"Binary\""))));
 }
+
+/// Reads meshes from texts.
+class XdmfMeshes : public testing::Test {
+ protected:
+  preprocess::CellMesh read(const std::string& content, const std::string& time = {}) {
+    write_file(folder_ / "a.xdmf", content);
+    return preprocess::read_cells(folder_ / "a.xdmf", {.time = time});
+  }
+
+  TemporaryFolder folder_;
+};
 
 }  // namespace rhoray::tests

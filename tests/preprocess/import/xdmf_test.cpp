@@ -24,15 +24,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-class Xdmf : public testing::Test {
- protected:
-  CellMesh read(const std::string& content, const std::string& time = {}) {
-    write_file(folder_ / "a.xdmf", content);
-    return read_cells(folder_ / "a.xdmf", {.time = time});
-  }
-
-  TemporaryFolder folder_;
-};
+class Xdmf : public XdmfMeshes {};
 
 void expect_same(const CellMesh& found, const CellMesh& expected) {
   EXPECT_EQ(found.points, expected.points);

@@ -77,10 +77,10 @@ struct PackOptions {
   std::stop_token stop{};  ///< ends the call with ErrorCode::interrupted; no file is left behind
 };
 
-/// Packs arrays into the format that rays are traced through, and opens the result. The bytes are
-/// those of the command `rhoray pack`, apart from the stored command. The arrays may be freed
-/// afterwards, and must not change meanwhile. Work runs on all cores. Samples that are contiguous with
-/// x fastest are read in place; other arrays are copied first.
+/// Packs arrays into the format that rays are traced through, and opens the result. `rhoray pack`
+/// writes the same bytes, apart from the stored command. The arrays may be freed afterwards, and must
+/// not change meanwhile. Work runs on all cores. Samples that are contiguous with x fastest are read
+/// in place; other arrays are copied first.
 ///
 /// Throws ErrorCode::usage for arrays that break the rules above, with the name of the array, what
 /// was found and what was expected; ErrorCode::resource for a full disk.

@@ -36,7 +36,7 @@ class RHORAY_API Picture {
   Size size() const;    ///< of the whole picture; 0 x 0 before the first render
   Rect window() const;  ///< the pixels of the whole picture that are here
 
-  // Shapes are those of the window: [height, width, ...]. A channel that was not asked for is
+  // The window gives the shapes: [height, width, ...]. A channel that was not asked for is
   // empty.
 
   /// [height, width, 4]: linear RGB over the background, and alpha: the covered part of the pixel.

@@ -1,4 +1,4 @@
-"""Exceptions. Their texts are those of the program."""
+"""Exceptions. They carry the sentences of the program."""
 
 
 class Error(Exception):
