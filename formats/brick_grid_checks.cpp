@@ -161,7 +161,7 @@ std::vector<std::string> deep_findings(const BrickGrid& grid) {
     with_element_type(description.fields[field].type,
                       [&](auto zero) { GridCheck<decltype(zero)>(grid, field, findings).run(); });
   for (std::size_t field = 0; field < description.fields.size(); ++field)
-    details::check_ranges(grid, field, 0, findings);
+    details::check_ranges(grid, field, {}, findings);
   for (const auto& [field, certificate] : description.certificates)
     if (certificate.type == ElementType::F32)
       check_certificate<float>(grid, field, certificate, findings);

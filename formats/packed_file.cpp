@@ -13,6 +13,7 @@
 #include <optional>
 #include <system_error>
 
+#include "formats/base/checks.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/regular_file.h"
 #include "formats/envelope/header.h"
@@ -31,17 +32,23 @@ struct PackedFile::Mapping {
   std::string version;
   FileDescription description;
   std::vector<ArrayEntry> arrays;
+  std::vector<const std::byte*> first_bytes;                 ///< of the arrays
   std::map<std::string, std::size_t, std::less<>> position;  ///< name to index in arrays
+  std::shared_ptr<const void> owner{};                       ///< of arrays outside the file
   std::uint64_t header_bytes = 0;
   std::span<const std::uint64_t> sums;
   std::uint64_t summed_bytes = 0;  ///< starting at header_bytes
 
   Mapping(int owned_descriptor, std::string file_name);
+  void add(const OutsideArray& outside);
   Mapping(const Mapping&) = delete;
   Mapping& operator=(const Mapping&) = delete;
   ~Mapping() { ::close(descriptor); }
 
   std::span<const std::byte> view(std::uint64_t first, std::uint64_t count) const { return {start + first, count}; }
+  std::span<const std::byte> bytes_of(const ArrayEntry& array) const {
+    return {first_bytes[static_cast<std::size_t>(&array - arrays.data())], array.byte_count};
+  }
 
  private:
   void map();
@@ -113,18 +120,33 @@ void PackedFile::Mapping::read() {
     }
     if (array.name.front() == '_') continue;  // array of the envelope
     position.emplace(array.name, arrays.size());
+    first_bytes.push_back(start + array.first_byte);
     arrays.push_back(std::move(array));
   }
+}
+
+void PackedFile::Mapping::add(const OutsideArray& outside) {
+  const ArraySpec& spec = outside.spec;
+  ArrayEntry array{.name = spec.name, .type = spec.type, .shape = spec.shape, .byte_count = outside.bytes.size()};
+  RHORAY_CHECK(array.element_count() * element_bytes(array.type) == array.byte_count);
+  RHORAY_CHECK(reinterpret_cast<std::uintptr_t>(outside.bytes.data()) % element_bytes(array.type) == 0);
+  RHORAY_CHECK(position.emplace(array.name, arrays.size()).second);
+  first_bytes.push_back(outside.bytes.data());
+  arrays.push_back(std::move(array));
 }
 
 PackedFile PackedFile::open(const std::filesystem::path& path) {
   return PackedFile(std::make_shared<const Mapping>(open_regular_file(path), path.string()));
 }
 
-PackedFile PackedFile::from_descriptor(int descriptor, std::string name) {
+PackedFile PackedFile::from_descriptor(int descriptor, std::string name, std::span<const OutsideArray> outside,
+                                       std::shared_ptr<const void> owner) {
   const int own = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
   if (own < 0) throw Error(ErrorCode::unreadable, concat(name, ": ", std::system_category().message(errno)));
-  return PackedFile(std::make_shared<const Mapping>(own, std::move(name)));
+  const auto mapping = std::make_shared<Mapping>(own, std::move(name));
+  for (const OutsideArray& array : outside) mapping->add(array);
+  mapping->owner = std::move(owner);
+  return PackedFile(mapping);
 }
 
 bool PackedFile::looks_packed(const std::filesystem::path& path) {
@@ -160,8 +182,7 @@ const ArrayEntry& PackedFile::entry(std::string_view array) const {
 }
 
 std::span<const std::byte> PackedFile::bytes(std::string_view array) const {
-  const ArrayEntry& found = entry(array);
-  return mapping_->view(found.first_byte, found.byte_count);
+  return mapping_->bytes_of(entry(array));
 }
 
 std::span<const std::byte> PackedFile::checked_bytes(std::string_view array, ElementType type,
@@ -177,7 +198,7 @@ std::span<const std::byte> PackedFile::checked_bytes(std::string_view array, Ele
   };
   if (found.type != type || !fits)
     refuse(name(), concat("array '", array, "'"), text(found.type, found.shape, false), text(type, shape, true));
-  return mapping_->view(found.first_byte, found.byte_count);
+  return mapping_->bytes_of(found);
 }
 
 std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads) const {

@@ -20,6 +20,12 @@ struct DamagedBlock {
   std::uint64_t byte_count = 0;
 };
 
+/// An array that is not in a packed file, but in the memory of whoever opens it.
+struct OutsideArray {
+  ArraySpec spec;
+  std::span<const std::byte> bytes;  ///< as many as the shape says, aligned for their type
+};
+
 /// A packed file (SPEC.md), memory-mapped. Opening checks the seal, the header, the checksum table
 /// and the layout of the arrays, and reads nothing else. Its cost does not depend on the file's
 /// size, except for 8 bytes per 64 KiB. `damaged_blocks` checks the data separately, so a caller
@@ -35,7 +41,14 @@ class PackedFile {
 
   /// Like `open`, but reads from a descriptor, which is not closed; its file position is not used.
   /// `name` identifies the file in messages.
-  static PackedFile from_descriptor(int descriptor, std::string name);
+  static PackedFile from_descriptor(int descriptor, std::string name) {
+    return from_descriptor(descriptor, std::move(name), {}, nullptr);
+  }
+  /// As above, with further arrays at the end of arrays(). Nobody checks their bytes, which must stay
+  /// as they are.
+  /// @param owner  of the arrays' memory; released with the last copy
+  static PackedFile from_descriptor(int descriptor, std::string name, std::span<const OutsideArray> outside,
+                                    std::shared_ptr<const void> owner);
 
   /// True when the file starts like a packed file; false also when it cannot be read.
   static bool looks_packed(const std::filesystem::path& path);
@@ -64,7 +77,7 @@ class PackedFile {
   }
 
   /// Reads every byte of the data area once, on `threads` threads (0 = all cores), and returns each
-  /// damaged block.
+  /// damaged block. Arrays outside the file are not read.
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
 
  private:

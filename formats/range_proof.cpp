@@ -10,8 +10,9 @@ namespace {
 
 /// @param findings  found so far
 template <class Data>
-std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, details::Findings& findings) {
-  const details::RangesRead read = details::check_ranges(data, field, threads, findings);
+std::uint64_t prove(const Data& data, std::size_t field, const details::CheckOptions& options,
+                    details::Findings& findings) {
+  const details::RangesRead read = details::check_ranges(data, field, options, findings);
   const FieldSummary& summary = data.description().fields[field];
   if (!read.values.is_empty() && !details::holds(summary.range, read.values))
     findings.add(concat("the range of field '", summary.name, "' lacks a value"), 0, [&] {
@@ -31,17 +32,18 @@ std::uint64_t prove(const Data& data, std::size_t field, unsigned threads, detai
 
 }  // namespace
 
-std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads) {
+std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, const std::stop_token& stop) {
   const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
-  return prove(grid, field, threads, findings);
+  return prove(grid, field, {.threads = threads, .stop = stop}, findings);
 }
 
-std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads) {
+std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, const std::stop_token& stop) {
   const DefaultFloatingPoint default_floating_point;
+  const details::CheckOptions options{.threads = threads, .stop = stop};
   details::Findings findings;
-  details::check_boxes_and_lists(mesh, threads, findings);
-  return prove(mesh, field, threads, findings);
+  details::check_boxes_and_lists(mesh, options, findings);
+  return prove(mesh, field, options, findings);
 }
 
 }  // namespace rhoray::formats

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
@@ -16,9 +17,13 @@ namespace rhoray::formats {
 ///
 /// Reads the field and the structure over it once. Refuses (ErrorCode::invalid) with the first
 /// finding. `rhoray verify --deep` uses the same code; the code shares nothing with the packer.
+/// A stop request ends it after at most about a millisecond (ErrorCode::interrupted); then it has
+/// proven nothing.
 /// @param threads  0 = all cores
 /// @return         number of bytes of the file that were compared
-std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0);
-std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads = 0);
+std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0,
+                           const std::stop_token& stop = {});
+std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads = 0,
+                           const std::stop_token& stop = {});
 
 }  // namespace rhoray::formats

@@ -126,9 +126,9 @@ std::vector<std::string> deep_findings(const TetMesh& mesh) {
   details::Findings findings;
   MeshCheck(mesh, findings).run();
   if (mesh.has_clusters()) details::check_clusters(mesh, findings);
-  details::check_boxes_and_lists(mesh, 0, findings);
+  details::check_boxes_and_lists(mesh, {}, findings);
   for (std::size_t field = 0; field < mesh.description().fields.size(); ++field)
-    details::check_ranges(mesh, field, 0, findings);
+    details::check_ranges(mesh, field, {}, findings);
   return findings.sentences();
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "formats/brick_grid.h"
 #include "preprocess/neutral.h"
@@ -30,11 +31,15 @@ struct PackVolumeOptions {
   std::string command{};      ///< stored in the file
   std::string source_name{};  ///< stored in the file
   bool replace_existing = false;
+  /// Writes no samples: only who has them, in the linear order and in their own type, can read the
+  /// file (PackedFile::from_descriptor).
+  bool leaves_out_samples = false;
 };
 
 struct PackVolumeReport {
   formats::GridDescription description;
   std::uint64_t file_bytes = 0;
+  std::vector<formats::ArraySpec> left_out{};  ///< the samples of each field, if they were left out
 };
 
 /// Sorts a volume into bricks, builds the macro levels and writes a packed grid. Runs on all

@@ -19,6 +19,7 @@ struct SelfCheckOptions {
   /// For 99 % of the pixels, in addition to proven bounds and instead of other promises: in cells;
   /// for largest values a share of the field's range.
   std::optional<double> limit;
+  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
 };
 
 /// Result of checking some pixels of a picture with exact arithmetic.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -11,6 +12,7 @@
 #include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/stopping.h"
 #include "formats/base/text.h"
 #include "formats/color_grid.h"
 #include "formats/range_proof.h"
@@ -32,15 +34,17 @@ Box3 box_world(const Box3& box, const Affine& world_from_data) {
 }
 
 /// A NanoVDB grid stores no ranges: they were computed from the voxels in this process.
-std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsigned threads) {
-  return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads) : 0;
+std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsigned threads,
+                           const std::stop_token& stop) {
+  return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads, stop) : 0;
 }
 
-std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads) {
-  return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads);
+std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads,
+                           const std::stop_token& stop) {
+  return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads, stop);
 }
 
-std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned) {
+std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned, const std::stop_token&) {
   return 0;
 }
 
@@ -63,7 +67,16 @@ std::vector<std::string> color_names(const LoadedDataset& dataset) {
 
 struct Dataset::ProofState {
   std::mutex guard;
+  std::condition_variable_any ended;
+  bool is_running = false;  ///< one caller proves; others wait
   bool is_done = false;
+
+  /// Lets the next caller in when a proof has ended in whatever way.
+  void end(bool has_proven) {
+    const std::lock_guard lock(guard);
+    is_running = false, is_done = has_proven;
+    ended.notify_all();
+  }
 };
 
 /// The boundaries that are in use: what is prepared to trace them stays when a scene changes.
@@ -178,13 +191,24 @@ FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
   return found;
 }
 
-RangeProof Dataset::prove_ranges(unsigned threads) const {
-  const std::lock_guard lock(proof_->guard);
-  if (proof_->is_done) return {};
+RangeProof Dataset::prove_ranges(unsigned threads, const std::stop_token& stop) const {
+  {
+    std::unique_lock lock(proof_->guard);
+    if (proof_->is_running) proof_->ended.wait(lock, stop, [&] { return !proof_->is_running; });
+    if (proof_->is_done) return {};
+    end_if_stopped(stop);  // then another caller may still be proving
+    proof_->is_running = true;
+  }
   const auto start = std::chrono::steady_clock::now();
-  const std::uint64_t bytes =
-      std::visit([&](const auto& view) { return proven_bytes(view, field().name, threads); }, implementation_->view);
-  proof_->is_done = true;
+  std::uint64_t bytes = 0;
+  try {
+    bytes = std::visit([&](const auto& view) { return proven_bytes(view, field().name, threads, stop); },
+                       implementation_->view);
+  } catch (...) {
+    proof_->end(false);
+    throw;
+  }
+  proof_->end(true);
   return {.bytes = bytes, .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
 

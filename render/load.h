@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -118,8 +119,12 @@ class Dataset {
   /// do not pay for it. There is nothing to prove for an OpenVDB grid, whose ranges are computed
   /// from its voxels while loading, nor for a surface, which has none. Any thread may call;
   /// concurrent callers wait.
+  ///
+  /// A stop request ends the call (ErrorCode::interrupted), also while it waits for another caller.
+  /// A proof that was stopped counts for nothing: the next call makes all of it. If the proof is
+  /// already done, a stop request changes nothing.
   /// @param threads  0 = all cores
-  RangeProof prove_ranges(unsigned threads = 0) const;
+  RangeProof prove_ranges(unsigned threads = 0, const std::stop_token& stop = {}) const;
 
   /// For use inside render only.
   const LoadedDataset& implementation() const { return *implementation_; }

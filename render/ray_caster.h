@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "formats/base/affine.h"
@@ -27,7 +29,8 @@ class RayCaster {
   /// Memory of a thread that calls const functions. One may serve several casters.
   class Scratch {
    public:
-    Scratch();
+    /// @param machine  whose kernels answer; none: that of the caster
+    explicit Scratch(std::optional<Machine> machine = {});
     ~Scratch();
     Scratch(Scratch&&) noexcept;
     Scratch& operator=(Scratch&&) noexcept;
@@ -35,13 +38,17 @@ class RayCaster {
    private:
     friend class RayCaster;
     std::unique_ptr<Worker> worker_;
+    std::optional<Machine> machine_;
   };
 
   /// Refuses an isovalue that is not finite (ErrorCode::usage). For a method that proves its
   /// results it also refuses data whose stored ranges do not hold (Dataset::prove_ranges,
   /// ErrorCode::invalid).
   /// @param threads  that trace crossings; 0 = all cores
-  RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads = 1);
+  /// @param machine  whose kernels answer; none: chosen_machine()
+  /// @param stop     ends a proof (ErrorCode::interrupted)
+  RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads = 1,
+            std::optional<Machine> machine = {}, const std::stop_token& stop = {});
   ~RayCaster();
 
   /// hits[i] belongs to rays[i]. It is the same for any number of threads, and what `render` would
@@ -63,10 +70,12 @@ class RayCaster {
   const RangeProof& range_proof() const { return range_proof_; }
 
  private:
+  Intersectors intersectors_for(const Scratch& scratch) const;
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
 
   const LoadedDataset& dataset_;
   RayQuery query_;
+  Machine machine_;
   Intersectors intersectors_;
   unsigned threads_;
   std::vector<Worker> workers_;

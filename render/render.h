@@ -12,6 +12,7 @@
 #include "render/framebuffer.h"
 #include "render/load.h"
 #include "render/method.h"
+#include "render/query/machine.h"
 #include "render/scene.h"
 
 namespace rhoray::render {
@@ -37,6 +38,8 @@ struct FrameOptions {
   /// mean in linear light. Channels are those of the centre ray.
   int antialiasing = 1;
   unsigned threads = 0;  ///< 0 = all cores
+  /// Whose kernels trace and shade. This processor must have it. None: chosen_machine().
+  std::optional<Machine> machine{};
   /// False visits every leaf cell on every ray with scalar kernels: same result in double.
   bool use_hierarchy = true;
   /// MIP: prune with the value at the previous ray's t (paper, section 4.3); same picture.
@@ -175,8 +178,9 @@ struct Refinement {
   /// meanwhile. Every other pixel is a copy of its traced neighbour to the left and above.
   /// Returning false ends the frame.
   std::function<bool(int spacing)> pass_done = nullptr;
-  /// Ends the frame within the time of one tile. Pixels of an unfinished pass then have either
-  /// spacing; those of an unfinished first pass may keep the framebuffer's previous content.
+  /// Ends the frame within the time of one tile, and its preparation and the proof of stored ranges
+  /// as soon: then nothing is traced. Pixels of an unfinished pass have either spacing; those of an
+  /// unfinished first pass may keep the framebuffer's previous content.
   std::stop_token stop{};
 };
 

@@ -80,6 +80,7 @@ struct TraceSpec {
   const Clip* clip = nullptr;  ///< the region of the scene; null: no clipping
   unsigned threads = 0;        ///< 0: all cores
   std::stop_token stop{};
+  std::optional<Machine> machine{};  ///< none: chosen_machine()
 };
 
 /// The clip region that a scene applies to a layer; null: none.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 
 namespace rhoray::formats::details {
 
@@ -75,15 +75,15 @@ std::string cell_text(int level, const Index3& cell) {
 }
 
 template <class T>
-void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads,
+void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, const CheckOptions& options,
                          Findings& findings) {
   const std::int64_t factor = view.shape.factor;
   for (int level = view.first_level; level < view.shape.level_count; ++level) {
     const Index3 below = view.shape.count(level), above = view.shape.count(level + 1);
     const auto l = static_cast<std::size_t>(level - view.first_level);
     const std::span<const T> cells = view.ranges[l], macrocells = view.ranges[l + 1];
-    for_each_range(static_cast<std::uint64_t>(above.z), 4, threads, [&](std::uint64_t first, std::uint64_t last) {
-      for_each_cell(above, first, last, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const auto check_layer = [&](std::uint64_t z) {
+      for_each_cell(above, z, z + 1, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
         Interval<T> needed;
         const Index3 low = Index3(i, j, k) * factor;
         const Index3 high(std::min(low.x + factor, below.x), std::min(low.y + factor, below.y),
@@ -103,19 +103,28 @@ void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what
                         interval_text(needed));
         });
       });
-    });
+    };
+    for_each_until_stopped(static_cast<std::uint64_t>(above.z), 4, 1, options.threads, options.stop, check_layer);
   }
 }
 
-template void check_levels_upward(const MacroLevelsView<std::uint8_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int8_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint16_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int16_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint32_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int32_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::uint64_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<std::int64_t>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<float>&, const std::string&, unsigned, Findings&);
-template void check_levels_upward(const MacroLevelsView<double>&, const std::string&, unsigned, Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint8_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int8_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint16_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int16_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint32_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int32_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::uint64_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<std::int64_t>&, const std::string&, const CheckOptions&,
+                                  Findings&);
+template void check_levels_upward(const MacroLevelsView<float>&, const std::string&, const CheckOptions&, Findings&);
+template void check_levels_upward(const MacroLevelsView<double>&, const std::string&, const CheckOptions&, Findings&);
 
 }  // namespace rhoray::formats::details

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,12 @@
 
 /// Shared parts of deep_findings for grids and meshes.
 namespace rhoray::formats::details {
+
+/// How a check runs.
+struct CheckOptions {
+  unsigned threads = 0;    ///< 0 = all cores
+  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
+};
 
 /// Collects findings. Findings of the same kind become one sentence: the first location, and the
 /// count. Thread-safe; the text does not depend on the order of the threads.
@@ -69,9 +76,9 @@ class FieldTally {
 
 /// Checks that a macrocell of level l + 1 contains the intervals of its cells of level l, and is
 /// empty when all of them are.
-/// @param threads  0 = all cores
 template <class T>
-void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, unsigned threads, Findings& findings);
+void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what, const CheckOptions& options,
+                         Findings& findings);
 
 /// True when a stored interval contains a needed one, or both are empty. Written so that a stored
 /// NaN contains nothing.

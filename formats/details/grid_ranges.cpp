@@ -2,7 +2,7 @@
 #include <mutex>
 #include <vector>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "formats/details/range_checks.h"
 #include "formats/details/samples_by_position.h"
 
@@ -18,7 +18,7 @@ namespace {
 template <class T>
 class GridRanges {
  public:
-  GridRanges(const BrickGrid& grid, std::size_t field, unsigned threads, Findings& findings)
+  GridRanges(const BrickGrid& grid, std::size_t field, const CheckOptions& options, Findings& findings)
       : layout_(grid.description().layout),
         tables_(grid.tables()),
         samples_(grid.samples<T>(field)),
@@ -27,7 +27,7 @@ class GridRanges {
         of_field_(grid.description().fields.size() == 1
                       ? ""
                       : concat(" of field '", grid.description().fields[field].name, "'")),
-        threads_(threads),
+        options_(options),
         findings_(findings) {}
 
   RangesRead run() {
@@ -35,17 +35,19 @@ class GridRanges {
     for (const std::span<const T>& level : levels_.ranges) read.bytes += level.size_bytes();
     std::mutex guard;
     const Index3 count = levels_.shape.count(1);
-    for_each_range(static_cast<std::uint64_t>(count.y * count.z), least_rows, threads_,
+    for_each_range(static_cast<std::uint64_t>(count.y * count.z), least_rows, options_.threads,
                    [&](std::uint64_t first, std::uint64_t last) {
                      Part part(layout_.sample_count.x);
-                     for (auto row = static_cast<std::int64_t>(first); row < static_cast<std::int64_t>(last); ++row)
+                     for (auto row = static_cast<std::int64_t>(first); row < static_cast<std::int64_t>(last); ++row) {
+                       end_if_stopped(options_.stop);
                        check_row(row % count.y, row / count.y, part);
+                     }
                      const std::lock_guard lock(guard);
                      if (!part.values.is_empty())
                        read.values.include({static_cast<double>(part.values.lo), static_cast<double>(part.values.hi)});
                      read.has_gaps = read.has_gaps || part.has_gaps;
                    });
-    check_levels_upward(levels_, concat("macro levels", of_field_), threads_, findings_);
+    check_levels_upward(levels_, concat("macro levels", of_field_), options_, findings_);
     return read;
   }
 
@@ -184,15 +186,15 @@ class GridRanges {
   SamplesByPosition<T> sample_at_;
   MacroLevelsView<T> levels_;
   std::string of_field_;  ///< for findings; used if there are several fields
-  unsigned threads_;
+  const CheckOptions& options_;
   Findings& findings_;
 };
 
 }  // namespace
 
-RangesRead check_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, Findings& findings) {
+RangesRead check_ranges(const BrickGrid& grid, std::size_t field, const CheckOptions& options, Findings& findings) {
   return with_element_type(grid.description().fields[field].type,
-                           [&](auto zero) { return GridRanges<decltype(zero)>(grid, field, threads, findings).run(); });
+                           [&](auto zero) { return GridRanges<decltype(zero)>(grid, field, options, findings).run(); });
 }
 
 }  // namespace rhoray::formats::details

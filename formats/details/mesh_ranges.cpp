@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "formats/details/range_checks.h"
 
 namespace rhoray::formats::details {
@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint64_t width = ClusterShape::width;
 constexpr std::uint64_t range_piece = 1 << 12;  // cells, leaf cells or clusters
+constexpr std::uint64_t stop_piece = 64;        // of these, between looks at the stop token
 
 Vec3 to_vec(const std::array<double, 3>& p) {
   return {p[0], p[1], p[2]};
@@ -92,16 +93,18 @@ class TetInLattice {
 /// some close to them. Halves the tetrahedron's block of leaf cells down to a few cells. So the
 /// work grows with the leaf cells touched, not with those of the bounding box.
 template <class Visit>
-bool for_leaves_near(const TetInLattice& tet, const Index3& first, const Index3& end, Visit& visit) {
+bool for_leaves_near(const TetInLattice& tet, const Index3& first, const Index3& end, const std::stop_token& stop,
+                     Visit& visit) {
   constexpr std::int64_t few = 32;
   const Index3 size = end - first;
   if (volume(size) > few) {
+    end_if_stopped(stop);
     const bool is_around_all = first == tet.first() && end == tet.end();
     if (!is_around_all && tet.is_apart_from(first, end)) return true;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     Index3 middle_end = end, middle_first = first;
     middle_end[axis] = middle_first[axis] = first[axis] + size[axis] / 2;
-    return for_leaves_near(tet, first, middle_end, visit) && for_leaves_near(tet, middle_first, end, visit);
+    return for_leaves_near(tet, first, middle_end, stop, visit) && for_leaves_near(tet, middle_first, end, stop, visit);
   }
   for (std::int64_t z = first.z; z < end.z; ++z)
     for (std::int64_t y = first.y; y < end.y; ++y)
@@ -112,18 +115,16 @@ bool for_leaves_near(const TetInLattice& tet, const Index3& first, const Index3&
 
 class LeafLists {
  public:
-  LeafLists(const TetMesh& mesh, unsigned threads, Findings& findings)
+  LeafLists(const TetMesh& mesh, const CheckOptions& options, Findings& findings)
       : mesh_(mesh),
         lattice_(mesh.description().lattice),
         leaf_count_(static_cast<std::uint64_t>(volume(lattice_.macro.leaf_count))),
-        threads_(threads),
+        options_(options),
         findings_(findings) {}
 
   void check() {
     if (!check_points()) return;  // otherwise cells may lie outside the lattice
-    for_each_range(mesh_.description().cell_count, range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
-      for (std::uint64_t cell = first; cell < last; ++cell) check_cell(cell);
-    });
+    for_each(mesh_.description().cell_count, [&](std::uint64_t cell) { check_cell(cell); });
   }
 
   template <class T>
@@ -131,29 +132,30 @@ class LeafLists {
     const std::span<const T> values = mesh_.values<T>(field);
     const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
     const std::string what = concat("macro levels of field '", mesh_.description().fields[field].name, "'");
-    for_each_range(leaf_count_, range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
-      for (std::uint64_t leaf = first; leaf < last; ++leaf) check_range<T>(leaf, values, levels.ranges[0], what);
-    });
-    check_levels_upward(levels, what, threads_, findings_);
+    for_each(leaf_count_, [&](std::uint64_t leaf) { check_range<T>(leaf, values, levels.ranges[0], what); });
+    check_levels_upward(levels, what, options_, findings_);
   }
 
  private:
+  template <class Act>
+  void for_each(std::uint64_t count, const Act& act) const {
+    for_each_until_stopped(count, range_piece, stop_piece, options_.threads, options_.stop, act);
+  }
+
   bool check_points() {
     std::atomic<bool> all_inside = true;
-    for_each_range(mesh_.points().size(), range_piece, threads_, [&](std::uint64_t first, std::uint64_t last) {
-      for (std::uint64_t point = first; point < last; ++point) {
-        const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
-        bool is_inside = true;
-        for (int axis = 0; axis < 3; ++axis)
-          is_inside = is_inside && at[axis] >= 0 && at[axis] <= static_cast<double>(lattice_.macro.leaf_count[axis]);
-        if (is_inside) continue;
-        all_inside = false;
-        const Index3& count = lattice_.macro.leaf_count;
-        findings_.add("a point outside the lattice of leaf cells", point, [&] {
-          return concat("point ", point, " lies at (", at.x, ", ", at.y, ", ", at.z, ") leaf cells, the lattice has ",
-                        count.x, " x ", count.y, " x ", count.z);
-        });
-      }
+    for_each(mesh_.points().size(), [&](std::uint64_t point) {
+      const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
+      bool is_inside = true;
+      for (int axis = 0; axis < 3; ++axis)
+        is_inside = is_inside && at[axis] >= 0 && at[axis] <= static_cast<double>(lattice_.macro.leaf_count[axis]);
+      if (is_inside) return;
+      all_inside = false;
+      const Index3& count = lattice_.macro.leaf_count;
+      findings_.add("a point outside the lattice of leaf cells", point, [&] {
+        return concat("point ", point, " lies at (", at.x, ", ", at.y, ", ", at.z, ") leaf cells, the lattice has ",
+                      count.x, " x ", count.y, " x ", count.z);
+      });
     });
     return all_inside;
   }
@@ -171,7 +173,7 @@ class LeafLists {
                     [&] { return concat("cell ", cell, " touches leaf ", leaf, ", which lists ", list.size()); });
       return false;  // one leaf cell is enough for a finding
     };
-    for_leaves_near(tet, tet.first(), tet.end(), is_listed_or_apart);
+    for_leaves_near(tet, tet.first(), tet.end(), options_.stop, is_listed_or_apart);
   }
 
   template <class T>
@@ -193,7 +195,7 @@ class LeafLists {
   const TetMesh& mesh_;
   const LeafLattice& lattice_;
   std::uint64_t leaf_count_;
-  unsigned threads_;
+  const CheckOptions& options_;
   Findings& findings_;
 };
 
@@ -203,19 +205,19 @@ std::string entry_text(int level, std::uint64_t entry) {
   return concat("entry ", entry, " of level ", level);
 }
 
-/// Checks that every entry above level 0 contains the block below it.
+/// Checks that every entry above level 0 contains the block below it, on the calling thread.
 /// @param text_of  (entry, its block, the block below): stored range, and the range needed
 template <class Block, class Holds, class TextOf>
 void check_upward(const ClusterShape& shape, const std::vector<std::span<const Block>>& levels, const std::string& what,
-                  Findings& findings, const Holds& holds_below, const TextOf& text_of) {
+                  const CheckOptions& options, Findings& findings, const Holds& holds_below, const TextOf& text_of) {
   for (int level = 1; level <= shape.top_level(); ++level) {
     const auto l = static_cast<std::size_t>(level);
-    for (std::uint64_t entry = 0; entry < shape.count(level); ++entry) {
+    for_each_until_stopped(0, shape.count(level), range_piece, options.stop, [&](std::uint64_t entry) {
       const Block &block = levels[l][entry / width], &below = levels[l - 1][entry];
       if (!holds_below(entry % width, block, below))
         findings.add(what, entry,
                      [&] { return concat(entry_text(level, entry), text_of(entry % width, block, below)); });
-    }
+    });
   }
 }
 
@@ -268,13 +270,12 @@ void check_box(const TetMesh& mesh, std::uint64_t cluster, Findings& findings) {
   }
 }
 
-void check_boxes(const TetMesh& mesh, unsigned threads, Findings& findings) {
+void check_boxes(const TetMesh& mesh, const CheckOptions& options, Findings& findings) {
   const CellClustersView& clusters = mesh.clusters();
-  for_each_range(clusters.cluster_count(), range_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
-    for (std::uint64_t cluster = first; cluster < last; ++cluster) check_box(mesh, cluster, findings);
-  });
-  check_upward(clusters.shape, clusters.boxes, "a box that does not hold those below it", findings, holds_boxes,
-               [&](std::size_t entry, const BoxBlock& block, const BoxBlock& below) {
+  for_each_until_stopped(clusters.cluster_count(), range_piece, stop_piece, options.threads, options.stop,
+                         [&](std::uint64_t cluster) { check_box(mesh, cluster, findings); });
+  check_upward(clusters.shape, clusters.boxes, "a box that does not hold those below it", options, findings,
+               holds_boxes, [&](std::size_t entry, const BoxBlock& block, const BoxBlock& below) {
                  BoxBlock needed{};
                  for (std::size_t axis = 0; axis < 3; ++axis)
                    needed.lo[axis][0] = needed_box(below, axis).lo, needed.hi[axis][0] = needed_box(below, axis).hi;
@@ -317,26 +318,26 @@ std::optional<Interval<T>> range_of_table(std::span<const std::uint32_t> table, 
 }
 
 template <class T>
-void check_cluster_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, Findings& findings) {
+void check_cluster_ranges(const TetMesh& mesh, std::size_t field, const CheckOptions& options, Findings& findings) {
   const CellClustersView& clusters = mesh.clusters();
   const ClusterRangesView<T> levels = mesh.cluster_ranges<T>(field);
   const std::span<const T> values = mesh.values<T>(field);
   const std::string what = concat("ranges of field '", mesh.description().fields[field].name, "'");
-  for_each_range(clusters.cluster_count(), range_piece, threads, [&](std::uint64_t first, std::uint64_t last) {
-    for (std::uint64_t cluster = first; cluster < last; ++cluster) {
-      const RangeBlock<T>& block = levels[0][cluster / width];
-      const Interval<T> stored{block.lo[cluster % width], block.hi[cluster % width]};
-      const std::optional<Interval<T>> of_table = range_of_table(clusters.table(cluster), values);
-      if (of_table && holds(stored, *of_table)) continue;
-      const Interval<T> needed = needed_range(clusters, cluster, values);
-      if (holds(stored, needed)) continue;
-      findings.add(concat(what, ": a cluster's lacks a value of its cells"), cluster, [&] {
-        return concat("cluster ", cluster, " has ", interval_text(stored), ", its cells need ", interval_text(needed));
-      });
-    }
-  });
+  const auto check_cluster = [&](std::uint64_t cluster) {
+    const RangeBlock<T>& block = levels[0][cluster / width];
+    const Interval<T> stored{block.lo[cluster % width], block.hi[cluster % width]};
+    const std::optional<Interval<T>> of_table = range_of_table(clusters.table(cluster), values);
+    if (of_table && holds(stored, *of_table)) return;
+    const Interval<T> needed = needed_range(clusters, cluster, values);
+    if (holds(stored, needed)) return;
+    findings.add(concat(what, ": a cluster's lacks a value of its cells"), cluster, [&] {
+      return concat("cluster ", cluster, " has ", interval_text(stored), ", its cells need ", interval_text(needed));
+    });
+  };
+  for_each_until_stopped(clusters.cluster_count(), range_piece, stop_piece, options.threads, options.stop,
+                         check_cluster);
   check_upward(
-      clusters.shape, levels, concat(what, ": an entry does not match the level below"), findings,
+      clusters.shape, levels, concat(what, ": an entry does not match the level below"), options, findings,
       [](std::size_t entry, const RangeBlock<T>& block, const RangeBlock<T>& below) {
         return holds(Interval<T>{block.lo[entry], block.hi[entry]}, needed_range(below));
       },
@@ -349,13 +350,14 @@ void check_cluster_ranges(const TetMesh& mesh, std::size_t field, unsigned threa
 // ---- a field ------------------------------------------------------------------------------------
 
 template <class T>
-RangesRead read_values(std::span<const T> values) {
+RangesRead read_values(std::span<const T> values, const std::stop_token& stop) {
   RangesRead read{.bytes = values.size_bytes()};
-  for (const T value : values)
-    if (is_value(value))
-      read.values.include(static_cast<double>(value));
+  for_each_until_stopped(0, values.size(), 1 << 16, stop, [&](std::uint64_t i) {
+    if (is_value(values[i]))
+      read.values.include(static_cast<double>(values[i]));
     else
       read.has_gaps = true;
+  });
   return read;
 }
 
@@ -372,20 +374,20 @@ std::uint64_t structure_bytes(const TetMesh& mesh, std::size_t field) {
 
 }  // namespace
 
-void check_boxes_and_lists(const TetMesh& mesh, unsigned threads, Findings& findings) {
+void check_boxes_and_lists(const TetMesh& mesh, const CheckOptions& options, Findings& findings) {
   if (mesh.has_clusters())
-    check_boxes(mesh, threads, findings);
+    check_boxes(mesh, options, findings);
   else
-    LeafLists(mesh, threads, findings).check();
+    LeafLists(mesh, options, findings).check();
 }
 
-RangesRead check_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, Findings& findings) {
+RangesRead check_ranges(const TetMesh& mesh, std::size_t field, const CheckOptions& options, Findings& findings) {
   const auto check_field = [&]<class T>(T) {
     if (mesh.has_clusters())
-      check_cluster_ranges<T>(mesh, field, threads, findings);
+      check_cluster_ranges<T>(mesh, field, options, findings);
     else
-      LeafLists(mesh, threads, findings).check_ranges<T>(field);
-    RangesRead read = read_values(mesh.values<T>(field));
+      LeafLists(mesh, options, findings).check_ranges<T>(field);
+    RangesRead read = read_values(mesh.values<T>(field), options.stop);
     read.bytes += structure_bytes(mesh, field);
     return read;
   };

@@ -23,15 +23,13 @@ struct RangesRead {
 /// Checks the parts of the hierarchy that do not depend on a field. Leaf lists: all points lie in
 /// the lattice, and every leaf cell lists each tetrahedron that touches it. Clusters: each box
 /// contains its points, and each box above contains the boxes below.
-/// @param threads  0 = all cores
-void check_boxes_and_lists(const TetMesh& mesh, unsigned threads, Findings& findings);
+void check_boxes_and_lists(const TetMesh& mesh, const CheckOptions& options, Findings& findings);
 
 /// Checks the ranges of one field. In a grid, each macrocell of level 1 must contain the samples of
 /// those of its cells that have data. In a mesh, each leaf cell or cluster must contain the values
 /// at the vertices of those of its cells that have data. Each higher level must contain the one
 /// below.
-/// @param threads  0 = all cores
-RangesRead check_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, Findings& findings);
-RangesRead check_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, Findings& findings);
+RangesRead check_ranges(const BrickGrid& grid, std::size_t field, const CheckOptions& options, Findings& findings);
+RangesRead check_ranges(const TetMesh& mesh, std::size_t field, const CheckOptions& options, Findings& findings);
 
 }  // namespace rhoray::formats::details

@@ -44,6 +44,7 @@ struct Alone {
   Scene scene;
   PictureSize size;
   unsigned threads;
+  std::optional<Machine> machine;
 
   Layer& layer() { return scene.layers[0]; }
   bool is_projection() const { return scene.layers[0].mode == Mode::mip; }
@@ -57,7 +58,8 @@ struct Alone {
 double traced_ms(Alone& alone) {
   Framebuffer picture;
   RenderContext memory;
-  const FrameOptions frame{.width = alone.size.width, .height = alone.size.height, .threads = alone.threads};
+  const FrameOptions frame{
+      .width = alone.size.width, .height = alone.size.height, .threads = alone.threads, .machine = alone.machine};
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
     const FrameStatistics statistics = render(alone.dataset, alone.scene, frame, picture, memory);
@@ -87,7 +89,8 @@ Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Go
                                                        .method = method,
                                                        .clip = clip_of(alone.scene, alone.layer()),
                                                        .threads = alone.threads,
-                                                       .stop = stop},
+                                                       .stop = stop,
+                                                       .machine = alone.machine},
                                                       truth.rays);
   const ErrorCounts errors = count_errors(errors_against(truth, alone.layer().mode, hits));
   candidate.error = errors.kept_by(0.99) / alone.unit();
@@ -151,7 +154,8 @@ Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goa
   Alone alone{.dataset = resolved.datasets[layer.dataset],
               .scene = resolved.scene,
               .size = small_size(resolved),
-              .threads = threads};
+              .threads = threads,
+              .machine = resolved.frame.machine};
   alone.scene.layers = {layer};
   alone.layer().dataset = 0;
   const Truth truth = find_truth({.dataset = alone.dataset,

@@ -8,24 +8,20 @@
 #include <random>
 
 #include "formats/base/checks.h"
-#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 
 namespace rhoray::render {
 
 namespace {
 
-void end_if_asked(const std::stop_token& stop) {
-  if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
-}
-
 constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
 
 void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
-  RayCaster queries(spec.dataset, spec.isovalue, spec.method, spec.threads);
+  RayCaster queries(spec.dataset, spec.isovalue, spec.method, spec.threads, spec.machine, spec.stop);
   for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
-    end_if_asked(spec.stop);
+    end_if_stopped(spec.stop);
     const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
     queries.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
   }
@@ -35,13 +31,14 @@ void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span
 /// not depend on them.
 void trace_largest(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
   constexpr std::size_t piece = 512;
-  PerWorker<RayCaster> queries([&] { return RayCaster(spec.dataset, spec.isovalue, spec.method); });
+  PerWorker<RayCaster> queries(
+      [&] { return RayCaster(spec.dataset, spec.isovalue, spec.method, 1, spec.machine, spec.stop); });
   const auto answer = [&](const IndexRange& part) {
     if (spec.stop.stop_requested()) return;
     queries.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
   };
   parallel_for(rays.size(), piece, answer, spec.threads);
-  end_if_asked(spec.stop);
+  end_if_stopped(spec.stop);
 }
 
 std::vector<Hit> trace_whole(const TraceSpec& spec, std::span<const Ray> rays) {

@@ -77,9 +77,9 @@ std::uint16_t BlockMask::of_tile(const Tile& tile) const {
 }
 
 void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
-                              BlockMask& mask, const ClipRegion::InFrame* clip) {
+                              BlockMask& mask, Machine machine, const ClipRegion::InFrame* clip) {
   if (boxes.level_count == 0) return;
-  const BoxProjection::OntoLattice onto(projection, boxes, lattice);
+  const BoxProjection::OntoLattice onto(projection, boxes, lattice, machine);
   const BlockRange all{0, (lattice.columns() - 1) / block_edge, 0, (lattice.rows() - 1) / block_edge};
   std::array<Entry, (BoxNode::size - 1) * SurfaceBoxes::largest_level_count + 1> stack;
   std::size_t top = 0;

@@ -40,9 +40,10 @@ class BlockMask {
   std::vector<std::uint64_t> words_;  ///< one bit per block, row by row
 };
 
-/// Adds the blocks in which some ray may meet a box. The projection must be certain.
+/// Adds the blocks in which some ray may meet a box. The projection must be certain. The blocks are
+/// the same on every machine.
 /// @param clip  if given, boxes that it removes completely are skipped
 void add_blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection, const PixelLattice& lattice,
-                              BlockMask& mask, const ClipRegion::InFrame* clip = nullptr);
+                              BlockMask& mask, Machine machine, const ClipRegion::InFrame* clip = nullptr);
 
 }  // namespace rhoray::render

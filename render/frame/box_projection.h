@@ -63,8 +63,7 @@ class BoxProjection {
 
 class BoxProjection::OntoLattice {
  public:
-  OntoLattice(const BoxProjection& projection, const SurfaceBoxes& boxes, const PixelLattice& lattice,
-              Machine machine = chosen_machine());
+  OntoLattice(const BoxProjection& projection, const SurfaceBoxes& boxes, const PixelLattice& lattice, Machine machine);
 
   void project(const BoxNode& node, ProjectedNode& out) const;
 

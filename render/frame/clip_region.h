@@ -25,7 +25,7 @@ struct KeptParts {
 /// A clip region, prepared for intersection with rays.
 class ClipRegion {
  public:
-  explicit ClipRegion(const Clip& clip, Machine machine = chosen_machine());
+  explicit ClipRegion(const Clip& clip, Machine machine);
 
   bool cuts_away() const { return cuts_away_; }
 

@@ -67,7 +67,8 @@ struct Frame {
   PixelRect window;     ///< tiles outside are not traced; may extend beyond the picture
   Occlusion occlusion;
   WorkerNeeds needs;
-  RangeProof range_proof{};  ///< of the datasets with a method that proves its answers
+  Machine machine = Machine::scalar;  ///< of all kernels and loops
+  RangeProof range_proof{};           ///< of the datasets with a method that proves its answers
   /// For each pixel the layer of its first surface; null: not needed.
   std::uint8_t* first_layers = nullptr;
 

@@ -27,7 +27,7 @@ std::optional<BlockMask> mask_of(const Frame& frame, const PixelLattice& lattice
     if (!projection.is_certain()) return std::nullopt;
     std::optional<ClipRegion::InFrame> clip;
     if (layer.clipped) clip.emplace(*frame.clip, dataset.world_from_data, *layer.boxes);
-    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask, clip ? &*clip : nullptr);
+    add_blocks_that_may_meet(*layer.boxes, projection, lattice, mask, frame.machine, clip ? &*clip : nullptr);
   }
   return mask;
 }
@@ -119,7 +119,7 @@ std::size_t trace_blocks(const Frame& frame, const LatticeRays& rays, const Tile
   const bool has_one_layer = frame.has_one_layer();
   if (frame.keeps_channels && !has_one_layer) gather_first(frame, worker);
   shade_layers(frame, worker);
-  write_colors(rays.lattice, tile, worker.colors, out, frame.layers[0].shading.machine);
+  write_colors(rays.lattice, tile, worker.colors, out, frame.machine);
   if (frame.keeps_channels) {
     if (!out.normal.empty()) find_normals(frame, worker);
     if (frame.first_layers != nullptr) write_first_layers(frame, rays.lattice, tile, worker);
@@ -152,8 +152,8 @@ void Pass::add(const Frame& frame, const PixelLattice& lattice) {
   }
   LatticeRays& rays = rays_.emplace_back(LatticeRays{lattice, {}});
   for (const FrameLayer& layer : frame.layers)
-    rays.of_layers.emplace_back(frame.camera_rays, layer.data_from_world, lattice);
-  if (frame.needs.world_rays) rays.in_world.emplace(frame.camera_rays, Affine(), lattice);
+    rays.of_layers.emplace_back(frame.camera_rays, layer.data_from_world, lattice, frame.machine);
+  if (frame.needs.world_rays) rays.in_world.emplace(frame.camera_rays, Affine(), lattice, frame.machine);
 }
 
 void Pass::trace_tile(const Frame& frame, std::size_t index, Worker& worker, Framebuffer& out) const {

@@ -16,8 +16,7 @@ namespace rhoray::render {
 /// agree with CameraRays to the last bit on every machine.
 class PixelRays {
  public:
-  PixelRays(const CameraRays& camera, const Affine& data_from_world, const PixelLattice& lattice,
-            Machine machine = chosen_machine());
+  PixelRays(const CameraRays& camera, const Affine& data_from_world, const PixelLattice& lattice, Machine machine);
 
   /// Rays through picture positions in the coordinates of CameraRays. `fill` makes all of them,
   /// whatever the tile.

@@ -34,22 +34,29 @@ struct RayCaster::Worker {
   Worker() { rays.has_start_sides = true; }
 };
 
-RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads)
+RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads,
+                     std::optional<Machine> machine, const std::stop_token& stop)
     : dataset_(dataset.implementation()),
       query_{.isovalue = finite(isovalue), .field_range = dataset.field().range, .method = method},
-      intersectors_(choose_intersectors(dataset_, query_)),
+      machine_(machine ? *machine : chosen_machine()),
+      intersectors_(choose_intersectors(dataset_, query_, machine_)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
-  if (proves(method)) range_proof_ = dataset.prove_ranges(threads);
+  if (proves(method)) range_proof_ = dataset.prove_ranges(threads, stop);
   workers_.front().scratch.queue.reserve(intersectors_.queue_entries);
 }
 
 RayCaster::~RayCaster() = default;
 
-RayCaster::Scratch::Scratch() : worker_(std::make_unique<Worker>()) {}
+RayCaster::Scratch::Scratch(std::optional<Machine> machine) : worker_(std::make_unique<Worker>()), machine_(machine) {}
 RayCaster::Scratch::~Scratch() = default;
 RayCaster::Scratch::Scratch(Scratch&&) noexcept = default;
 RayCaster::Scratch& RayCaster::Scratch::operator=(Scratch&&) noexcept = default;
+
+Intersectors RayCaster::intersectors_for(const Scratch& scratch) const {
+  const Machine machine = scratch.machine_.value_or(machine_);
+  return machine == machine_ ? intersectors_ : choose_intersectors(dataset_, query_, machine);
+}
 
 void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const {
   for (std::size_t first = 0; first < rays.size(); first += batch_size) {
@@ -92,17 +99,19 @@ void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
 void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
-  scratch.worker_->scratch.queue.reserve(intersectors_.queue_entries);
-  answer(intersectors_.first_hit, rays, hits, *scratch.worker_);
+  const Intersectors intersectors = intersectors_for(scratch);
+  scratch.worker_->scratch.queue.reserve(intersectors.queue_entries);
+  answer(intersectors.first_hit, rays, hits, *scratch.worker_);
   formats::require_intact(dataset_.file);
 }
 
 void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
-  scratch.worker_->scratch.queue.reserve(intersectors_.queue_entries);
+  const Intersectors intersectors = intersectors_for(scratch);
+  scratch.worker_->scratch.queue.reserve(intersectors.queue_entries);
   scratch.worker_->scratch.last_t.reset();
-  answer(intersectors_.largest, rays, hits, *scratch.worker_);
+  answer(intersectors.largest, rays, hits, *scratch.worker_);
   formats::require_intact(dataset_.file);
 }
 

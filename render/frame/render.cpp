@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/base/floating_point.h"
+#include "formats/base/stopping.h"
 #include "formats/intact.h"
 #include "render/frame/all_hits.h"
 #include "render/frame/antialiasing.h"
@@ -27,19 +28,21 @@ Blend blend_of(const Layer& layer, const Scene& scene) {
 }
 
 /// Lookup of the attributes that a layer's effects need besides the hits; null if they need none.
-std::shared_ptr<const HitLookup> choose_lookup(const Dataset& dataset, const Layer& layer, unsigned threads) {
+std::shared_ptr<const HitLookup> choose_lookup(const Dataset& dataset, const Layer& layer, unsigned threads,
+                                               Machine machine) {
   const EffectSet effects = effects_called_for(layer);
   HitAttributes attributes{.smooth_gradients = effects.smooth_normals, .field = {}};
   if (effects.field_color) attributes.field = layer.material.color_by->field;
   if (layer.mode == Mode::slice || attributes.none()) return nullptr;
-  return std::make_shared<const HitLookup>(dataset.implementation(), attributes, threads);
+  return std::make_shared<const HitLookup>(dataset.implementation(), attributes, threads, machine);
 }
 
-std::shared_ptr<const TextureLookup> choose_texture(const Dataset& dataset, const Layer& layer) {
+std::shared_ptr<const TextureLookup> choose_texture(const Dataset& dataset, const Layer& layer, Machine machine) {
   if (!effects_called_for(layer).texture) return nullptr;
   const Texture& texture = *layer.material.texture;
   return std::make_shared<const TextureLookup>(
-      texture.grid(), composed(texture.world_from_texels().inverse(), dataset.implementation().world_from_data));
+      texture.grid(), composed(texture.world_from_texels().inverse(), dataset.implementation().world_from_data),
+      machine);
 }
 
 /// True if a layer may occlude light that some layer's effects trace.
@@ -56,7 +59,7 @@ bool meets_rays_from_crossings(const Layer& layer, Blend blend, const Scene& sce
 }
 
 FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend, const Scene& scene,
-                        const FrameOptions& options) {
+                        const FrameOptions& options, Machine machine) {
   const LoadedDataset& implementation = dataset.implementation();
   const bool is_mip = layer.mode == Mode::mip;
   RayQuery query{.isovalue = layer.isovalue,
@@ -67,11 +70,11 @@ FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend,
                  .time_phases = options.time_phases};
   RayQuery continuation_query = query;
   continuation_query.method = default_method(dataset, is_mip ? Mode::isosurface : layer.mode);
-  Intersectors intersectors = choose_intersectors(implementation, query);
+  Intersectors intersectors = choose_intersectors(implementation, query, machine);
   if (is_mip || layer.mode == Mode::slice) intersectors.prepare = nullptr;
   std::optional<Intersectors> continuation;
   if (meets_rays_from_crossings(layer, blend, scene))
-    continuation = choose_intersectors(implementation, continuation_query);
+    continuation = choose_intersectors(implementation, continuation_query, machine);
   return {.dataset = implementation,
           .blend = blend,
           .query = query,
@@ -85,8 +88,9 @@ FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend,
                       .lights = lights_of(scene, implementation.world_from_data),
                       .fog = scene.fog,
                       .proves = proves(layer.method),
-                      .lookup = choose_lookup(dataset, layer, options.threads),
-                      .texture = choose_texture(dataset, layer)},
+                      .lookup = choose_lookup(dataset, layer, options.threads, machine),
+                      .texture = choose_texture(dataset, layer, machine),
+                      .machine = machine},
           .data_from_world = implementation.world_from_data.inverse()};
 }
 
@@ -110,7 +114,8 @@ Left what_is_left_of(const Dataset& dataset, const Layer& layer, const Scene& sc
 }
 
 /// True if no ray through a pixel's centre can hit the dataset's box.
-bool lies_outside_view(const Dataset& dataset, const CameraRays& camera_rays, const FrameOptions& options) {
+bool lies_outside_view(const Dataset& dataset, const CameraRays& camera_rays, const FrameOptions& options,
+                       Machine machine) {
   const LoadedDataset& implementation = dataset.implementation();
   const Affine& world_from_data = implementation.world_from_data;
   const Box3& box = implementation.bounds_data;
@@ -118,7 +123,7 @@ bool lies_outside_view(const Dataset& dataset, const CameraRays& camera_rays, co
   if (!projection.is_certain()) return false;
   const PixelLattice lattice{.width = options.width, .height = options.height};
   BlockMask met(lattice);
-  add_blocks_that_may_meet(box_around(box), projection, lattice, met);
+  add_blocks_that_may_meet(box_around(box), projection, lattice, met, machine);
   return met.is_empty();
 }
 
@@ -131,18 +136,23 @@ PixelRect window_to_trace(const FrameOptions& options) {
   return window;
 }
 
+Frame frame_without_layers(const Scene& scene, const FrameOptions& options) {
+  return {.layers = {},
+          .camera_rays = CameraRays(scene.camera, options.width, options.height),
+          .clip = std::nullopt,
+          .background = scene.transparent_background ? Vec3(0, 0, 0) : scene.background,
+          .has_transparent_background = scene.transparent_background,
+          .keeps_channels = options.channels.any() || options.antialiasing > 1,
+          .window = window_to_trace(options),
+          .occlusion = scene.occlusion,
+          .needs = {},
+          .machine = options.machine ? *options.machine : chosen_machine()};
+}
+
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
 /// and layers outside the view that shade nothing. Nothing is prepared or read for these.
-Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options) {
-  Frame frame{.layers = {},
-              .camera_rays = CameraRays(scene.camera, options.width, options.height),
-              .clip = std::nullopt,
-              .background = scene.transparent_background ? Vec3(0, 0, 0) : scene.background,
-              .has_transparent_background = scene.transparent_background,
-              .keeps_channels = options.channels.any() || options.antialiasing > 1,
-              .window = window_to_trace(options),
-              .occlusion = scene.occlusion,
-              .needs = {}};
+void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
+                   const std::stop_token& stop, Frame& frame) {
   for (const auto& [blend, is_slice] : {std::pair{Blend::opaque, true},
                                         {Blend::opaque, false},
                                         {Blend::transparent, true},
@@ -156,20 +166,20 @@ Frame choose_frame(std::span<const Dataset> datasets, const Scene& scene, const 
       if (left == Left::nothing) continue;
       // Antialiasing samples lie slightly beyond the outermost rays.
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
-          lies_outside_view(dataset, frame.camera_rays, options))
+          lies_outside_view(dataset, frame.camera_rays, options, frame.machine))
         continue;
-      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads);
-      frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options));
+      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads, stop);
+      frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options, frame.machine));
       if (is_slice)
-        frame.layers.back().slice = std::make_shared<const SlicePlane>(dataset.implementation(), layer, scene.clip);
+        frame.layers.back().slice =
+            std::make_shared<const SlicePlane>(dataset.implementation(), layer, scene.clip, frame.machine);
       if (left == Left::part) {
         frame.layers.back().clipped = true;
-        if (!frame.clip) frame.clip.emplace(*scene.clip);
+        if (!frame.clip) frame.clip.emplace(*scene.clip, frame.machine);
       }
       add_needs(frame.layers.back(), frame.needs);
     }
   frame.needs.layer_count = frame.layers.size();
-  return frame;
 }
 
 /// Bounds of the part of a layer that is kept, data frame; the whole dataset's bounds where that
@@ -195,13 +205,15 @@ bool has_extent(const Box3& box) {
 
 /// Prepares a layer and finds its bounding boxes.
 /// @return  true if wide kernels were prepared
-bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options) {
+bool prepare(FrameLayer& layer, const std::optional<Clip>& clip, const FrameOptions& options,
+             const std::stop_token& stop) {
+  end_if_stopped(stop);
   if (layer.slice) {
     if (options.use_hierarchy) layer.boxes = layer.slice->boxes();
     return false;
   }
   if (const Preparation prepare = layer.intersectors.prepare)
-    layer.boxes = prepare(layer.dataset, layer.query, options.threads);
+    layer.boxes = prepare(layer.dataset, layer.query, options.threads, stop);
   const bool is_wide = layer.boxes.has_value();
   if (!is_wide && options.use_hierarchy && layer.intersectors.keeps_to_bounds && has_extent(layer.dataset.bounds_data))
     layer.boxes = box_around(kept_bounds(layer, clip));
@@ -229,9 +241,21 @@ void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::Occ
     const LayerLights::One& light = layer.shading.lights.lights[l];
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
-    layer.occluders[l] =
-        memory.of(*layer.continuation->occluders, layer.dataset, layer.continuation_query, place, options.threads);
+    layer.occluders[l] = memory.of(*layer.continuation->occluders, layer.dataset, layer.continuation_query, place,
+                                   layer.shading.machine, options.threads);
   }
+}
+
+/// Calls act(); false if a stop request ended it.
+template <class Act>
+bool completes(const Act& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::interrupted) throw;
+    return false;
+  }
+  return true;
 }
 
 /// Refuses a picture of files that lost bytes while they were read.
@@ -260,7 +284,7 @@ std::vector<Pass> passes_of(const Frame& frame, const FrameOptions& options, int
   return passes;
 }
 
-FrameStatistics statistics_of(const RenderContext::Implementation& memory, const Scene& scene) {
+FrameStatistics statistics_of(const RenderContext::Implementation& memory, const Scene& scene, Machine machine) {
   FrameStatistics statistics;
   KernelCounters counters;
   for (const Worker* worker : memory.workers()) {
@@ -291,7 +315,7 @@ FrameStatistics statistics_of(const RenderContext::Implementation& memory, const
   statistics.rays_redone = counters.rays_redone;
   statistics.rays_exact = counters.rays_exact;
   statistics.touches = counters.touches;
-  statistics.machine = name_of(counters.rays_wide > 0 ? chosen_machine() : Machine::scalar);
+  statistics.machine = name_of(counters.rays_wide > 0 ? machine : Machine::scalar);
   if (!all_prove(scene)) statistics.largest_error = std::numeric_limits<double>::quiet_NaN();
   return statistics;
 }
@@ -371,13 +395,17 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   };
 
   const auto preparation_start = std::chrono::steady_clock::now();
-  Frame frame = choose_frame(datasets, scene, options);
+  Frame frame = frame_without_layers(scene, options);
   bool is_wide = false, prepares = false;
-  for (FrameLayer& layer : frame.layers) {
-    is_wide |= prepare(layer, scene.clip, options);
-    prepare_occluders(layer, options, memory.implementation().occluders());
-    prepares |= layer.intersectors.prepare != nullptr || layer.shading.lookup;
-  }
+  const bool is_prepared = completes([&] {
+    choose_layers(datasets, scene, options, refinement.stop, frame);
+    for (FrameLayer& layer : frame.layers) {
+      is_wide |= prepare(layer, scene.clip, options, refinement.stop);
+      prepare_occluders(layer, options, memory.implementation().occluders());
+      prepares |= layer.intersectors.prepare != nullptr || layer.shading.lookup;
+    }
+  });
+  if (!is_prepared) frame.layers.clear(), frame.needs = {};  // no tile is traced after a stop request
   choose_all_hits(options, frame);
   const double proof_s = frame.range_proof.wall_s;
   const double preparation_s = prepares ? seconds_since(preparation_start) - proof_s : 0;
@@ -405,8 +433,8 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   }
   require_intact(datasets, scene);
 
-  FrameStatistics statistics = statistics_of(kept, scene);
-  if (is_wide) statistics.machine = name_of(chosen_machine());
+  FrameStatistics statistics = statistics_of(kept, scene, frame.machine);
+  if (is_wide) statistics.machine = name_of(frame.machine);
   statistics.preparation_s = preparation_s;
   statistics.range_proof = frame.range_proof;
   const double elapsed_s = seconds_since(clock_start);

@@ -31,8 +31,9 @@ HalfSpace face_or(const HalfSpace& plane, const std::optional<Clip>& clip) {
 
 }  // namespace
 
-SlicePlane::SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip)
-    : dataset_(dataset), threshold_(layer.threshold), lookup_(dataset) {
+SlicePlane::SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip,
+                       Machine machine)
+    : dataset_(dataset), threshold_(layer.threshold), lookup_(dataset, machine) {
   const HalfSpace plane = face_or(layer.plane, clip);
   point_ = plane.point, normal_ = plane.normal;
   const Affine &world_from_data = dataset.world_from_data, data_from_world = world_from_data.inverse();

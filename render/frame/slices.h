@@ -18,8 +18,9 @@ namespace rhoray::render {
 /// ends it, bit for bit.
 class SlicePlane {
  public:
+  /// The numbers are the same on every machine.
   /// @param clip  the region whose faces the plane may be
-  SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip);
+  SlicePlane(const LoadedDataset& dataset, const Layer& layer, const std::optional<Clip>& clip, Machine machine);
 
   /// Boxes in which the plane may be visible, data frame.
   SurfaceBoxes boxes() const;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 
 #include "render/query/all_hits.h"
 #include "render/query/kernels.h"
@@ -23,9 +24,10 @@ using AnyHitKernel = void (*)(const LoadedDataset& dataset, const RayQuery& quer
                               const RayBatch& rays, std::uint64_t* crossed, KernelScratch& scratch);
 
 /// Prepares what a kernel keeps of a dataset for its query, with this many threads (0: all cores).
+/// A stop request may end it (ErrorCode::interrupted); then nothing is kept.
 /// @return  boxes outside of which no ray has a hit; nothing where another kernel answers instead
 using Preparation = std::optional<SurfaceBoxes> (*)(const LoadedDataset& dataset, const RayQuery& query,
-                                                    unsigned threads);
+                                                    unsigned threads, const std::stop_token& stop);
 
 /// How one dataset answers rays (paper, section 4): the kernels for its kind of data, its type of
 /// values, a method and a machine. Chosen once per frame. Each kernel makes its own scratch memory,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace rhoray::render {
@@ -12,7 +13,8 @@ namespace rhoray::render {
 template <class Prepared>
 class LastIsovalues {
  public:
-  /// @param prepare  creates it (a shared pointer) where it is not kept
+  /// @param prepare  creates it (a shared pointer) where it is not kept; if it throws, nothing
+  ///   changes
   template <class Prepare>
   std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
     const std::lock_guard lock(mutex_);
@@ -20,8 +22,9 @@ class LastIsovalues {
     if (found != last_.end()) {
       std::rotate(last_.begin(), found, found + 1);
     } else {
+      Entry added{isovalue, prepare()};
       if (last_.size() == kept) last_.pop_back();
-      last_.insert(last_.begin(), {isovalue, prepare()});
+      last_.insert(last_.begin(), std::move(added));
     }
     return last_.front().prepared;
   }

@@ -27,7 +27,7 @@ Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
 }  // namespace
 
 std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& search, const LoadedDataset& dataset,
-                                                        const RayQuery& query, const LightPlace& light,
+                                                        const RayQuery& query, const LightPlace& light, Machine machine,
                                                         unsigned threads) {
   const std::shared_ptr<const void> source = search.source(dataset, query, light, threads);
   if (!source) return nullptr;
@@ -38,10 +38,10 @@ std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& se
   const OccludingSurface& surface = *kept->surface;
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
     if (of->shadows != shadows)
-      of->occluders = surface.with_shadows(chosen_machine(), of->occluders, light), of->shadows = shadows;
+      of->occluders = surface.with_shadows(machine, of->occluders, light), of->shadows = shadows;
     return of->occluders;
   }
-  auto occluders = surface.of_light(chosen_machine(), light, shadows);
+  auto occluders = surface.of_light(machine, light, shadows);
   return put_in_front(kept->lights, {light, std::move(occluders), shadows}, most_kept).occluders;
 }
 

@@ -13,9 +13,11 @@ namespace rhoray::render::wide {
 /// is shown for one frame does not pay for it. Not thread-safe.
 class OccluderCache {
  public:
+  /// The occluders are the same on every machine.
   /// @return  null where OccluderSearch::source is
   std::shared_ptr<const LightOccluders> of(const OccluderSearch& search, const LoadedDataset& dataset,
-                                           const RayQuery& query, const LightPlace& light, unsigned threads);
+                                           const RayQuery& query, const LightPlace& light, Machine machine,
+                                           unsigned threads);
 
  private:
   struct OfLight {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "render/cell/side.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/tets/active_cells.h"
@@ -18,6 +18,9 @@ namespace {
 
 /// Number of candidates that a thread takes at a time.
 constexpr std::size_t candidates_per_part = 256;
+
+/// Number of blocks between looks at the stop token.
+constexpr std::uint64_t blocks_per_look = 64;
 
 /// 64 cells, some of which the surface may pass through.
 struct Candidates {
@@ -79,17 +82,18 @@ void find_active(const TetData& view, const Candidates& candidates, double isova
 }
 
 /// Returns the cells with data that have values on both sides, in order.
-std::vector<std::uint32_t> active_cells_of(const TetData& view, double isovalue, unsigned threads) {
+std::vector<std::uint32_t> active_cells_of(const TetData& view, double isovalue, unsigned threads,
+                                           const std::stop_token& stop) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
   std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
   for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
     std::vector<std::uint32_t> found(64 * candidates_per_part + 1);
-    for (std::uint64_t part = first_part; part < end_part; ++part) {
+    for_each_until_stopped(first_part, end_part, 1, stop, [&](std::uint64_t part) {
       ActiveList active{found.data()};
       const std::size_t end = std::min<std::size_t>(candidates.size(), (part + 1) * candidates_per_part);
       for (std::size_t c = part * candidates_per_part; c < end; ++c) find_active(view, candidates[c], isovalue, active);
       parts[part].assign(active.cells, active.cells + active.count);
-    }
+    });
   });
   std::vector<std::uint32_t> all;
   for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -333,7 +337,7 @@ Vec3 Facets::in_frame(const std::array<double, 3>& p) const {
   return (Vec3(p[0], p[1], p[2]) - anchor_) * scale_;
 }
 
-Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads) {
+Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads, const std::stop_token& stop) {
   set_frame(bounds);
   std::vector<PlacedCell> placed(view.triangle_count());
   for_each_range(placed.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
@@ -343,13 +347,14 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads) {
       placed[t] = {t, morton_code({middle.x, middle.y, middle.z})};
     }
   });
+  end_if_stopped(stop);
   sort_by_code(placed);
 
   count_ = static_cast<std::uint32_t>(placed.size());
   blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());
   fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
-  for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
-    for (std::size_t f = first_block * FacetBlock::size; f < end_block * FacetBlock::size; ++f) {
+  const auto prepare_block = [&](std::uint64_t b) {
+    for (std::size_t f = b * FacetBlock::size; f < (b + 1) * FacetBlock::size; ++f) {
       const std::uint32_t triangle = placed[std::min<std::size_t>(f, count_ - 1)].cell;
       const TrianglePoints points = view.points_at(view.vertices(triangle));
       FacetBlock& block = blocks_[f / FacetBlock::size];
@@ -363,13 +368,15 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads) {
       fields_[f].tet = triangle;
       fields_[f].cell = static_cast<std::uint32_t>(view.cell_id(triangle));
     }
-  });
+  };
+  for_each_until_stopped(block_count(), 256, blocks_per_look, threads, stop, prepare_block);
   build_levels();
 }
 
-Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads) {
+Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads,
+               const std::stop_token& stop) {
   set_frame(bounds);
-  const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads);
+  const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads, stop);
   std::vector<PlacedCell> placed(active.size());
   for_each_range(active.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
     for (std::uint64_t i = first; i < end; ++i) {
@@ -379,6 +386,7 @@ Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigne
       placed[i] = {active[i], morton_code({middle.x, middle.y, middle.z})};
     }
   });
+  end_if_stopped(stop);
   sort_by_code(placed);
 
   count_ = static_cast<std::uint32_t>(placed.size());
@@ -386,7 +394,7 @@ Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigne
   fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
   for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     BlockCells cells;
-    for (std::uint64_t b = first_block; b < end_block; ++b) {
+    for_each_until_stopped(first_block, end_block, blocks_per_look, stop, [&](std::uint64_t b) {
       const std::size_t first = b * FacetBlock::size;
       const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, placed.size() - first);
       const std::span<FacetField> fields(fields_.get() + first, in_block);
@@ -397,7 +405,7 @@ Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigne
         fields[f].tet = placed[first + f].cell;
         fields[f].cell = static_cast<std::uint32_t>(view.cell_id(fields[f].tet));
       }
-    }
+    });
   });
   build_levels();
 }

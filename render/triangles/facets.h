@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <vector>
 
 #include "formats/base/vector.h"
@@ -36,10 +37,11 @@ class Facets {
  public:
   /// @param bounds   of all points of the mesh, in its frame
   /// @param threads  0 = all cores; the result is the same for any number
-  Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads);
+  /// @param stop     ends the preparation (ErrorCode::interrupted)
+  Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads, const std::stop_token& stop = {});
 
   /// Prepares the triangles of a surface. A point has the same bits in all triangles that share it.
-  Facets(const TriangleData& view, const Box3& bounds, unsigned threads);
+  Facets(const TriangleData& view, const Box3& bounds, unsigned threads, const std::stop_token& stop = {});
 
   std::uint32_t count() const { return count_; }
   const FacetBlock* blocks() const { return blocks_.get(); }
@@ -79,12 +81,14 @@ class Facets {
 /// thread may call.
 class FacetsCache {
  public:
-  std::shared_ptr<const Facets> of(const TetData& view, const Box3& bounds, double isovalue, unsigned threads) {
-    return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads); });
+  std::shared_ptr<const Facets> of(const TetData& view, const Box3& bounds, double isovalue, unsigned threads,
+                                   const std::stop_token& stop = {}) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads, stop); });
   }
   /// Ignores the isovalue: a surface has none.
-  std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads) {
-    return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads); });
+  std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads,
+                                   const std::stop_token& stop = {}) {
+    return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads, stop); });
   }
 
  private:

@@ -7,8 +7,9 @@ namespace rhoray::render::triangles {
 namespace {
 
 /// Builds the tree. Never answers a ray in advance.
-std::optional<SurfaceBoxes> prepare_triangles(const LoadedDataset& dataset, const RayQuery&, unsigned threads) {
-  dataset.facets->of(std::get<TriangleData>(dataset.view), dataset.bounds_data, 0, threads);
+std::optional<SurfaceBoxes> prepare_triangles(const LoadedDataset& dataset, const RayQuery&, unsigned threads,
+                                              const std::stop_token& stop) {
+  dataset.facets->of(std::get<TriangleData>(dataset.view), dataset.bounds_data, 0, threads, stop);
   return std::nullopt;
 }
 

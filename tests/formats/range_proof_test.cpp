@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "formats/details/range_checks.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/made_grid.h"
 #include "tests/support/narrowed.h"
@@ -76,17 +77,48 @@ struct Case {
   std::string name;
   std::string file;
   std::vector<std::pair<std::string, IntervalStep>> arrays;
-  std::function<std::uint64_t(const std::string&, unsigned)> prove;
+  std::function<std::uint64_t(const std::string&, unsigned, const std::stop_token&)> prove_or_stop;
+  /// Runs the checks of a proof one by one; each must end by a stop request. Returns their findings.
+  std::function<std::vector<std::string>(const std::string&, const details::CheckOptions&)> checks_stopped;
   std::function<std::vector<std::string>(const std::string&)> deep;
+
+  std::uint64_t prove(const std::string& bytes, unsigned threads) const { return prove_or_stop(bytes, threads, {}); }
 };
+
+void expect_stopped(const std::function<void()>& act) {
+  expect_error(ErrorCode::interrupted, "interrupted", act);
+}
+
+std::vector<std::string> checks_stopped(const BrickGrid& grid, std::size_t field,
+                                        const details::CheckOptions& options) {
+  details::Findings findings;
+  expect_stopped([&] { details::check_ranges(grid, field, options, findings); });
+  with_element_type(grid.description().fields[field].type, [&]<class T>(T) {
+    expect_stopped([&] { details::check_levels_upward(grid.macro_levels<T>(field), "levels", options, findings); });
+  });
+  return findings.sentences();
+}
+
+std::vector<std::string> checks_stopped(const TetMesh& mesh, std::size_t field, const details::CheckOptions& options) {
+  details::Findings findings;
+  expect_stopped([&] { details::check_boxes_and_lists(mesh, options, findings); });
+  expect_stopped([&] { details::check_ranges(mesh, field, options, findings); });
+  return findings.sentences();
+}
 
 template <class Data>
 Case case_of(const std::string& name, const std::string& file,
              const std::vector<std::pair<std::string, IntervalStep>>& arrays, std::size_t field = 0) {
-  return {
-      name, file, arrays,
-      [field](const std::string& bytes, unsigned threads) { return prove_ranges(opened<Data>(bytes), field, threads); },
-      [](const std::string& bytes) { return deep_findings(opened<Data>(bytes)); }};
+  return {name,
+          file,
+          arrays,
+          [field](const std::string& bytes, unsigned threads, const std::stop_token& stop) {
+            return prove_ranges(opened<Data>(bytes), field, threads, stop);
+          },
+          [field](const std::string& bytes, const details::CheckOptions& options) {
+            return checks_stopped(opened<Data>(bytes), field, options);
+          },
+          [](const std::string& bytes) { return deep_findings(opened<Data>(bytes)); }};
 }
 
 std::vector<Case> all_cases() {
@@ -230,6 +262,35 @@ TEST(RangeProof, is_of_one_field_and_does_not_ask_about_others) {
   EXPECT_NO_THROW(prove_ranges(opened<BrickGrid>(file), 0));
   expect_error(ErrorCode::invalid, "an interval of field 'pressure' that lacks a value",
                [&] { prove_ranges(opened<BrickGrid>(file), 1); });
+}
+
+// ---- stop requests ------------------------------------------------------------------------------
+
+TEST(RangeProof, that_was_stopped_before_looks_at_nothing_and_finds_nothing) {
+  std::stop_source stop;
+  stop.request_stop();
+  for (const Case& one : all_cases()) {
+    SCOPED_TRACE(one.name);
+    std::string file = one.file;
+    for (const auto& [array, step] : one.arrays) file = narrowed(file, array, step, true);
+    for (const unsigned threads : {1U, 3U}) {
+      EXPECT_THAT(one.checks_stopped(file, {.threads = threads, .stop = stop.get_token()}), testing::IsEmpty());
+      for (const std::string& each : {one.file, file})
+        expect_stopped([&] { one.prove_or_stop(each, threads, stop.get_token()); });
+    }
+  }
+}
+
+TEST(RangeProof, that_could_be_stopped_and_was_not_is_whole) {
+  const std::stop_source stop;
+  for (const Case& one : all_cases())
+    for (const unsigned threads : {1U, 3U}) {
+      SCOPED_TRACE(one.name);
+      EXPECT_EQ(one.prove_or_stop(one.file, threads, stop.get_token()), one.prove(one.file, threads));
+      // The last level is compared last.
+      const std::string file = narrowed(one.file, one.arrays.back().first, one.arrays.back().second);
+      expect_error(ErrorCode::invalid, "x.rho: ", [&] { one.prove_or_stop(file, threads, stop.get_token()); });
+    }
 }
 
 // ---- leaf lists ---------------------------------------------------------------------------------

@@ -61,9 +61,12 @@ TEST_F(BadScenes, whose_layers_do_not_fit_their_data) {
   refuse("layer 0", [&](Scene& scene, auto&) { scene.layers[0] = {.data = octahedron(), .show = Isosurface{0}}; });
   refuse("layer 0",
          [&](Scene& scene, auto&) { scene.layers[0] = {.data = octahedron(), .show = MaximumProjection{}}; });
-  refuse("layer 0", [&](Scene& scene, auto&) {
-    scene.layers[0] = {.data = octahedron(), .show = Triangles{}, .method = Accuracy::exact};
-  });
+  for (const Dataset& triangles : {octahedron(), mesh_.boundary()})
+    for (const Method& method : {Method(Accuracy::preview), Method(Accuracy::certified), Method(Accuracy::exact),
+                                 Method::paper(), Method::sampled(0.5)})
+      refuse(": triangles are traced only at float32 and float64", [&](Scene& scene, auto&) {
+        scene.layers[0] = {.data = triangles, .show = Triangles{}, .method = method};
+      });
   refuse("part",
          [&](Scene& scene, auto&) { scene.layers[0] = {.data = mesh_, .show = Isosurface{1}, .field = "part"}; });
 }

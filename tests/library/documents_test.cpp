@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <tuple>
+
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
 #include "tests/library/pictures.h"
@@ -33,6 +36,9 @@ class Documents : public testing::Test {
 
 std::string document(const std::string& data, const std::string& layers, const std::string& more = "") {
   return R"({"data": {"d": )" + data + R"(}, "layers": [)" + layers + "]" + more + "}";
+}
+std::string layer_with(const std::string& type, const std::string& method) {
+  return R"({"type": ")" + type + R"(", "method": ")" + method + R"("})";
 }
 std::string of_grid(const std::string& layers, const std::string& more = "") {
   return document(R"({"file": "grid.rho"})", layers, more);
@@ -123,6 +129,61 @@ TEST_F(Documents, that_contradict_their_data_are_refused_with_the_place) {
   refuse(ErrorCode::unreadable, "none.rho", document(R"({"file": "none.rho"})", R"({"type": "mip"})"));
   refuse(ErrorCode::usage, "is outside of", document(R"({"file": "../outside.rho"})", R"({"type": "mip"})"));
   EXPECT_THROW(resolved(document(R"({"file": "grid.rho", "field": "heat"})", R"({"type": "mip"})")), Error);
+}
+
+/// The library offers fewer methods than the program.
+TEST_F(Documents, with_methods_of_the_program_are_refused) {
+  const std::string mesh = R"({"file": "below/mesh.rho", "field": "radius"})";
+  const std::string grid = R"({"file": "grid.rho"})";
+  const auto text = [](const std::string& data, const char* type, const std::string& method) {
+    return document(data, layer_with(type, method));
+  };
+  struct Row {
+    const std::string& data;
+    const char* type;
+    const char* method;
+    std::optional<Method> expected;  ///< nothing: only the program has it
+  };
+  const Row rows[] = {{grid, "isosurface", "paper", Method::paper()},
+                      {grid, "isosurface", "paper:float", std::nullopt},
+                      {grid, "isosurface", "bracketed", Accuracy::float64},
+                      {grid, "isosurface", "bracketed:float", Accuracy::float32},
+                      {grid, "isosurface", "sampled:0.25+bisect", Method::sampled(0.25, true)},
+                      {grid, "mip", "exact", Accuracy::float64},
+                      {grid, "mip", "face", Method::paper()},
+                      {grid, "mip", "face:float", std::nullopt},
+                      {grid, "mip", "sampled:2", Method::sampled(2)},
+                      {mesh, "isosurface", "edges", Accuracy::float64},
+                      {mesh, "isosurface", "paper", Method::paper()},
+                      {mesh, "isosurface", "paper:float", std::nullopt},
+                      {mesh, "isosurface", "slack:1e-12", std::nullopt},
+                      {mesh, "isosurface", "slack:0.01:float", std::nullopt},
+                      {mesh, "isosurface", "sampled:0.5+linear", Method::sampled(0.5)},
+                      {mesh, "mip", "face:float", std::nullopt}};
+  for (const auto& [data, type, method, expected] : rows) {
+    SCOPED_TRACE(std::string(type) + " " + method);
+    if (expected)
+      EXPECT_TRUE(resolved(text(data, type, method)).scene.layers[0].method == *expected);
+    else
+      expect_refused(ErrorCode::unsupported, "a method of the layer is in the program only",
+                     [&, &data = data, &type = type, &method = method] { resolved(text(data, type, method)); });
+  }
+  // These belong to data of another kind.
+  for (const auto& [data, type, method] : {std::tuple{grid, "isosurface", "edges"},
+                                           {grid, "isosurface", "slack:0.1"},
+                                           {mesh, "isosurface", "bracketed"},
+                                           {grid, "mip", "paper"},
+                                           {grid, "isosurface", "face"},
+                                           {grid, "isosurface", "sampled:0"},
+                                           {mesh, "isosurface", "slack:2"},
+                                           {grid, "isosurface", "marching"}})
+    expect_refused(ErrorCode::invalid, "/layers/0/method",
+                   [&, &data = data, &type = type, &method = method] { resolved(text(data, type, method)); });
+}
+
+TEST_F(Documents, with_textures_are_refused) {
+  expect_refused(ErrorCode::unsupported, "textures of documents are in the program only",
+                 [&] { resolved(of_grid(R"({"type": "isosurface", "texture": "d"})")); });
 }
 
 TEST_F(Documents, warn_of_unknown_keys_and_note_what_is_left_out) {

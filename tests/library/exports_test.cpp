@@ -131,6 +131,10 @@ void use(const Dataset& data) {
   const PackOptions pack{.replace_existing = true};
   const RenderOptions options{.window = Rect{.x = 1}};
   const Passes passes{.first_spacing = 4};
+  const ContextOptions context{.machine = Machine::scalar};
+  const PackOptions wrap{.memory = Memory::wrap};
+  const Goal goal{.machine = Machine::baseline};
+  static_cast<void>(context), static_cast<void>(wrap), static_cast<void>(goal);
   static_cast<void>(grid), static_cast<void>(mesh), static_cast<void>(rays), static_cast<void>(hits);
   static_cast<void>(pack), static_cast<void>(options), static_cast<void>(passes);
 }

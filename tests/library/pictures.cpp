@@ -23,10 +23,13 @@ PngPixels read_png(const std::filesystem::path& path) {
   return pixels;
 }
 
-PngPixels drawn_by_program(const std::string& document, const std::filesystem::path& folder) {
+PngPixels drawn_by_program(const std::string& document, const std::filesystem::path& folder,
+                           const std::string& machine) {
   write_file(folder / "drawn.json", document);
-  const RunResult run =
-      run_program({RHORAY_PROGRAM, "render", "drawn.json", "-o", "drawn.png", "--force", "--legend", "off"}, folder);
+  std::vector<std::string> words{RHORAY_PROGRAM, "render",  "drawn.json", "-o",
+                                 "drawn.png",    "--force", "--legend",   "off"};
+  if (!machine.empty()) words.insert(words.begin(), {"env", "RHORAY_MACHINE=" + machine});
+  const RunResult run = run_program(words, folder);
   EXPECT_EQ(run.exit_code, 0) << run.err << document;
   return read_png(folder / "drawn.png");
 }

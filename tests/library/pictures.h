@@ -55,6 +55,8 @@ struct PngPixels {
 PngPixels read_png(const std::filesystem::path& path);
 
 /// The pixels that the program `rhoray` draws of a document, without annotations.
-PngPixels drawn_by_program(const std::string& document, const std::filesystem::path& folder);
+/// @param machine  for RHORAY_MACHINE; empty: as the tests were started
+PngPixels drawn_by_program(const std::string& document, const std::filesystem::path& folder,
+                           const std::string& machine = {});
 
 }  // namespace rhoray::tests

@@ -120,11 +120,85 @@ TEST(Stopping, of_rays_throws) {
   expect_refused(ErrorCode::interrupted, words,
                  [&] { caster.any_hits(rays.rays(), is_hit, context, stop.get_token()); });
   AllHits all;
+  caster.all_hits(rays.rays(), all, context);  // proves the stored ranges
   expect_refused(ErrorCode::interrupted, words,
                  [&] { caster.all_hits(rays.rays(), all, context, 4096, stop.get_token()); });
   expect_refused(ErrorCode::interrupted, words,
                  [&] { FieldSampler(grid).largest_values(rays.rays(), {.t = t}, context, stop.get_token()); });
   caster.first_hits(rays.rays(), {.t = t}, context);
+}
+
+std::stop_token stopped_before() {
+  std::stop_source stop;
+  stop.request_stop();
+  return stop.get_token();
+}
+
+/// The file with the upper bound of the last interval of an array moved to its lower bound. Opening
+/// it checks no range.
+void narrow_last_interval(const std::filesystem::path& file, const std::string& array) {
+  const Dataset data = Dataset::open(file);
+  const ArrayView view = data.array(array);
+  ASSERT_EQ(view.type(), ElementType::F32);
+  std::string bytes = read_file(file);
+  const std::string_view stored(static_cast<const char*>(view.first()), static_cast<std::size_t>(view.count()) * 4);
+  const std::size_t end = bytes.find(stored) + stored.size();
+  ASSERT_LE(end, bytes.size());
+  bytes.replace(end - 4, 4, bytes.substr(end - 8, 4));
+  write_file(file, bytes);
+}
+
+/// Everything that proves stored ranges, with a token.
+void expect_each(ErrorCode code, const std::string& words, const Dataset& data, const std::stop_token& stop) {
+  const MadeRays rays = random_rays(data.bounds(), 100);
+  AllHits hits;
+  RenderContext context;
+  expect_refused(code, words, [&] { RayCaster(data, Isosurface{0.1}, Accuracy::certified, {}, stop); });
+  expect_refused(code, words, [&] { FieldSampler(data, {}, Accuracy::exact, stop); });
+  const RayCaster caster(data, Isosurface{0.1}, Accuracy::float64);  // proves nothing itself
+  expect_refused(code, words, [&] { caster.all_hits(rays.rays(), hits, context, 16, stop); });
+  Scene scene = certified_scene(data, 0.1, size);
+  scene.layers[0].method = Accuracy::float32;
+  const Picture picture = rendered(scene, {.size = size, .channels = {.depth = true}});
+  expect_refused(code, words, [&] { self_check(scene, picture, {.pixels = 50, .stop = stop}); });
+}
+
+TEST(Stopping, of_a_proof_leaves_it_to_the_next_call) {
+  const Scene scene = plain_scene();
+  const Dataset& grid = scene.layers[0].data;
+  RenderContext context;
+  Picture picture;
+  for (int time = 0; time < 2; ++time) {
+    const RenderResult stopped = context.render(scene, {.size = size}, picture, stopped_before());
+    EXPECT_FALSE(stopped.complete);
+    EXPECT_EQ(stopped.statistics.rays, 0U);
+    EXPECT_EQ(stopped.statistics.range_proof_s, 0);
+    expect_each(ErrorCode::interrupted, "interrupted", grid, stopped_before());
+  }
+  const std::stop_source live;
+  const RenderResult whole = context.render(scene, {.size = size}, picture, live.get_token());
+  EXPECT_TRUE(whole.complete);
+  EXPECT_GT(whole.statistics.range_proof_s, 0);
+  EXPECT_TRUE(bits_of(picture) == bits_of(rendered(scene, {.size = size})));
+  EXPECT_NO_THROW(RayCaster(grid, Isosurface{0.1}, Accuracy::certified, {}, stopped_before()));
+}
+
+TEST(Stopping, of_a_proof_does_not_hide_damage_late_in_a_file) {
+  const TemporaryFolder folder;
+  gyroid_grid({.file = folder / "grid.rho"});
+  narrow_last_interval(folder / "grid.rho", "macro.1");
+  const Dataset grid = Dataset::open(folder / "grid.rho");
+  const Scene scene = certified_scene(grid, 0.1, size);
+  RenderContext context;
+  Picture picture;
+  const std::stop_source live;
+  for (int time = 0; time < 2; ++time) {
+    EXPECT_FALSE(context.render(scene, {.size = size}, picture, stopped_before()).complete);
+    expect_each(ErrorCode::interrupted, "interrupted", grid, stopped_before());
+    expect_each(ErrorCode::invalid, "grid.rho: an interval that lacks a value", grid, live.get_token());
+    expect_refused(ErrorCode::invalid, "grid.rho: an interval that lacks a value",
+                   [&] { context.render(scene, {.size = size}, picture, live.get_token()); });
+  }
 }
 
 TEST(Stopping, of_the_choice_of_a_method_throws) {

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <stop_token>
 #include <thread>
 
 #include "render/ray_caster.h"
 #include "render/render.h"
+#include "render/truth.h"
 #include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -137,6 +139,79 @@ TEST(RangeProof, is_made_once_although_several_threads_ask) {
   }
   EXPECT_EQ(times, 1U);
   EXPECT_GT(bytes, 0U);
+}
+
+// ---- stop requests ------------------------------------------------------------------------------
+
+std::stop_token stopped_before() {
+  std::stop_source stop;
+  stop.request_stop();
+  return stop.get_token();
+}
+
+/// Calls everything that proves, with a token that was stopped before.
+void expect_all_stopped(const render::Dataset& dataset) {
+  const std::stop_token stopped = stopped_before();
+  const render::Method certified = method_of(Accuracy::certified);
+  const auto expect_stopped = [](const auto& act) { expect_error(ErrorCode::interrupted, "interrupted", act); };
+  expect_stopped([&] { dataset.prove_ranges(0, stopped); });
+  expect_stopped([&] { render::RayCaster(dataset, 1, certified, 1, {}, stopped); });
+  const std::vector<render::Ray> ray(1, {Vec3(0, 0, 0), Vec3(1, 1, 1)});
+  for (const Mode mode : {Mode::isosurface, Mode::mip})
+    expect_stopped([&] {
+      render::trace_rays({.dataset = dataset, .mode = mode, .isovalue = 1, .method = certified, .stop = stopped}, ray);
+    });
+  render::RenderContext memory;
+  Framebuffer picture;
+  const render::FrameStatistics statistics = render::refine(dataset, scene_of(dataset, certified), small,
+                                                            {.first_spacing = 1, .stop = stopped}, picture, memory);
+  EXPECT_EQ(statistics.rays, 0U);
+  EXPECT_EQ(statistics.range_proof.bytes, 0U);
+  EXPECT_EQ(picture.pixel_count(), 48U * 36);
+}
+
+TEST(RangeProof, that_was_stopped_is_neither_done_nor_failed) {
+  for (const Sound& sound : sound_files()) {
+    SCOPED_TRACE(sound.name);
+    const std::uint64_t whole = TracedDataset(sound.file).dataset().prove_ranges().bytes;
+    const TracedDataset traced(sound.file);
+    const render::Dataset& dataset = traced.dataset();
+    for (int time = 0; time < 2; ++time) expect_all_stopped(dataset);
+    const std::stop_source live;
+    EXPECT_EQ(dataset.prove_ranges(0, live.get_token()).bytes, whole);
+    EXPECT_EQ(dataset.prove_ranges(0, stopped_before()).bytes, 0U) << "done: nothing is left to be stopped";
+
+    const TracedDataset spoilt(narrowed(sound.file, sound.array, sound.step));
+    for (int time = 0; time < 2; ++time) {
+      expect_all_stopped(spoilt.dataset());
+      expect_error(ErrorCode::invalid, "packed.rho: ", [&] { spoilt.dataset().prove_ranges(0, live.get_token()); });
+    }
+  }
+}
+
+TEST(RangeProof, of_many_callers_is_made_once_by_one_that_is_not_stopped) {
+  for (int time = 0; time < 20; ++time) {
+    const TracedDataset traced(grid_file());
+    std::atomic<std::uint64_t> times = 0, stopped = 0;
+    std::stop_source stop;
+    const auto prove = [&](const std::stop_token& token) {
+      try {
+        times += traced.dataset().prove_ranges(1, token).bytes > 0;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::interrupted) << error.what();
+        ++stopped;
+      }
+    };
+    {
+      std::vector<std::jthread> threads;
+      for (int thread = 0; thread < 6; ++thread)
+        threads.emplace_back([&, thread] { prove(thread % 2 == 0 ? std::stop_token() : stop.get_token()); });
+      stop.request_stop();  // at any time during the calls
+    }
+    EXPECT_EQ(times, 1U);
+    EXPECT_LE(stopped, 3U);
+    EXPECT_EQ(traced.dataset().prove_ranges().bytes, 0U);
+  }
 }
 
 // A proof identified by the address of the data in memory would be used for the next file mapped

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "render/accuracy.h"
 #include "render/document.h"
 #include "render/render.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
@@ -170,6 +172,11 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
   EXPECT_EQ(check(wrong).random.false_hits, 0U);
   for (float& depth : wrong.depth) depth = 1;
   EXPECT_GT(check(wrong).random.false_hits, 0U);
+
+  std::stop_source source;
+  source.request_stop();
+  const render::SelfCheckOptions stopped{.pixels = 500, .limit = {}, .stop = source.get_token()};
+  expect_error(ErrorCode::interrupted, "interrupted", [&] { render::check_picture(plan, right, stopped, 1); });
 }
 
 // The exact answers with which pixels are compared were themselves computed in the host's

@@ -6,6 +6,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "render/probe.h"
 #include "render/truth.h"
 
 namespace rhoray::tools {
@@ -16,10 +17,9 @@ bool is_projection(const render::Layer& layer) {
   return layer.mode == render::Mode::mip;
 }
 
-/// The bound of a picked depth. The channels are floats: half a step of each is added. So is what
-/// the arithmetic from a depth to a position in the world rounds.
+/// The bound of a picked position. The channels are floats: half a step of the depth is added.
 double depth_error(double bound, double depth, const Vec3& eye, const Vec3& position) {
-  return 0x1.01p0 * bound + 0x1.01p-24 * depth + 0x1p-46 * (eye.length() + depth + position.length());
+  return render::position_error(bound + 0x1p-24 * depth, depth, eye, position);
 }
 
 std::string pixel_text(const Json& pick) {

@@ -34,7 +34,8 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
                            std::stop_token stop) {
   return inside::guarded([&] {
     check(goal);
-    const render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    resolved.frame.machine = inside::machine_of(goal.machine, "Goal::machine");
     if (layer >= resolved.scene.layers.size())
       inside::refuse("choose_method: layer ", layer, " of ", resolved.scene.layers.size());
     const render::Mode mode = resolved.scene.layers[layer].mode;
@@ -64,7 +65,8 @@ SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheck
       inside::refuse("self_check: the picture has no channel `", is_projection ? "value" : "depth",
                      "`; ask for it in RenderOptions::channels");
     const render::SelfCheck check = render::check_picture(
-        resolved, pixels, {.pixels = options.pixels, .seed = options.seed, .limit = {}}, options.threads);
+        resolved, pixels, {.pixels = options.pixels, .seed = options.seed, .limit = {}, .stop = options.stop},
+        options.threads);
     return SelfCheck{.random = outside_of(check.random),
                      .edges = outside_of(check.edges),
                      .promise = check.limit,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "formats/base/parallel.h"
+#include "render/probe.h"
 #include "tools/library/conversions.h"
 #include "tools/library/picture.h"
 
@@ -54,7 +55,7 @@ RenderResult trace(RenderContext::Implementation& context, const Scene& scene, c
     if (std::find(std::begin(spacings), std::end(spacings), passes.first_spacing) == std::end(spacings))
       inside::refuse("Passes::first_spacing: found ", passes.first_spacing, "; expected 1, 2, 4, 8 or 16");
     render::ResolvedScene resolved = inside::resolved_with_camera(scene, options);
-    resolved.frame.threads = context.threads();
+    resolved.frame.threads = context.threads(), resolved.frame.machine = context.machine();
     render::Framebuffer& pixels = options.window ? context.whole : picture.implementation().pixels;
     bool all_traced = false, was_ended = false;
     const auto pass_done = [&](int spacing) {
@@ -96,6 +97,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
 
 RenderContext::Implementation::Implementation(const ContextOptions& options)
     : threads_(std::min(options.threads, available_cores())),
+      machine_(inside::machine_of(options.machine, "ContextOptions::machine")),
       process_(::getpid()),
       context_(options.uses_callers_arena ? render::Arena::callers : render::Arena::own) {}
 
@@ -133,6 +135,31 @@ RenderResult RenderContext::refine(const Scene& scene, const RenderOptions& opti
     return !passes.pass_done || passes.pass_done(spacing);
   };
   return trace(*implementation_, scene, options, linked, picture, after_first_pass.get_token());
+}
+
+std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size, double x, double y, int max_hits) {
+  return implementation_->call([&](render::RenderContext&) {
+    if (max_hits < 1) inside::refuse("RenderContext::probe: max_hits is ", max_hits, "; expected at least 1");
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    resolved.frame.threads = implementation_->threads(), resolved.frame.machine = implementation_->machine();
+    std::vector<ProbeHit> hits;
+    for (const render::ProbeHit& hit :
+         render::probe(resolved.datasets, resolved.scene, resolved.frame, {x, y}, static_cast<std::size_t>(max_hits)))
+      hits.push_back(inside::outside_of(hit));
+    return hits;
+  });
+}
+
+Machine RenderContext::machine() const {
+  return static_cast<Machine>(implementation_->machine());
+}
+
+bool has_machine(Machine machine) {
+  return render::has_machine(inside::inside_of(machine, "has_machine"));
+}
+
+Machine best_machine() {
+  return static_cast<Machine>(render::best_machine());
 }
 
 std::vector<Rect> windows(const Size& size, int edge) {

@@ -29,6 +29,7 @@ class RenderContext::Implementation {
   }
 
   unsigned threads() const { return threads_; }
+  render::Machine machine() const { return machine_; }
 
   render::Framebuffer whole;  ///< of a picture of which a window is rendered
 
@@ -40,6 +41,7 @@ class RenderContext::Implementation {
   void begin();
 
   unsigned threads_;
+  render::Machine machine_;
   pid_t process_;
   render::RenderContext context_;
   std::atomic_flag is_busy_;

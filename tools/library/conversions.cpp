@@ -360,4 +360,30 @@ Statistics outside_of(const render::FrameStatistics& statistics) {
           .wall_s = statistics.wall_s};
 }
 
+ProbeHit outside_of(const render::ProbeHit& hit) {
+  const auto proven = [](double error) { return std::isnan(error) ? std::nullopt : std::optional(error); };
+  return {.layer = hit.layer,
+          .depth = hit.depth,
+          .position = outside_of(hit.position),
+          .error = proven(hit.error),
+          .cell = hit.cell,
+          .value = hit.value,
+          .value_error = proven(hit.value_error),
+          .unit = hit.unit};
+}
+
+render::Machine inside_of(Machine machine, std::string_view name) {
+  for (const render::Machine known : render::all_machines)
+    if (static_cast<int>(known) == static_cast<int>(machine)) return known;
+  refuse(name, ": found ", static_cast<int>(machine), "; expected scalar, baseline, avx2 or avx512");
+}
+
+render::Machine machine_of(const std::optional<Machine>& machine, std::string_view name) {
+  if (!machine) return render::best_machine();
+  const render::Machine chosen = inside_of(*machine, name);
+  if (render::has_machine(chosen)) return chosen;
+  throw v0_1::Error(v0_1::ErrorCode::unsupported, concat(name, ": ", name_of(chosen), "; this processor has ",
+                                                         name_of(render::best_machine()), " at most"));
+}
+
 }  // namespace rhoray::v0_1::inside

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+#include <string_view>
+
+#include "render/probe.h"
 #include "render/resolved_scene.h"
 #include "rhoray/context.h"
 #include "rhoray/scene.h"
@@ -31,5 +35,13 @@ Scene outside_of(const render::ResolvedScene& resolved);
 RenderOptions options_of(const render::ResolvedScene& resolved);
 
 Statistics outside_of(const render::FrameStatistics& statistics);
+ProbeHit outside_of(const render::ProbeHit& hit);
+
+/// Refuses a number that is no instruction set.
+/// @param name  of the argument, for messages
+render::Machine inside_of(Machine machine, std::string_view name);
+/// The instruction set that was asked for, or the best. Refuses one that this processor does not
+/// have (ErrorCode::unsupported).
+render::Machine machine_of(const std::optional<Machine>& machine, std::string_view name);
 
 }  // namespace rhoray::v0_1::inside

@@ -75,6 +75,12 @@ const FieldInfo& Dataset::Implementation::field(std::string_view name) const {
                     did_you_mean(std::string(name), names));
 }
 
+void Dataset::Implementation::require_whole_file(std::string_view call) const {
+  if (origin_.is_wrapped)
+    throw v0_1::Error(v0_1::ErrorCode::usage, concat(call, ": the samples are wrapped, so they are in no file"),
+                      "pack the arrays with Memory::copy");
+}
+
 render::Dataset Dataset::Implementation::of(std::string_view name) const {
   if (first_.is_surface()) return first_;
   const std::string field(name.empty() ? std::string_view(this->field({}).name) : name);
@@ -124,6 +130,7 @@ std::uint64_t Dataset::id() const {
 }
 
 std::filesystem::path Dataset::path() const {
+  implementation_->require_whole_file("path");
   const Descriptor& memory = implementation_->memory();
   if (memory.number() >= 0) return concat("/proc/", ::getpid(), "/fd/", memory.number());
   if (implementation_->is_in_memory())
@@ -175,6 +182,7 @@ std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads) const {
 
 void Dataset::save(const std::filesystem::path& path, bool replace_existing) const {
   inside::guarded([&] {
+    implementation_->require_whole_file("save");
     const Descriptor& memory = implementation_->memory();
     const formats::PackedFile& file = implementation_->first().file();
     if (memory.number() < 0) inside::refuse(file.name(), ": is in a file already; expected data packed in memory");

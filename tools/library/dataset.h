@@ -27,6 +27,7 @@ struct MeshPart {
 /// Where data come from.
 struct Origin {
   bool is_in_memory = false;       ///< of no file that another process could open
+  bool is_wrapped = false;         ///< samples are in the caller's memory
   std::optional<MeshPart> part{};  ///< of which they are the boundary
 };
 
@@ -45,6 +46,8 @@ class Dataset::Implementation {
   const FieldInfo& field(std::string_view name) const;
   const Descriptor& memory() const { return memory_; }
   bool is_in_memory() const { return origin_.is_in_memory || memory_.number() >= 0; }
+  /// Refuses arrays of the caller, which are in no file.
+  void require_whole_file(std::string_view call) const;
   const std::optional<inside::MeshPart>& part() const { return origin_.part; }
   std::uint64_t id() const { return id_; }
 

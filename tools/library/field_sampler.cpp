@@ -10,11 +10,11 @@ namespace rhoray::v0_1 {
 
 class FieldSampler::Implementation {
  public:
-  Implementation(const Dataset& handle, std::string_view field, const Method& method)
+  Implementation(const Dataset& handle, std::string_view field, const Method& method, const std::stop_token& stop)
       : data(handle),
         dataset(of_field(handle, field)),
         proves_errors(method.proves_errors()),
-        caster(dataset, dataset.field().range.lo, inside::inside_of(method)) {}
+        caster(dataset, dataset.field().range.lo, inside::inside_of(method), 1, {}, stop) {}
 
   Dataset data;  ///< keeps the data alive
   render::Dataset dataset;
@@ -45,8 +45,9 @@ auto largest_of(const FieldSampler::Implementation& sampler, const inside::Check
 
 }  // namespace
 
-FieldSampler::FieldSampler(const Dataset& data, std::string_view field, const Method& method)
-    : implementation_(inside::guarded([&] { return std::make_shared<const Implementation>(data, field, method); })) {}
+FieldSampler::FieldSampler(const Dataset& data, std::string_view field, const Method& method, std::stop_token stop)
+    : implementation_(
+          inside::guarded([&] { return std::make_shared<const Implementation>(data, field, method, stop); })) {}
 FieldSampler::~FieldSampler() = default;
 FieldSampler::FieldSampler(const FieldSampler&) = default;
 FieldSampler::FieldSampler(FieldSampler&&) noexcept = default;

@@ -24,23 +24,33 @@ namespace {
 
 constexpr const char* source_name = "arrays";
 
-/// Makes a packed file and opens it.
-/// @param write  (destination, progress): packs
-template <class Write>
-Dataset packed(const PackOptions& options, const Write& write) {
-  const auto progress = [&](std::string_view phase, std::uint64_t done, std::uint64_t total) {
+preprocess::Progress progress_of(const PackOptions& options) {
+  return [&options](std::string_view phase, std::uint64_t done, std::uint64_t total) {
     if (options.stop.stop_requested())
       throw rhoray::Error(rhoray::ErrorCode::interrupted, "packing was stopped by its caller");
     if (options.progress) options.progress(phase, done, total);
   };
-  if (!options.file.empty()) {
-    write(formats::Destination(options.file), progress);
-    return Dataset::open(options.file);
-  }
+}
+
+Descriptor file_in_memory() {
   Descriptor memory(::memfd_create("rhoray-packed", MFD_CLOEXEC));
   if (memory.number() < 0)
     throw rhoray::Error(rhoray::ErrorCode::resource, concat("memfd_create: ", std::system_category().message(errno)));
-  write(formats::Destination(memory.number()), progress);
+  return memory;
+}
+
+/// Makes a packed file and opens it.
+/// @param write  (destination, progress): packs
+template <class Write>
+Dataset packed(const PackOptions& options, const Write& write) {
+  if (options.memory == Memory::wrap)
+    inside::refuse("PackOptions::memory: only the samples of a grid can be wrapped; expected Memory::copy");
+  if (!options.file.empty()) {
+    write(formats::Destination(options.file), progress_of(options));
+    return Dataset::open(options.file);
+  }
+  Descriptor memory = file_in_memory();
+  write(formats::Destination(memory.number()), progress_of(options));
   const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name);
   return Dataset(std::make_shared<const Dataset::Implementation>(render::Dataset::load(file), std::move(memory)));
 }
@@ -177,13 +187,31 @@ void require_doubles(std::string_view name, ElementType type, const preprocess::
   });
 }
 
-preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, AxisOrder order) {
+/// Refuses samples that rays cannot read where they are.
+void require_wrappable(const std::string& name, const ArrayView& values, const Lattice& lattice) {
+  const auto refuse = [&](const auto&... reason) {
+    throw v0_1::Error(v0_1::ErrorCode::usage, concat(name, ": cannot be wrapped: ", reason...),
+                      "pack it with Memory::copy");
+  };
+  if (values.type() == ElementType::U64 || values.type() == ElementType::I64)
+    refuse("its 64-bit integers have to be converted to doubles");
+  const auto bytes = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(values.type())));
+  if (reinterpret_cast<std::uintptr_t>(values.first()) % static_cast<std::uintptr_t>(bytes) != 0)
+    refuse("its first sample is not at a multiple of ", bytes, " bytes");
+  if (!is_plain(lattice, values.first(), bytes))
+    refuse("its strides along x, y and z are ", lattice.stride[0], ", ", lattice.stride[1], " and ", lattice.stride[2],
+           " bytes; expected ", bytes, ", ", bytes * lattice.count[0], " and ",
+           bytes * lattice.count[0] * lattice.count[1], ": contiguous, x fastest");
+}
+
+preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, AxisOrder order, Memory memory) {
   const FieldArray& field = grid.fields[index];
   const std::string name = name_of("GridArrays::fields", index) + ".values";
   const Lattice lattice = lattice_of(name, field.values, order);
   preprocess::NeutralVolume volume;
   volume.sample_count = Index3(lattice.count[0], lattice.count[1], lattice.count[2]);
   volume.type = inside::inside_of(field.values.type());
+  if (memory == Memory::wrap) require_wrappable(name, field.values, lattice);
   place(grid, lattice, volume);
   const std::size_t bytes = formats::element_bytes(inside::inside_of(field.values.type()));
   const void* const first = field.values.first();
@@ -204,6 +232,23 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   volume.field_name = field.name, volume.field_unit = field.unit;
   volume.label_names = label_names(field);
   return volume;
+}
+
+/// Makes everything of a packed file but the samples, and opens it with those of the caller.
+Dataset wrapped(const std::vector<preprocess::NeutralVolume>& volumes, const PackOptions& options) {
+  if (!options.file.empty())
+    inside::refuse("PackOptions::file: found ", options.file.string(),
+                   "; expected none with Memory::wrap, which writes no samples");
+  Descriptor memory = file_in_memory();
+  const preprocess::PackVolumeReport report = preprocess::pack_grid(
+      volumes, formats::Destination(memory.number()),
+      {.order = preprocess::SampleOrder::linear, .source_name = source_name, .leaves_out_samples = true},
+      progress_of(options));
+  std::vector<formats::OutsideArray> samples;
+  for (std::size_t f = 0; f < volumes.size(); ++f) samples.push_back({report.left_out[f], volumes[f].samples});
+  const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name, samples, options.owner);
+  return Dataset(std::make_shared<const Dataset::Implementation>(render::Dataset::load(file), std::move(memory),
+                                                                 inside::Origin{.is_wrapped = true}));
 }
 
 // ---- meshes and surfaces ------------------------------------------------------------------------
@@ -277,7 +322,8 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
       check_shape(name_of("GridArrays::fields", i) + ".values", grid.fields[i].values, grid.fields[0].values.shape());
     std::vector<preprocess::NeutralVolume> volumes;
     volumes.reserve(grid.fields.size());  // a volume's span is of its own samples
-    for (std::size_t i = 0; i < grid.fields.size(); ++i) volumes.push_back(volume_of(grid, i, order));
+    for (std::size_t i = 0; i < grid.fields.size(); ++i) volumes.push_back(volume_of(grid, i, order, options.memory));
+    if (options.memory == Memory::wrap) return wrapped(volumes, options);
     return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
       preprocess::pack_grid(volumes, destination,
                             {.source_name = source_name, .replace_existing = options.replace_existing}, progress);

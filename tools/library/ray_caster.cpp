@@ -12,13 +12,13 @@ namespace rhoray::v0_1 {
 class RayCaster::Implementation {
  public:
   Implementation(const Dataset& handle, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-                 std::string_view field)
+                 std::string_view field, const std::stop_token& stop)
       : data(handle),
         dataset(of_field(handle, field)),
         isovalue(isovalue_of(surface)),
         is_isosurface(std::holds_alternative<Isosurface>(surface)),
         proves_errors(method.proves_errors()),
-        caster(dataset, isovalue, inside::inside_of(checked(method))) {}
+        caster(dataset, isovalue, inside::inside_of(checked(method)), 1, {}, stop) {}
 
   void first_hits(const inside::CheckedRays& rays, std::int64_t first, std::int64_t count,
                   RayScratch::Implementation& scratch) const {
@@ -117,9 +117,10 @@ void check_flags(std::span<std::uint8_t> is_hit, std::int64_t count) {
 }  // namespace
 
 RayCaster::RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-                     std::string_view field)
+                     std::string_view field, std::stop_token stop)
     : implementation_(
-          inside::guarded([&] { return std::make_shared<const Implementation>(data, surface, method, field); })) {}
+          inside::guarded([&] { return std::make_shared<const Implementation>(data, surface, method, field, stop); })) {
+}
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(const RayCaster&) = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
@@ -174,6 +175,7 @@ void RayCaster::all_hits(const Rays& rays, AllHits& hits, RenderContext& context
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     find_all(*implementation_, checked, hits, max_hits, [&](const auto& act) {
+      implementation_->dataset.prove_ranges(context.implementation().threads(), stop);
       inside::for_each_batch(checked.count(), context.implementation(), threads, stop, act);
     });
   });

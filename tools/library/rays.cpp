@@ -7,7 +7,8 @@
 
 namespace rhoray::v0_1 {
 
-RayScratch::RayScratch() : implementation_(std::make_unique<Implementation>()) {}
+RayScratch::RayScratch(std::optional<Machine> machine)
+    : implementation_(std::make_unique<Implementation>(inside::machine_of(machine, "RayScratch"))) {}
 RayScratch::~RayScratch() = default;
 RayScratch::RayScratch(RayScratch&&) noexcept = default;
 RayScratch& RayScratch::operator=(RayScratch&&) noexcept = default;

@@ -13,6 +13,8 @@ namespace rhoray::v0_1 {
 
 class RayScratch::Implementation {
  public:
+  explicit Implementation(render::Machine machine) : caster(machine) {}
+
   render::RayCaster::Scratch caster;
   std::vector<render::Ray> rays;
   std::vector<render::Hit> hits;
@@ -49,7 +51,9 @@ void for_each_batch(std::int64_t count, RayScratch& scratch, const Act& act) {
 template <class Act>
 void for_each_batch(std::int64_t count, RenderContext::Implementation& context, render::RenderContext& threads,
                     const std::stop_token& stop, const Act& act) {
-  std::vector<RayScratch> scratch(threads.worker_count(context.threads()));
+  std::vector<RayScratch> scratch;
+  for (std::size_t worker = threads.worker_count(context.threads()); worker > 0; --worker)
+    scratch.emplace_back(static_cast<Machine>(context.machine()));
   threads.for_each(static_cast<std::size_t>((count + batch_size - 1) / batch_size), context.threads(),
                    [&](std::size_t batch, std::size_t worker) {
                      if (stop.stop_requested()) return;

@@ -1,5 +1,6 @@
 #include "preprocess/pack_volume.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -204,6 +205,20 @@ WriteLevels prepare_field(const NeutralVolume& source, const NeutralVolume& stor
   return write;
 }
 
+/// Takes the arrays of samples out of a grid's arrays and returns them, field by field.
+std::vector<formats::ArraySpec> take_samples(const formats::GridDescription& grid,
+                                             std::vector<formats::ArraySpec>& arrays) {
+  std::vector<formats::ArraySpec> taken;
+  for (std::size_t field = 0; field < grid.fields.size(); ++field) {
+    const auto found = std::find_if(arrays.begin(), arrays.end(), [&](const formats::ArraySpec& array) {
+      return array.name == formats::samples_array(field);
+    });
+    taken.push_back(*found);
+    arrays.erase(found);
+  }
+  return taken;
+}
+
 std::uint64_t sample_bytes(const formats::GridDescription& grid) {
   std::uint64_t samples = 1, bytes = 0;
   for (const std::uint64_t n : grid.layout.shape()) samples *= n;
@@ -218,6 +233,7 @@ namespace {
 PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const formats::Destination& destination,
                               const PackVolumeOptions& options, const Progress& progress) {
   RHORAY_CHECK(!fields.empty());
+  RHORAY_CHECK(!options.leaves_out_samples || (options.order == SampleOrder::linear && !options.type));
   const NeutralVolume& first = fields.front();
   const std::string source_name = options.source_name.empty() ? "volume" : options.source_name;
   PackVolumeReport report;
@@ -247,15 +263,18 @@ PackVolumeReport write_fields(std::span<const NeutralVolume> fields, const forma
   for (std::size_t f = 0; f < fields.size(); ++f)
     write_levels.push_back(prepare_field(fields[f], stored[f], grid, progress));
 
-  formats::PackedFileWriter writer(destination, formats::describe(grid), formats::grid_arrays(grid),
+  std::vector<formats::ArraySpec> arrays = formats::grid_arrays(grid);
+  if (options.leaves_out_samples) report.left_out = take_samples(grid, arrays);
+  formats::PackedFileWriter writer(destination, formats::describe(grid), arrays,
                                    {.replace_existing = options.replace_existing});
-  ProgressMeter writing(progress, "writing samples (bytes)", sample_bytes(grid));
+  ProgressMeter writing(progress, "writing samples (bytes)", options.leaves_out_samples ? 0 : sample_bytes(grid));
   formats::write_axes(grid, writer);
   if (grid.layout.is_sparse)
     writer.write_all("bricks", std::span<const std::uint32_t>(slots_of_bricks(
                                    bricks, static_cast<std::size_t>(volume(grid.layout.brick_count())))));
   for (std::size_t f = 0; f < fields.size(); ++f) {
     with_samples(stored[f], [&]<class T>(std::span<const T> samples) {
+      if (options.leaves_out_samples) return;
       const std::string array = formats::samples_array(f);
       if constexpr (std::is_floating_point_v<T>)
         if (grid.layout.is_sparse) return write_sparse_samples(samples, grid.layout, bricks, array, writer, writing);

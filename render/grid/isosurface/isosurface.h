@@ -1,5 +1,7 @@
 #pragma once
 
+#include <stop_token>
+
 #include "render/query/kernels.h"
 #include "render/query/machine.h"
 
@@ -10,8 +12,9 @@ namespace rhoray::render::wide {
 /// methods other than those of the table in render/KERNELS.md.
 Kernel first_crossing_kernel(const LoadedDataset& dataset, const Method& method, Machine machine);
 
-/// Finds the blocks of an isovalue unless they are cached.
+/// Finds the blocks of an isovalue unless they are cached. Not ended by a stop request.
 /// @return  the boxes around them; nothing where the scalar kernels answer
-std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned threads);
+std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned threads,
+                                              const std::stop_token& stop);
 
 }  // namespace rhoray::render::wide

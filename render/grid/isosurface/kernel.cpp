@@ -83,7 +83,8 @@ void first_crossings(const LoadedDataset& dataset, const RayQuery& query, const 
 
 }  // namespace
 
-std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned) {
+std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned,
+                                              const std::stop_token&) {
   const UniformGrid& view = std::get<UniformGrid>(dataset.view);
   if (!is_answerable_wide(view, query)) return std::nullopt;
   const auto occupancy = dataset.occupancies->of(view.ranges(), query.isovalue);

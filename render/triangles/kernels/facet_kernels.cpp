@@ -26,10 +26,11 @@ bool is_of_triangles(const LoadedDataset& dataset) {
 }
 
 /// The facets of a mesh's isosurface, or the triangles of a surface.
-std::shared_ptr<const Facets> facets_of(const LoadedDataset& dataset, double isovalue, unsigned threads) {
+std::shared_ptr<const Facets> facets_of(const LoadedDataset& dataset, double isovalue, unsigned threads,
+                                        const std::stop_token& stop = {}) {
   if (const auto* triangles = std::get_if<TriangleData>(&dataset.view))
-    return dataset.facets->of(*triangles, dataset.bounds_data, isovalue, threads);
-  return dataset.facets->of(std::get<TetData>(dataset.view), dataset.bounds_data, isovalue, threads);
+    return dataset.facets->of(*triangles, dataset.bounds_data, isovalue, threads, stop);
+  return dataset.facets->of(std::get<TetData>(dataset.view), dataset.bounds_data, isovalue, threads, stop);
 }
 
 Kernel first_hit_of(const LoadedDataset& dataset, const Method& method) {
@@ -272,9 +273,10 @@ bool is_fit(const LoadedDataset& dataset) {
                           std::abs(dataset.field.range.hi) <= largest_magnitude));
 }
 
-std::optional<SurfaceBoxes> prepare_facets(const LoadedDataset& dataset, const RayQuery& query, unsigned threads) {
+std::optional<SurfaceBoxes> prepare_facets(const LoadedDataset& dataset, const RayQuery& query, unsigned threads,
+                                           const std::stop_token& stop) {
   if (!is_answerable(query)) return std::nullopt;
-  const auto facets = facets_of(dataset, query.isovalue, threads);
+  const auto facets = facets_of(dataset, query.isovalue, threads, stop);
   SurfaceBoxes boxes = boxes_of(facets, facets->levels());
   boxes.anchor = facets->anchor();
   boxes.unit = 1 / facets->scale();

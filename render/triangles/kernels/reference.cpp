@@ -155,7 +155,7 @@ bool is_ray(const Ray& ray) {
 void first_triangles(const LoadedDataset& dataset, const RayQuery& query, const RayBatch& rays, HitBatch& hits,
                      KernelScratch& scratch) {
   const TriangleData& view = std::get<TriangleData>(dataset.view);
-  const std::shared_ptr<const Facets> facets = dataset.facets->of(view, dataset.bounds_data, 0, 1);
+  const std::shared_ptr<const Facets> facets = dataset.facets->of(view, dataset.bounds_data, 0, 1, {});
   for (std::size_t r = 0; r < rays.count; ++r) {
     const std::uint64_t before = scratch.counters.visits();
     const Ray ray = rays[r];

@@ -130,7 +130,7 @@ PixelLattice any_lattice(Dice& dice) {
 BlockMask blocks_that_may_meet(const SurfaceBoxes& boxes, const BoxProjection& projection,
                                const PixelLattice& lattice) {
   BlockMask mask(lattice);
-  add_blocks_that_may_meet(boxes, projection, lattice, mask);
+  add_blocks_that_may_meet(boxes, projection, lattice, mask, render::chosen_machine());
   return mask;
 }
 

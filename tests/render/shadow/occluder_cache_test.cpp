@@ -34,7 +34,9 @@ std::shared_ptr<const LightOccluders> occluders_of(OccluderCache& cache, const r
   const render::RayQuery query{.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   const render::LoadedDataset& implementation = dataset.implementation();
   const render::Intersectors chosen = choose_intersectors(implementation, query);
-  return chosen.occluders == nullptr ? nullptr : cache.of(*chosen.occluders, implementation, query, light, 1);
+  return chosen.occluders == nullptr
+             ? nullptr
+             : cache.of(*chosen.occluders, implementation, query, light, render::chosen_machine(), 1);
 }
 
 TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {

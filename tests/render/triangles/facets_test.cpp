@@ -9,11 +9,14 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stop_token>
 #include <vector>
 
 #include "formats/triangle_mesh.h"
+#include "render/render.h"
 #include "render/tets/active_cells.h"
 #include "tests/render/support/traced_dataset.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -44,6 +47,37 @@ std::array<Corner, 4> corners_of(const Facets& facets, std::uint32_t f) {
   for (std::size_t c = 0; c < 4; ++c)
     for (std::size_t axis = 0; axis < 3; ++axis) corners[c][axis] = block.corner[c][axis][f % render::FacetBlock::size];
   return corners;
+}
+
+// A frame that was stopped keeps nothing of a preparation, and the next one prepares all of it.
+TEST(Facets, of_a_preparation_that_was_stopped_are_not_kept) {
+  std::stop_source source;
+  source.request_stop();
+  const std::stop_token stopped = source.get_token();
+  for (const auto structure : {preprocess::MeshStructure::leaves, preprocess::MeshStructure::clusters}) {
+    preprocess::PackMeshOptions options;
+    options.structure = structure;
+    const Made mesh(box_mesh({.cells = {9, 9, 9}}, waves), options);
+    const render::Dataset& dataset = mesh.traced.dataset();
+    const render::LoadedDataset& implementation = dataset.implementation();
+    const auto kept = [&] {
+      return implementation.facets->of(mesh.view(), implementation.bounds_data, 0.2, 1, stopped);
+    };
+    const auto expect_nothing_kept = [&] { expect_error(ErrorCode::interrupted, "interrupted", kept); };
+    render::Scene scene;
+    scene.camera = fit_camera(dataset.bounds(), render::named_view("iso"), 1);
+    scene.layers[0].isovalue = 0.2;
+    scene.layers[0].method = render::method_of(render::Accuracy::float32);
+    render::Framebuffer picture;
+    render::RenderContext memory;
+    const render::FrameOptions frame{.width = 32, .height = 32};
+    expect_nothing_kept();
+    EXPECT_EQ(render::refine(dataset, scene, frame, {.first_spacing = 1, .stop = stopped}, picture, memory).rays, 0U);
+    expect_nothing_kept();
+    EXPECT_EQ(render::render(dataset, scene, frame, picture, memory).rays, 32U * 32);
+    ASSERT_NE(kept(), nullptr);
+    EXPECT_EQ(kept()->count(), mesh.facets(0.2).count());
+  }
 }
 
 /// Facets of one triangle, in the frame of a box.

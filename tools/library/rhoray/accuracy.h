@@ -18,7 +18,10 @@ struct Goal {
   /// Along the ray, in cells, for 99 % of the pixels; for largest values a share of the field's
   /// range.
   std::optional<double> max_error{};
-  std::optional<double> budget_ms{};  ///< for tracing the picture on this machine
+  std::optional<double> budget_ms{};  ///< for tracing the picture on this computer
+  /// The instruction set that will trace it, as ContextOptions::machine. Times and the errors of
+  /// preview and float32 depend on it.
+  std::optional<Machine> machine{};
 };
 
 /// The result of choose_method.
@@ -34,7 +37,8 @@ struct MethodChoice {
 /// compares them with exact arithmetic. Returns the cheapest that keeps the error, or the most
 /// accurate one within the time. It runs for about a second.
 /// Throws ErrorCode::usage for a goal without numbers or out of range, and for another layer;
-/// ErrorCode::interrupted if stopped.
+/// ErrorCode::interrupted if stopped;
+/// ErrorCode::unsupported for an instruction set that this processor does not have.
 RHORAY_API MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& size, const Goal& goal,
                                       std::stop_token stop = {});
 
@@ -60,13 +64,15 @@ struct SelfCheck {
 struct SelfCheckOptions {
   std::uint64_t pixels = 500;  ///< of each kind, at least 1
   std::uint64_t seed = 1;
-  unsigned threads = 0;  ///< 0: all cores
+  unsigned threads = 0;    ///< 0: all cores
+  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
 };
 
-/// Traces pixels of a picture again in exact arithmetic and compares them. The picture must be
-/// whole and needs the channel `depth`, or `value` for a projection; `error` is compared if it is
-/// there. Throws ErrorCode::usage for a picture without them, and for a scene in which a pixel does
-/// not define one position: triangles, transparent surfaces, a projection beside other layers.
+/// Traces pixels of a picture again in exact arithmetic, which does not depend on the instruction
+/// set, and compares them. The picture must be whole and needs the channel `depth`, or `value` for
+/// a projection; `error` is compared if it is there. Throws ErrorCode::usage for a picture without
+/// them, and for a scene in which a pixel does not define one position: triangles, transparent
+/// surfaces, a projection beside other layers.
 RHORAY_API SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheckOptions& options = {});
 
 }  // namespace rhoray::RHORAY_ABI

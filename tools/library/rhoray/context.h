@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -16,12 +17,33 @@
 
 namespace rhoray::RHORAY_ABI {
 
-/// The threads of a RenderContext.
+/// The instruction sets that kernels are compiled for, with the names that the program `rhoray`
+/// takes in RHORAY_MACHINE. A later one includes those before it.
+enum class Machine {
+  scalar,    ///< one ray at a time: the reference
+  baseline,  ///< the best below AVX2: on x86-64 SSE2 or SSE4
+  avx2,
+  avx512
+};
+
+/// True if this processor has an instruction set.
+/// Throws ErrorCode::usage for a number that is none of the enumerators.
+RHORAY_API bool has_machine(Machine machine);
+/// Returns the last one that this processor has.
+RHORAY_API Machine best_machine();
+
+/// The threads of a RenderContext, and its instruction set.
 struct ContextOptions {
   unsigned threads = 0;  ///< 0, or more than there are: the cores that this process may use
   /// Tiles are traced in the oneTBB arena of the thread that calls, with as many threads as it has.
   /// Preparing an isovalue still starts threads of its own, as many as `threads` says.
   bool uses_callers_arena = false;
+  /// Everything that is called with this context uses it. Nothing: best_machine(). The library does
+  /// not read the environment variable RHORAY_MACHINE; a program that wants to obey it sets this.
+  ///
+  /// Pictures at preview and float32 may differ between instruction sets. On computers with
+  /// different processors, choose the least of their best_machine() to get the same bytes.
+  std::optional<Machine> machine{};
 };
 
 /// Size and channels of a picture.
@@ -51,6 +73,22 @@ struct Statistics {
   RHORAY_API Statistics& operator+=(const Statistics& other);
 };
 
+/// A point of a layer that a ray through a picture meets.
+struct ProbeHit {
+  std::size_t layer = 0;  ///< index into Scene::layers
+  double depth = 0;       ///< distance from the eye along the ray, world units
+  Vec3 position{};        ///< world axes
+  /// Bound on the distance of `position` from the exact crossing of the ray, world units. Nothing
+  /// for triangles, slices and largest values: none is proven.
+  std::optional<double> error{};
+  std::uint64_t cell = no_cell;  ///< id, as in Picture::cell
+  /// Isosurface: the isovalue; projection: the largest value; slice: the field there; triangles:
+  /// the field that colours them, NaN without one.
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::optional<double> value_error{};  ///< bound on the error of a largest value
+  std::string unit{};                   ///< of the value; empty if the source gives none
+};
+
 /// The result of RenderContext::render and RenderContext::refine.
 struct RenderResult {
   Statistics statistics;
@@ -77,14 +115,16 @@ struct Passes {
 /// that was forked after the context was made (ErrorCode::usage).
 class RHORAY_API RenderContext {
  public:
+  /// Throws ErrorCode::unsupported for an instruction set that this processor does not have,
+  /// ErrorCode::usage for a number that is none.
   explicit RenderContext(const ContextOptions& options = {});
   ~RenderContext();
   RenderContext(const RenderContext&) = delete;
   RenderContext& operator=(const RenderContext&) = delete;
 
   /// Traces a picture, or a window of it. `stop` ends it between tiles of 32 x 32 pixels: that is
-  /// not an error, and the result says that it is not complete. Preparing an isovalue is not
-  /// interrupted.
+  /// not an error, and the result says that it is not complete. It ends the proof of stored ranges and
+  /// the preparation of a mesh's isovalue as soon; then nothing is traced.
   ///
   /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found
   /// and what was expected; ErrorCode::invalid for certified and exact pictures of data whose
@@ -92,10 +132,34 @@ class RHORAY_API RenderContext {
   RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
 
   /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` is
-  /// heeded after the first pass, so that something of every request is shown; it ends a later pass
-  /// at once.
+  /// heeded after the first pass, with its preparation and proof, so that something of every request
+  /// is shown; it ends a later pass at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
                       std::stop_token stop = {});
+
+  /// Finds what the ray through a point of a picture meets, nearest first: all crossings of
+  /// isosurfaces, all hits of triangles, a point on each slice, and the place of the largest value of
+  /// each projection. Surfaces behind an opaque one are listed, too; a projection ends at the nearest
+  /// opaque surface. The list is empty where the ray meets nothing. If it has max_hits elements,
+  /// there may be more.
+  ///
+  /// Crossings and largest values are decided by exact arithmetic, whatever the layer's method. The
+  /// first one is therefore where the picture at Accuracy::exact shows it, bit for bit. Errors hold
+  /// for the pixel's ray in the frame of the data (RayCaster). Hits of triangles are those of
+  /// Accuracy::float64. At equal depths slices come first, then the scene's order.
+  ///
+  /// Surfaces with opacity 0 and clipped parts are left out. Traces on the calling thread; proving
+  /// stored ranges, once per dataset, uses the context's threads.
+  ///
+  /// Throws ErrorCode::usage for a point outside the picture or not a number, for max_hits below 1,
+  /// and as `render`; ErrorCode::invalid for data whose stored ranges do not hold, whatever the
+  /// methods.
+  /// @param size  of the picture; sides from 1 to 65,536
+  /// @param x, y  in pixels; the centre of pixel (i, j) is at (i, j), so that the picture extends
+  ///              from (-0.5, -0.5) to (width - 0.5, height - 0.5)
+  std::vector<ProbeHit> probe(const Scene& scene, const Size& size, double x, double y, int max_hits = 64);
+
+  Machine machine() const;  ///< the instruction set of all calls
 
   class RHORAY_INSIDE Implementation;
   Implementation& implementation() { return *implementation_; }  ///< for the library's own sources

@@ -69,7 +69,8 @@ class RHORAY_API Dataset {
   /// Returns the file with these data, as it was named when it was opened. Data that were packed in
   /// memory have a name too, /proc/PID/fd/N: other programs of the same user can open it while this
   /// dataset exists. A boundary has the name of its mesh.
-  /// Throws ErrorCode::usage for the boundary of a mesh in memory.
+  /// Throws ErrorCode::usage for the boundary of a mesh in memory, and for arrays that are wrapped
+  /// (Memory::wrap), which no other program can read.
   std::filesystem::path path() const;
 
   /// Returns the outside of a mesh: the triangles that belong to one cell only, with the fields of
@@ -81,19 +82,19 @@ class RHORAY_API Dataset {
 
   /// The arrays of the packed file, in the layout that formats/SPEC.md describes.
   std::vector<std::string> array_names() const;
-  /// An array in the mapped file, which must not be written to. It is valid while a handle lives.
-  /// Throws ErrorCode::usage for an unknown name.
+  /// An array in the mapped file, or the caller's if it is wrapped. It must not be written to. It is
+  /// valid while a handle lives. Throws ErrorCode::usage for an unknown name.
   ArrayView array(std::string_view name) const;
 
   /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside
-  /// a render.
+  /// a render. Wrapped arrays have no checksums.
   /// @param threads  0: all cores
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
 
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
   /// the bytes that `pack` writes to a file.
-  /// Throws ErrorCode::usage for an existing file without `replace_existing`, and for data that are
-  /// not in memory; ErrorCode::resource for a full disk.
+  /// Throws ErrorCode::usage for an existing file without `replace_existing`, for wrapped arrays, and
+  /// for data that are not in memory; ErrorCode::resource for a full disk.
   void save(const std::filesystem::path& path, bool replace_existing = false) const;
 
   class RHORAY_INSIDE Implementation;

@@ -14,7 +14,8 @@ enum class ErrorCode {
   unreadable = 3,    ///< a file is missing or cannot be read
   invalid = 4,       ///< a file was read and is wrong or damaged
   resource = 5,      ///< no memory, disk space or threads
-  unsupported = 7,   ///< a file needs a newer version, or a kind of data cannot answer a query
+  unsupported = 7,   ///< a file needs a newer version, a kind of data cannot answer a query,
+                     ///< or this processor lacks an instruction set
   interrupted = 130  ///< the caller's stop token ended the call
 };
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -66,6 +67,20 @@ struct SurfaceArrays {
   std::string length_unit{};
 };
 
+/// Whose memory holds the samples of a dataset.
+enum class Memory {
+  copy,  ///< the dataset's: the arrays may be freed after `pack`
+  /// The caller's: rays read the arrays themselves. Only for grids whose samples are contiguous with
+  /// x fastest, aligned, of any type but U64 and I64. Others are refused with the reason; nothing is
+  /// copied instead. The dataset adds 3 % for the ranges of its macrocells.
+  ///
+  /// The arrays must live, and must not change, as long as the dataset or anything that holds it:
+  /// the ranges would no longer hold, and neither would proven errors. Answers have the same bits as
+  /// of a copy, but for the channel `cost`. Rays took 0 to 23 % more CPU time in our measurements,
+  /// because neighbours are further apart in memory than in bricks.
+  wrap
+};
+
 /// Where `pack` writes, and how it reports and stops.
 struct PackOptions {
   /// Where the packed file is written. Empty: it stays in memory.
@@ -75,15 +90,22 @@ struct PackOptions {
   /// Calls come one at a time, from any thread.
   std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)> progress{};
   std::stop_token stop{};  ///< ends the call with ErrorCode::interrupted; no file is left behind
+  Memory memory = Memory::copy;
+  /// With Memory::wrap: an object that keeps the arrays alive. It is released with the last handle of
+  /// the dataset, on any thread. Empty: the caller keeps them alive.
+  std::shared_ptr<const void> owner{};
 };
 
 /// Packs arrays into the format that rays are traced through, and opens the result. `rhoray pack`
 /// writes the same bytes, apart from the stored command. The arrays may be freed afterwards, and must
 /// not change meanwhile. Work runs on all cores. Samples that are contiguous with x fastest are read
-/// in place; other arrays are copied first.
+/// while packing; other arrays are copied first.
+///
+/// With Memory::wrap nothing is copied (see there).
 ///
 /// Throws ErrorCode::usage for arrays that break the rules above, with the name of the array, what
-/// was found and what was expected; ErrorCode::resource for a full disk.
+/// was found and what was expected; for arrays that cannot be wrapped; for Memory::wrap with a file
+/// or with anything but a grid. Throws ErrorCode::resource for a full disk.
 RHORAY_API Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options = {});
 RHORAY_API Dataset pack(const MeshArrays& mesh, const PackOptions& options = {});
 RHORAY_API Dataset pack(const SurfaceArrays& surface, const PackOptions& options = {});

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -52,7 +53,9 @@ struct AllHits {
 /// Memory of one of the caller's threads for calls that run on that thread alone.
 class RHORAY_API RayScratch {
  public:
-  RayScratch();
+  /// Throws as RenderContext for an instruction set that this processor does not have.
+  /// @param machine  the instruction set of calls with it; nothing: best_machine()
+  explicit RayScratch(std::optional<Machine> machine = {});
   ~RayScratch();
   RayScratch(RayScratch&&) noexcept;
   RayScratch& operator=(RayScratch&&) noexcept;
@@ -81,9 +84,11 @@ class RHORAY_API RayCaster {
   /// Throws ErrorCode::usage for an isovalue that is not finite and an unknown field;
   /// ErrorCode::unsupported for a surface with a method other than float32 and float64;
   /// ErrorCode::invalid for data whose ranges do not hold.
+  /// A proof that was stopped (ErrorCode::interrupted) is made again by the next call that needs it.
   /// @param field  empty: the first that is not constant
+  /// @param stop   ends the proof
   RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-            std::string_view field = {});
+            std::string_view field = {}, std::stop_token stop = {});
   ~RayCaster();
   RayCaster(const RayCaster&);
   RayCaster(RayCaster&&) noexcept;
@@ -122,7 +127,8 @@ class RHORAY_API FieldSampler {
  public:
   /// Throws ErrorCode::unsupported for a surface. Otherwise as RayCaster.
   /// @param method  for the largest values along rays
-  explicit FieldSampler(const Dataset& data, std::string_view field = {}, const Method& method = Accuracy::float64);
+  explicit FieldSampler(const Dataset& data, std::string_view field = {}, const Method& method = Accuracy::float64,
+                        std::stop_token stop = {});
   ~FieldSampler();
   FieldSampler(const FieldSampler&);
   FieldSampler(FieldSampler&&) noexcept;

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <stop_token>
+
+#include "formats/base/error.h"
+#include "formats/base/parallel.h"
+
+namespace rhoray {
+
+/// Throws ErrorCode::interrupted if a stop was requested.
+inline void end_if_stopped(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
+}
+
+/// Calls act(index) for first <= index < last, in order. Throws ErrorCode::interrupted at the first
+/// multiple of `piece` after a stop was requested.
+/// @param piece  at least 1; up to a millisecond of work, and far more than reading the token
+template <class Act>
+void for_each_until_stopped(std::uint64_t first, std::uint64_t last, std::uint64_t piece, const std::stop_token& stop,
+                            Act&& act) {
+  for (std::uint64_t begin = first; begin < last;) {
+    end_if_stopped(stop);
+    const std::uint64_t end = std::min(begin + piece - begin % piece, last);
+    for (; begin < end; ++begin) act(begin);
+  }
+}
+
+/// As above for all indices below `count`, on the threads of for_each_range. Every thread ends.
+template <class Act>
+void for_each_until_stopped(std::uint64_t count, std::uint64_t smallest, std::uint64_t piece, unsigned threads,
+                            const std::stop_token& stop, Act&& act) {
+  for_each_range(count, smallest, threads, [&](std::uint64_t first, std::uint64_t last) {
+    for_each_until_stopped(first, last, piece, stop, act);
+  });
+}
+
+}  // namespace rhoray

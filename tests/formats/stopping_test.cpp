@@ -1,0 +1,79 @@
+#include "formats/base/stopping.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "tests/support/expect_error.h"
+
+// Loops that a caller can stop. Their work after a stop request is counted.
+
+namespace rhoray {
+namespace {
+
+using tests::expect_error;
+
+TEST(ForEachUntilStopped, calls_every_index_once_in_order_without_a_request) {
+  for (const std::uint64_t first : {0U, 1U, 7U, 8U, 9U})
+    for (const std::uint64_t last : {0U, 1U, 8U, 9U, 30U})
+      for (const std::uint64_t piece : {1U, 4U, 8U, 100U}) {
+        std::vector<std::uint64_t> called, expected(last > first ? last - first : 0);
+        std::iota(expected.begin(), expected.end(), first);
+        for_each_until_stopped(first, last, piece, {}, [&](std::uint64_t i) { called.push_back(i); });
+        EXPECT_EQ(called, expected) << first << ", " << last << ", " << piece;
+      }
+}
+
+TEST(ForEachUntilStopped, calls_nothing_after_a_request) {
+  std::stop_source stop;
+  stop.request_stop();
+  std::atomic<int> calls = 0;
+  const auto count = [&](std::uint64_t) { ++calls; };
+  expect_error(ErrorCode::interrupted, "interrupted",
+               [&] { for_each_until_stopped(0, 100, 8, stop.get_token(), count); });
+  for (const unsigned threads : {1U, 3U})
+    expect_error(ErrorCode::interrupted, "interrupted",
+                 [&] { for_each_until_stopped(100, 1, 8, threads, stop.get_token(), count); });
+  EXPECT_EQ(calls, 0);
+}
+
+TEST(ForEachUntilStopped, ends_at_the_next_multiple_of_a_piece) {
+  for (const std::uint64_t first : {0U, 3U})
+    for (const std::uint64_t at : {3U, 7U, 8U, 15U, 16U, 40U}) {
+      std::stop_source stop;
+      std::uint64_t last_called = 0;
+      expect_error(ErrorCode::interrupted, "interrupted", [&] {
+        for_each_until_stopped(first, 100, 8, stop.get_token(), [&](std::uint64_t i) {
+          last_called = i;
+          if (i == at) stop.request_stop();
+        });
+      });
+      EXPECT_EQ(last_called, at / 8 * 8 + 7);
+    }
+  // A request during the last piece comes too late.
+  std::stop_source stop;
+  EXPECT_NO_THROW(for_each_until_stopped(0, 20, 8, stop.get_token(), [&](std::uint64_t i) {
+    if (i == 16) stop.request_stop();
+  }));
+}
+
+TEST(ForEachUntilStopped, lets_every_thread_finish_one_piece) {
+  constexpr unsigned threads = 3;
+  std::stop_source stop;
+  std::atomic<int> calls = 0;
+  expect_error(ErrorCode::interrupted, "interrupted", [&] {
+    for_each_until_stopped(threads * 80, 1, 8, threads, stop.get_token(), [&](std::uint64_t i) {
+      ++calls;
+      if (i == 0) stop.request_stop();
+      while (!stop.stop_requested()) std::this_thread::yield();
+    });
+  });
+  EXPECT_GE(calls, 8);
+  EXPECT_LE(calls, static_cast<int>(threads * 8));
+}
+
+}  // namespace
+}  // namespace rhoray
