@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/workbench.h"
+#include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
 namespace {
@@ -54,6 +55,18 @@ TEST(OpenAnyFile, packs_once_and_says_so_in_one_line) {
   const RunResult without = bench.rhoray({"render", "ball.nrrd", "--size", "32x32", "--force", "--no-cache"});
   EXPECT_EQ(without.exit_code, 0) << without.err;
   EXPECT_THAT(without.err, HasSubstr("in memory"));
+}
+
+TEST(OpenAnyFile, packs_once_for_a_scene_that_later_names_the_field) {
+  const Workbench bench;
+  make_ball_nrrd(bench);
+  int packed = 0;
+  const tools::DataAccess access{.use_cache = false,
+                                 .say = [&](const std::string& line) { packed += line.starts_with("packed "); },
+                                 .opened = std::make_shared<tools::DataAccess::Opened>()};
+  const std::string field = tools::load_shown(bench / "ball.nrrd", {}, access).field().name;
+  EXPECT_EQ(tools::load_shown(bench / "ball.nrrd", field, access).field().name, field);
+  EXPECT_EQ(packed, 1);
 }
 
 TEST(OpenAnyFile, lists_packed_copies_and_removes_them) {

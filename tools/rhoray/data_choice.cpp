@@ -61,6 +61,13 @@ bool is_choice(const std::string& note) {
   return note.find("; choose another with --") != std::string::npos;
 }
 
+/// Whether data that were opened with all their fields have these.
+bool has_fields(const preprocess::OpenedData& opened, const std::vector<std::string>& names) {
+  if (opened.file.description().kind == "vdb") return false;  // it holds one of the file's grids
+  const render::Dataset dataset = render::Dataset::load(opened.file);
+  return std::all_of(names.begin(), names.end(), [&](const std::string& name) { return dataset.field(name); });
+}
+
 /// @param color  keeps the colours, for a texture
 preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
                             const DataAccess& access, bool color = false) {
@@ -68,8 +75,13 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
   pack.fields = std::move(fields);
   pack.color = color;
   const std::pair key(path, preprocess::option_words(pack));
-  if (access.opened)
+  if (access.opened) {
     if (const auto known = access.opened->find(key); known != access.opened->end()) return known->second;
+    preprocess::PackOptions all_fields = pack;
+    all_fields.fields.clear();
+    const auto whole = access.opened->find({path, preprocess::option_words(all_fields)});
+    if (whole != access.opened->end() && has_fields(whole->second, pack.fields)) return whole->second;
+  }
   const Stopwatch watch;
   const preprocess::OpenedData opened = preprocess::open_data(path, {.pack = pack,
                                                                      .use_cache = access.use_cache,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -12,7 +13,6 @@
 #include "formats/base/text.h"
 #include "render/accuracy.h"
 #include "render/render.h"
-#include "tools/analysis/effect_costs.h"
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
 #include "tools/view/motion_pixels.h"
@@ -29,12 +29,6 @@ constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edg
 constexpr double longest_timed_ms = 4000;      ///< effects of a picture that takes longer are not timed
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
-
-Json json_of(const EffectTimes& times) {
-  Json effects = Json::array();
-  for (const EffectTimes::Cost& cost : times.costs()) effects.push_back({{"effect", cost.effect}, {"ms", cost.ms}});
-  return {{"ms", times.whole_ms()}, {"effects", effects}};
-}
 
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -352,46 +346,59 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   send_finished(client, *statistics);
 }
 
+/// Does work that the client's leaving, the end of the program and its deadline end, and a newer
+/// request as soon as it may.
+Painter::Outcome Painter::run_until_ended(Client& client, Clock::time_point begin, bool may_be_ended,
+                                          const std::function<void(std::stop_token)>& act) {
+  const Clock::time_point deadline = begin + longest_picture_;
+  std::stop_source source;
+  {
+    const std::lock_guard lock(mutex_);
+    if (client.has_left || thread_.get_stop_token().stop_requested()) return Outcome::ended;
+    if (may_be_ended && client.is_new) return Outcome::ended;
+    running_ = Running{client.id, deadline, source, may_be_ended};
+  }
+  changed_.notify_all();
+  std::exception_ptr failure;
+  try {
+    act(source.get_token());
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    running_.reset();
+  }
+  if (!source.stop_requested()) {
+    if (failure) std::rethrow_exception(failure);
+    return Outcome::finished;
+  }
+  return Clock::now() >= deadline ? Outcome::took_too_long : Outcome::ended;
+}
+
 /// Traces a picture, in passes; a newer request may end it as soon as pass_done or the caller says so.
-/// Nothing if it was ended before it was finished. Refuses a picture that
-/// takes too long (ErrorCode::resource).
+/// Nothing if it was ended before it was finished. Refuses a picture that takes too long
+/// (ErrorCode::resource).
 std::optional<render::FrameStatistics> Painter::trace(Client& client, render::ResolvedScene& plan,
                                                       render::Refinement refinement, Clock::time_point begin,
                                                       render::Framebuffer& picture, bool may_be_ended) {
   plan.frame.threads = threads_;
   if (plan.page) plan.frame.channels |= channel_of(*plan.page);
-  const Clock::time_point deadline = begin + longest_picture_;
-  std::stop_source source;
-  {
-    const std::lock_guard lock(mutex_);
-    if (client.has_left || thread_.get_stop_token().stop_requested()) return std::nullopt;
-    if (may_be_ended && client.is_new) return std::nullopt;
-    running_ = Running{client.id, deadline, source, may_be_ended};
-  }
-  changed_.notify_all();
   bool is_whole = false;
-  refinement.stop = source.get_token();
   refinement.pass_done = [&is_whole, then = std::move(refinement.pass_done)](int spacing) {
     is_whole = spacing == 1;
     return then ? then(spacing) : true;
   };
-  const auto end = [&] {
-    const std::lock_guard lock(mutex_);
-    running_.reset();
-  };
   render::FrameStatistics statistics;
-  try {
+  const Outcome outcome = run_until_ended(client, begin, may_be_ended, [&](std::stop_token stop) {
+    refinement.stop = std::move(stop);
     statistics = render::refine(plan.datasets, plan.scene, plan.frame, refinement, picture, client.memory);
-  } catch (...) {
-    end();
-    throw;
-  }
-  end();
-  if (source.stop_requested() && Clock::now() >= deadline)
+  });
+  if (outcome == Outcome::took_too_long)
     throw Error(ErrorCode::resource,
                 concat("the picture takes more than ", 1e-3 * static_cast<double>(longest_picture_.count()),
                        " s; choose fewer samples or a smaller window"));
-  if (!is_whole || source.stop_requested()) return std::nullopt;
+  if (!is_whole || outcome == Outcome::ended) return std::nullopt;
   return statistics;
 }
 
@@ -429,29 +436,32 @@ void Painter::time_effects(Client& client) {
     client.effect_times->took(ms_since(begin));
     client.was_timed = client.effect_times->is_done();
     if (!client.was_timed) return;
-    json.update(json_of(*client.effect_times));
+    json.update(json_of_effects(*client.effect_times));
     client.effect_times.reset();
   }
   client.sink.send_text(dump(Json{{"effects", json}}));
 }
 
-/// Compares random pixels of the picture, and pixels at edges, with exact arithmetic.
+/// Compares random pixels of the picture, and pixels at edges, with exact arithmetic. A newer request
+/// ends it.
 void Painter::check(Client& client) {
-  client.was_checked = true;
+  client.was_checked = true;  // also if it fails
   Json json{{"n", client.drawn->number}};
   if (const std::string why_not = why_not_checkable(client.plan); !why_not.empty()) {
     json["why_not"] = why_not;
   } else {
     const Clock::time_point begin = Clock::now();
-    const render::SelfCheck found = check_picture(
-        client.plan, client.picture, {.pixels = checked_pixels, .seed = client.drawn->number, .limit = {}}, threads_);
-    const render::CheckedPixels &random = found.random, &edges = found.edges;
-    json.update(Json{{"pixels", random.pixels + edges.pixels},
-                     {"missed", random.missed + edges.missed},
-                     {"false_hits", random.false_hits + edges.false_hits},
-                     {"kept_by_99", std::max(random.kept_by_99, edges.kept_by_99)},
-                     {"unit", found.unit},
-                     {"ms", ms_since(begin)}});
+    render::SelfCheck found;
+    const Outcome outcome = run_until_ended(client, begin, true, [&](std::stop_token stop) {
+      const render::SelfCheckOptions options{
+          .pixels = checked_pixels, .seed = client.drawn->number, .limit = {}, .stop = std::move(stop)};
+      found = check_picture(client.plan, client.picture, options, threads_);
+    });
+    if (outcome == Outcome::ended) return;
+    if (outcome == Outcome::took_too_long)
+      json["why_not"] = "The comparison with exact arithmetic takes too long.";
+    else
+      json.update(json_of_check(found, ms_since(begin)));
   }
   client.sink.send_text(dump(Json{{"check", json}}));
 }

@@ -29,7 +29,8 @@ struct ClientSink {
 /// picture of the older one was sent. In motion a picture has as many pixels as can be traced and
 /// encoded in 13 ms. No client has more than two pictures that it has not acknowledged. When it stops
 /// moving, the picture is refined to that of `rhoray render`, and is sent a second time without loss.
-/// In idle time random pixels of it are compared with exact arithmetic, and its effects are timed.
+/// In idle time random pixels of it are compared with exact arithmetic, and its effects are timed. A
+/// newer request ends both.
 class Painter {
  public:
   using ClientId = std::uint64_t;
@@ -61,6 +62,9 @@ class Painter {
   void paint(Client& client, const PictureRequest& request);
   void paint_moving(Client& client, const PictureRequest& request, Clock::time_point begin);
   void paint_at_rest(Client& client, const PictureRequest& request, Clock::time_point begin);
+  enum class Outcome { finished, ended, took_too_long };
+  Outcome run_until_ended(Client& client, Clock::time_point begin, bool may_be_ended,
+                          const std::function<void(std::stop_token)>& act);
   std::optional<render::FrameStatistics> trace(Client& client, render::ResolvedScene& plan,
                                                render::Refinement refinement, Clock::time_point begin,
                                                render::Framebuffer& picture, bool may_be_ended = false);
@@ -74,7 +78,7 @@ class Painter {
   void answer(Client& client, const PictureRequest& request, const Probe& probe);
   void keep(Client& client, const PictureRequest& request);
 
-  /// The picture that is being traced.
+  /// The work that is being done: a picture, or the check of one.
   struct Running {
     ClientId client = 0;
     Clock::time_point deadline;

@@ -120,6 +120,22 @@ Json json_of_camera(const render::Camera& camera) {
   return json;
 }
 
+Json json_of_check(const render::SelfCheck& found, double ms) {
+  const render::CheckedPixels &random = found.random, &edges = found.edges;
+  return {{"pixels", random.pixels + edges.pixels},
+          {"missed", random.missed + edges.missed},
+          {"false_hits", random.false_hits + edges.false_hits},
+          {"kept_by_99", std::max(random.kept_by_99, edges.kept_by_99)},
+          {"unit", found.unit},
+          {"ms", ms}};
+}
+
+Json json_of_effects(const EffectTimes& times) {
+  Json effects = Json::array();
+  for (const EffectTimes::Cost& cost : times.costs()) effects.push_back({{"effect", cost.effect}, {"ms", cost.ms}});
+  return {{"ms", times.whole_ms()}, {"effects", effects}};
+}
+
 std::string document_to_change(const ViewedScene& viewed) {
   const render::SceneSpec& asked = viewed.scene_spec;
   render::SceneSpec scene_spec = to_spec(viewed.plan);

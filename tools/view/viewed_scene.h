@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "formats/base/json.h"
+#include "render/accuracy.h"
 #include "render/document.h"
+#include "tools/analysis/effect_costs.h"
 #include "tools/view/client_message.h"
 
 namespace rhoray::tools {
@@ -48,8 +50,11 @@ render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene
 /// @param plan  the scene with the request
 std::string probe_text(render::ResolvedScene plan, const Probe& probe);
 
-/// A camera in messages.
+// Parts of messages.
 Json json_of_camera(const render::Camera& camera);
+/// @param ms  that the check took
+Json json_of_check(const render::SelfCheck& found, double ms);
+Json json_of_effects(const EffectTimes& times);
 
 // Messages to a client, as JSON (PROTOCOL.md).
 std::string hello_text(const ViewedScene& viewed, const std::string& document);

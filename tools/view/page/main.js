@@ -18,7 +18,7 @@ const $ = (id) => document.getElementById(id);
 const linkMs = 300, keyStep = Math.PI / 36, keyZoom = 1.15, keyPan = 0.05;
 const halfFrameMs = 8;  // of a display at 60 Hz
 
-let isScheduled = false, needsRefresh = true, linkTimer = 0, sentAt = 0;
+let isScheduled = false, needsRefresh = true, needsPlacing = false, linkTimer = 0, sentAt = 0;
 
 /** What the views and the panels call when something changes. */
 const app = {
@@ -67,8 +67,9 @@ const app = {
     makeStandardViews(view);
     restore(view);
   },
+  /** Follows a change of the camera, which has scheduled a frame. */
   cameraMoved(view, moving, tellsOthers) {
-    app.placeOverlay(view);
+    needsPlacing = true;
     if (view === app.active) $("probe").textContent = "";
     const others = tellsOthers && comparison.areLinked ? app.views.filter((each) => each !== view) : [];
     for (const other of others) other.setCamera(view.camera, moving, false);
@@ -108,8 +109,14 @@ function frame() {
   isScheduled = false;
   sendRequests();
   const view = app.active;
-  if (!needsRefresh || !view?.hello) return;
+  if (needsRefresh && view?.hello) showPanels(view);
+  if (needsPlacing) app.views.forEach(app.placeOverlay);
+  needsPlacing = false;
+}
+
+function showPanels(view) {
   needsRefresh = false;
+  needsPlacing = true;
   showLayers(panels.layers, view);
   showClipping(panels.clipping, view, app.placeOverlay);
   showScene(panels.scene, view);
@@ -119,7 +126,6 @@ function frame() {
   comparison.show(panels.compare);
   const notes = view.resolved?.notes ?? [];
   panels.notes.show(notes, () => notes.map((text) => make("li", { text })));
-  app.views.forEach(app.placeOverlay);
 }
 
 function makeStandardViews(view) {

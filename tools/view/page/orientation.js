@@ -48,7 +48,8 @@ export class Orientation {
       element.classList.toggle("behind", depth < 0);
       return { depth, element, letter: text.textContent };
     }).sort((a, b) => a.depth - b.depth);
-    this.drawing.append(...facing.map(({ element }) => element));  // the nearest last
+    const inOrder = facing.map(({ element }) => element);  // the nearest last; moving elements is slow
+    if (inOrder.some((element, i) => element !== this.drawing.children[i])) this.drawing.append(...inOrder);
     const perPixel = extent(camera) / Math.max(1, canvas.clientHeight);
     const length = roundLength(perPixel * Math.min(widestBar, canvas.clientWidth / 3));
     this.bar.style.width = `${length / perPixel}px`;
