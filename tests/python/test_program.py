@@ -306,6 +306,7 @@ def test_accuracy_of_a_scene(folder, temporary_folder, ball):
     scene = {"data": {"head": {"file": "somewhere"}}, "layers": [{"type": "mip"}]}
     found = rr.accuracy(scene, data={"head": ball}, size="64x48", time_limit=5, repeat=1, max_error=0.01)
     assert found.report is None and found.facts["size"] == [64, 48]
+    assert found.facts["input"] == "data in memory"
     assert "'distance'" in found.columns["layer"][0]
     assert any("would use" in note for note in found.notes)
     assert list(temporary_folder.iterdir()) == []

@@ -42,6 +42,16 @@ def is_running(process):
         return False
 
 
+def test_importing_the_module_loads_only_what_most_calls_need():
+    code = ("import sys, numpy; before = set(sys.modules); import rhoray; "
+            "print(*set(sys.modules) - before); print(open('/proc/self/maps').read())")
+    modules, maps = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                                   check=True).stdout.split("\n", 1)
+    assert "rhoray._view" in modules.split()
+    assert {"subprocess", "html", "socket"}.isdisjoint(modules.split())
+    assert "librhoray" in maps and "libOpenImageIO" not in maps
+
+
 # ---- found ---------------------------------------------------------------------------------------
 
 def test_a_missing_program_is_told_with_its_package(tmp_path, monkeypatch, ball):

@@ -111,6 +111,84 @@ def test_limits_and_types_of_arrays(ball):
     assert empty.t.shape == (0,)
 
 
+@pytest.mark.parametrize("options", [{"iso": 4}, {"iso": 4, "accuracy": "certified"}, {"query": "largest"},
+                                     {"query": "largest", "accuracy": "exact"}])
+def test_answers_overwrite_those_of_an_earlier_call(ball, options):
+    earlier = rr.trace(ball, *rays_to_ball(700, 8), **options)
+    arrays = {name: array for name, array in vars(earlier).items() if array is not None}
+    rays = rays_to_ball(700, 9)
+    expected = rr.trace(ball, *rays, **options)
+    assert not any(numpy.array_equal(array, getattr(expected, name)) for name, array in arrays.items())
+    assert rr.trace(ball, *rays, **options, out=earlier) is earlier
+    for name, array in arrays.items():
+        assert getattr(earlier, name) is array
+        assert numpy.array_equal(array, getattr(expected, name), equal_nan=array.dtype.kind == "f"), name
+
+
+def test_answers_are_written_into_arrays_of_the_caller(ball, tmp_path):
+    rays = rays_to_ball(300, 10)
+    expected = rr.trace(ball, *rays, iso=4)
+    t = numpy.memmap(tmp_path / "t", float, "w+", shape=(300,))
+    block = numpy.full((5, 300), 7.0)
+    gradient = block[1:4].reshape(300, 3)
+    hits = rr.Hits(t=t, value=block[0], cell=numpy.zeros(300, numpy.uint64), error=None, gradient=gradient)
+    assert rr.trace(ball, *rays, iso=4, out=hits) is hits
+    t.flush()
+    assert numpy.array_equal(numpy.fromfile(tmp_path / "t"), expected.t)
+    assert numpy.array_equal(block[0], expected.value, equal_nan=True)
+    assert numpy.array_equal(block[1:4].reshape(300, 3), expected.gradient)
+    assert (block[4] == 7).all()
+
+
+RAYS = numpy.tile([10.0, 8.0, 30.0], (4, 1)), numpy.tile([0.0, 0.0, -1.0], (4, 1))
+LONG = numpy.zeros(40)
+
+
+def hits_with(**arrays):
+    """Hits for four rays, as the query "first" makes them, with these arrays."""
+    return rr.Hits(**{"t": numpy.zeros(4), "value": numpy.zeros(4), "cell": numpy.zeros(4, numpy.uint64), "error": None,
+                      "gradient": numpy.zeros((4, 3)), **arrays})
+
+
+@pytest.mark.parametrize("arrays, error, words", [
+    ({"t": numpy.zeros(4, "f4")}, TypeError, "out.t: elements of the type float32; expected float64"),
+    ({"t": numpy.zeros(4, ">f8")}, TypeError, "out.t: elements of the type >f8"),
+    ({"cell": numpy.zeros(4, numpy.int64)}, TypeError, "out.cell: elements of the type int64; expected uint64"),
+    ({"t": [0.0] * 4}, TypeError, "out.t: found list"),
+    ({"value": None}, TypeError, "out.value: found None"),
+    ({"value": numpy.ma.zeros(4)}, TypeError, "out.value: found MaskedArray"),
+    ({"t": numpy.zeros(3)}, rr.UsageError, r"out.t: an array of the shape \(3,\); expected \(4,\)"),
+    ({"gradient": numpy.zeros(12)}, rr.UsageError, "out.gradient: an array of the shape"),
+    ({"error": numpy.zeros(4)}, rr.UsageError, "out.error: found an array; expected None"),
+    ({"t": numpy.frombuffer(bytes(32))}, rr.UsageError, "out.t: a read-only array"),
+    ({"t": numpy.zeros(8)[::2]}, rr.UsageError, "out.t: an array that is not contiguous"),
+    ({"t": numpy.zeros(4)[::-1]}, rr.UsageError, "out.t: an array that is not contiguous"),
+    ({"gradient": numpy.zeros((3, 4)).T}, rr.UsageError, "out.gradient: an array that is not contiguous"),
+    ({"t": numpy.zeros(40, "u1")[1:33].view(float)}, rr.UsageError, "out.t: an array .* not aligned"),
+    ({"t": LONG[10:14], "value": LONG[13:17]}, rr.UsageError, "out.value: shares memory with out.t"),
+    ({"gradient": RAYS[0]}, rr.UsageError, "out.gradient: shares memory with origins"),
+    ({"t": RAYS[1].ravel()[8:]}, rr.UsageError, "out.t: shares memory with directions"),
+    ({"value": LONG[:4]}, rr.UsageError, "out.value: shares memory with t_min"),
+])
+def test_unfit_memory_for_answers_is_refused(ball, arrays, error, words):
+    before = [array.copy() for array in RAYS]
+    with pytest.raises(error, match=words):
+        rr.trace(ball, *RAYS, iso=4, t_min=LONG[:4], out=hits_with(**arrays))
+    assert all(numpy.array_equal(array, copy) for array, copy in zip(RAYS, before, strict=True))
+
+
+@pytest.mark.parametrize("options, error, words", [
+    ({"iso": 4, "out": (numpy.zeros(4), numpy.zeros(4))}, TypeError, "out: found tuple; expected Hits"),
+    ({"iso": 4, "accuracy": "exact", "out": hits_with()}, TypeError, "out.error: found None"),
+    ({"query": "largest", "out": hits_with()}, rr.UsageError, "out.gradient: .* this call has no gradient"),
+    ({"iso": 4, "query": "any", "out": hits_with()}, rr.UsageError, "out has no effect on the query 'any'"),
+    ({"iso": 4, "query": "all", "out": hits_with()}, rr.UsageError, "out has no effect on the query 'all'"),
+])
+def test_memory_for_answers_of_another_query_is_refused(ball, options, error, words):
+    with pytest.raises(error, match=words):
+        rr.trace(ball, *RAYS, **options)
+
+
 @pytest.mark.parametrize("call, words", [
     (lambda ball: rr.trace(ball, numpy.zeros((2, 2)), numpy.ones((2, 3)), iso=4), "origins"),
     (lambda ball: rr.trace(ball, numpy.zeros((2, 3)), numpy.ones((1, 3)), iso=4), "directions"),
@@ -120,7 +198,9 @@ def test_limits_and_types_of_arrays(ball):
     (lambda ball: rr.trace(ball, numpy.zeros((1, 3)), numpy.ones((1, 3)), iso=numpy.inf), "isovalue"),
     (lambda ball: rr.trace(ball, numpy.zeros((1, 3)), numpy.ones((1, 3)), iso=4, query="last"), "last"),
     (lambda ball: rr.trace(ball, numpy.zeros((1, 3)), numpy.ones((1, 3)), iso=4, t_min=[0, 1]), "t_min"),
+    (lambda ball: rr.trace(ball, 1.0, numpy.ones((1, 3)), iso=4), "origins"),
     (lambda ball: rr.sample(ball, numpy.zeros((3,))), "points"),
+    (lambda ball: rr.sample(ball, 1.0), "points"),
     (lambda ball: rr.sample(ball, [[0, numpy.inf, 0]]), "finite"),
 ])
 def test_wrong_rays_are_refused_with_a_sentence(ball, call, words):

@@ -14,7 +14,7 @@ namespace {
 template <class Made, class... Arguments>
 std::unique_ptr<Made> make(const Arguments&... arguments) {
   std::unique_ptr<Made> made;
-  interruptible([&](const std::stop_token&) { made = std::make_unique<Made>(arguments...); });
+  interruptible([&](const std::stop_token& stop) { made = std::make_unique<Made>(arguments..., stop); });
   return made;
 }
 
@@ -37,43 +37,21 @@ Rays rays_of(const py::array& origins, const py::array& directions, const std::o
   return rays;
 }
 
-std::size_t count_of(const Rays& rays) {
-  return rays.origins.shape().empty() ? 0 : static_cast<std::size_t>(rays.origins.shape()[0]);
-}
-
-/// An array of numpy whose memory nobody has filled: the threads that write it also bring its pages.
+/// The memory of an array that Python has made or checked (_rays.py); None: no memory.
 template <class T>
-class Output {
- public:
-  explicit Output(std::vector<std::int64_t> shape) : array_(std::move(shape)) {}
-  std::span<T> values() { return {array_.mutable_data(), static_cast<std::size_t>(array_.size())}; }
-  py::object array() const { return array_; }
-
- private:
-  py::array_t<T> array_;
-};
-
-/// Answers, as a dict of arrays.
-template <class Ask>
-py::dict hits_of(const Rays& rays, bool proves_errors, bool has_gradient, const Ask& ask) {
-  const auto rows = static_cast<std::int64_t>(count_of(rays));
-  Output<double> t({rows}), value({rows}), error({proves_errors ? rows : 0}), gradient({has_gradient ? rows : 0, 3});
-  Output<std::uint64_t> cell({rows});
-  Hits hits{.t = t.values(), .error = error.values(), .value = value.values()};
-  hits.gradient = gradient.values(), hits.cell = cell.values();
-  interruptible([&](const std::stop_token& stop) { ask(hits, stop); });
-  py::dict dict;
-  dict["t"] = t.array(), dict["value"] = value.array(), dict["cell"] = cell.array();
-  dict["error"] = proves_errors ? error.array() : py::none();
-  dict["gradient"] = has_gradient ? gradient.array() : py::none();
-  return dict;
+std::span<T> room_in(const py::object& numbers) {
+  if (numbers.is_none()) return {};
+  auto array = numbers.cast<py::array>();
+  return {static_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.size())};
 }
 
-py::array any_hits(const RayCaster& caster, RenderContext& context, const Rays& rays) {
-  std::vector<std::uint8_t> is_hit(count_of(rays));
-  interruptible([&](const std::stop_token& stop) { caster.any_hits(rays, is_hit, context, stop); });
-  const auto rows = static_cast<std::int64_t>(is_hit.size());
-  return array_of(std::move(is_hit), {rows});
+/// The memory of a rhoray.Hits.
+Hits room_in_hits(const py::object& hits) {
+  return {.t = room_in<double>(hits.attr("t")),
+          .error = room_in<double>(hits.attr("error")),
+          .value = room_in<double>(hits.attr("value")),
+          .gradient = room_in<double>(hits.attr("gradient")),
+          .cell = room_in<std::uint64_t>(hits.attr("cell"))};
 }
 
 py::dict all_hits(const RayCaster& caster, RenderContext& context, const Rays& rays, std::size_t max_hits) {
@@ -91,17 +69,6 @@ py::dict all_hits(const RayCaster& caster, RenderContext& context, const Rays& r
   return dict;
 }
 
-py::tuple sample(const FieldSampler& sampler, const py::array& points) {
-  const ArrayView view = view_of(points, "points");
-  const std::int64_t rows = view.shape().empty() ? 0 : view.shape()[0];
-  Output<double> values({rows});
-  Output<std::uint64_t> cells({rows});
-  const std::span<double> of_field = values.values();
-  const std::span<std::uint64_t> ids = cells.values();
-  interruptible([&](const std::stop_token&) { sampler.at(view, of_field, ids); });
-  return py::make_tuple(values.array(), cells.array());
-}
-
 }  // namespace
 
 void define_rays(py::module_& module) {
@@ -114,17 +81,19 @@ void define_rays(py::module_& module) {
         return make<RayCaster>(data, surface, method_named(accuracy), field);
       }))
       .def("first_hits",
-           [](const RayCaster& caster, RenderContext& context, const std::string& accuracy, const py::array& origins,
-              const py::array& directions, const Limits& t_min, const Limits& t_max) {
+           [](const RayCaster& caster, RenderContext& context, const py::array& origins, const py::array& directions,
+              const Limits& t_min, const Limits& t_max, const py::object& out) {
              const Rays rays = rays_of(origins, directions, t_min, t_max);
-             return hits_of(
-                 rays, method_named(accuracy).proves_errors(), true,
-                 [&](const Hits& hits, const std::stop_token& stop) { caster.first_hits(rays, hits, context, stop); });
+             const Hits hits = room_in_hits(out);
+             interruptible([&](const std::stop_token& stop) { caster.first_hits(rays, hits, context, stop); });
            })
       .def("any_hits",
            [](const RayCaster& caster, RenderContext& context, const py::array& origins, const py::array& directions,
-              const Limits& t_min,
-              const Limits& t_max) { return any_hits(caster, context, rays_of(origins, directions, t_min, t_max)); })
+              const Limits& t_min, const Limits& t_max, const py::object& out) {
+             const Rays rays = rays_of(origins, directions, t_min, t_max);
+             const std::span<std::uint8_t> is_hit = room_in<std::uint8_t>(out);
+             interruptible([&](const std::stop_token& stop) { caster.any_hits(rays, is_hit, context, stop); });
+           })
       .def("all_hits", [](const RayCaster& caster, RenderContext& context, const py::array& origins,
                           const py::array& directions, const Limits& t_min, const Limits& t_max, std::size_t max_hits) {
         return all_hits(caster, context, rays_of(origins, directions, t_min, t_max), max_hits);
@@ -134,15 +103,19 @@ void define_rays(py::module_& module) {
         return make<FieldSampler>(data, field, method_named(accuracy));
       }))
       .def("largest_values",
-           [](const FieldSampler& sampler, RenderContext& context, const std::string& accuracy,
-              const py::array& origins, const py::array& directions, const Limits& t_min, const Limits& t_max) {
+           [](const FieldSampler& sampler, RenderContext& context, const py::array& origins,
+              const py::array& directions, const Limits& t_min, const Limits& t_max, const py::object& out) {
              const Rays rays = rays_of(origins, directions, t_min, t_max);
-             return hits_of(rays, method_named(accuracy).proves_errors(), false,
-                            [&](const Hits& hits, const std::stop_token& stop) {
-                              sampler.largest_values(rays, hits, context, stop);
-                            });
+             const Hits hits = room_in_hits(out);
+             interruptible([&](const std::stop_token& stop) { sampler.largest_values(rays, hits, context, stop); });
            })
-      .def("sample", &sample);
+      .def("sample",
+           [](const FieldSampler& sampler, const py::array& points, const py::object& values, const py::object& cells) {
+             const ArrayView view = view_of(points, "points");
+             const std::span<double> of_field = room_in<double>(values);
+             const std::span<std::uint64_t> ids = room_in<std::uint64_t>(cells);
+             interruptible([&](const std::stop_token&) { sampler.at(view, of_field, ids); });
+           });
 }
 
 }  // namespace rhoray::python

@@ -116,8 +116,8 @@ py::array srgb8(const Rendered& rendered) {
 
 py::dict verify(const Rendered& rendered, std::uint64_t pixels, std::uint64_t seed) {
   SelfCheck check;
-  interruptible([&](const std::stop_token&) {
-    check = self_check(rendered.scene, rendered.picture, {.pixels = pixels, .seed = seed});
+  interruptible([&](const std::stop_token& stop) {
+    check = self_check(rendered.scene, rendered.picture, {.pixels = pixels, .seed = seed, .stop = stop});
   });
   py::dict dict;
   dict["random"] = dict_of(check.random);

@@ -99,11 +99,15 @@ std::string date_now() {
   return text;
 }
 
+/// The name of a dataset in the report. Data in the memory of another process have a number as file name.
+std::string input_name(const std::filesystem::path& file) {
+  return file.string().starts_with("/proc/") ? "data in memory" : file.filename().string();
+}
+
 Json facts_of(const AccuracyCommand& command, const render::ResolvedScene& plan) {
   const Machine machine = this_machine();
   std::string inputs;
-  for (const render::DataSpec& data : plan.data)
-    inputs += concat(inputs.empty() ? "" : ", ", data.file.filename().string());
+  for (const render::DataSpec& data : plan.data) inputs += concat(inputs.empty() ? "" : ", ", input_name(data.file));
   return {{"input", inputs},
           {"date", date_now()},
           {"processor", machine.processor},

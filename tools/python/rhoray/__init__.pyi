@@ -25,7 +25,7 @@ class UsageError(Error, ValueError): ...
 class FileError(Error, OSError): ...
 class ResourceError(Error, MemoryError): ...
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Field:
     name: str
     unit: str
@@ -168,7 +168,7 @@ def render(
     antialias: int | None = ...,
 ) -> Picture: ...
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Hits:
     t: NDArray[numpy.float64]
     value: NDArray[numpy.float64]
@@ -178,7 +178,7 @@ class Hits:
     @property
     def is_hit(self) -> NDArray[numpy.bool_]: ...
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class AllHits:
     first: NDArray[numpy.uint64]
     t: NDArray[numpy.float64]
@@ -239,7 +239,7 @@ def tetrahedralize(
     time_limit: float | None = ...,
     memory: str | int | None = ...,
 ) -> Data: ...
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Accuracy:
     columns: dict[str, NDArray[Any]]
     units: dict[str, str]
@@ -281,6 +281,7 @@ def trace(
     t_min: ArrayLike | None = ...,
     t_max: ArrayLike | None = ...,
     max_hits: int = ...,
+    out: Hits | None = ...,
 ) -> Any: ...
 def sample(
     data: Data, points: ArrayLike, *, field: str | None = ...

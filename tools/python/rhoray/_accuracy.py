@@ -11,7 +11,7 @@ from rhoray._commands import file_of
 from rhoray._data import Data
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Accuracy:
     """Errors and times of every method, and what follows from them.
 

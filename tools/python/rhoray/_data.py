@@ -13,7 +13,7 @@ from rhoray import _core, _objects, _program, _progress
 from rhoray._errors import UsageError
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Field:
     """A scalar field. `range` is None where no value is finite."""
     name: str

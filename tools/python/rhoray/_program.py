@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import signal
-import subprocess
 
 from rhoray import _progress
 from rhoray._errors import FileError, UsageError, error_of
@@ -78,6 +77,7 @@ def run(command, files, words, progress=None, *, accept=None, keeps_results=Fals
     Ctrl+C, and an exception in `progress`, end the program before they leave this function. The system
     ends it when Python is killed.
     """
+    import subprocess  # only here and in _end: importing it takes time
     with _progress.shown(progress) as show, open(os.memfd_create("rhoray"), "w+b") as output:
         words = [*_ends_with_python(), path(), command, "--json", "--progress=json" if show else "--quiet", *words,
                  "--", *files]
@@ -124,6 +124,7 @@ def _messages_of(process, show):
 
 def _end(process, keeps_results):
     """Ends the program and waits for it."""
+    import subprocess
     try:
         process.send_signal(signal.SIGINT)
         if keeps_results:

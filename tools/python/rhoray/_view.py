@@ -1,11 +1,8 @@
 """The viewer in a browser, from Python: both can change what it shows."""
 import base64
-import html
 import json
 import os
 import pathlib
-import socket
-import subprocess
 import tempfile
 import threading
 import urllib.parse
@@ -41,6 +38,7 @@ class View:
     """
 
     def __init__(self, what, *, data=None, port=None, hosts=(), browser=None, **options):
+        import subprocess  # only here and in `close`: importing it takes time
         document, known = _scenes.read(what, data, options, "view")
         known = _scenes.opened(document, known)
         document = _scenes.with_paths(document, known)
@@ -116,6 +114,7 @@ class View:
 
     def close(self):
         """Ends the server. The page keeps its last picture."""
+        import subprocess
         try:
             self._process.stdin.close()  # which ends the server
         except BrokenPipeError:
@@ -140,13 +139,14 @@ class View:
         return f"<rhoray.View: {self.url}>"
 
     def _repr_mimebundle_(self, include=None, exclude=None):
+        import html  # only here: importing it takes time
         png = self.picture()._repr_png_()
         url = html.escape(self._page())
         port = urllib.parse.urlsplit(self.url).port
         return {"image/png": png, "text/plain": repr(self), "text/html": (
             f'<iframe src="{url}" title="Rhoray" width="100%" height="600" style="border: 0"></iframe>'
             f'<p>Nothing above? Open <a href="{url}" target="_blank">the page</a>; from another machine first: '
-            f'<code>ssh -N -L {port}:127.0.0.1:{port} {html.escape(socket.gethostname())}</code></p>'
+            f'<code>ssh -N -L {port}:127.0.0.1:{port} {html.escape(os.uname().nodename)}</code></p>'
             f'<details open><summary>Picture</summary><img alt="what the page showed at first" '
             f'src="data:image/png;base64,{base64.b64encode(png).decode()}"></details>')}
 
