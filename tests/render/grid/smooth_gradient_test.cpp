@@ -41,7 +41,7 @@ Vec3 gradient_at(const Grid& grid, const Index3& cell, const Vec3& place) {
 
 /// Whole numbers from 0 to 6.
 template <class T>
-preprocess::NeutralVolume noise(const Index3& count) {
+preprocess::NeutralVolume noise_volume(const Index3& count) {
   Dice dice(20261126);
   return volume_of<T>(count, [&](const Index3&) { return static_cast<T>(dice.below(7)); });
 }
@@ -104,7 +104,7 @@ TEST(SmoothGradient, of_a_linear_field_is_the_exact_one_up_to_the_border) {
 /// Expects the same gradient on both sides of all faces between cells, and jumps of the exact one.
 template <class T>
 void expect_continuity(const preprocess::PackVolumeOptions& options) {
-  const TracedDataset traced(noise<T>({11, 9, 10}), options);
+  const TracedDataset traced(noise_volume<T>({11, 9, 10}), options);
   const UniformGrid& grid = uniform(traced);
   Dice dice(4);
   int jumps = 0;
@@ -151,7 +151,7 @@ TEST(SmoothGradient, is_one_sided_where_the_sample_beside_has_no_data) {
 }
 
 TEST(SmoothGradient, reads_the_same_samples_through_cells) {
-  const TracedDataset traced(noise<float>({7, 6, 5}));
+  const TracedDataset traced(noise_volume<float>({7, 6, 5}));
   const UniformGrid& direct = uniform(traced);
   auto parts = render::GridData::Parts{
       .ranges = direct.ranges(),

@@ -27,7 +27,8 @@ using render::Machine;
 using render::Method;
 using render::Ray;
 
-constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 struct Answers {
   std::vector<Hit> hits;

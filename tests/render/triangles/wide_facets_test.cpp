@@ -66,7 +66,8 @@ preprocess::NeutralMesh with_values(preprocess::NeutralMesh mesh, const std::fun
   return mesh;
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Meshes of many kinds with surfaces in general position.
 std::vector<Mesh> meshes() {
