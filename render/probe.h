@@ -9,7 +9,7 @@
 
 #include "render/render.h"
 
-/// What the ray through a point of a picture meets, behind what the picture shows too.
+/// Everything that the ray through a point of a picture meets, also behind opaque surfaces.
 namespace rhoray::render {
 
 /// A position in a picture, in pixels. The centre of pixel (i, j) is at (i, j).

@@ -199,7 +199,7 @@ class Probe {
   std::vector<ProbeHit> hits_;
 };
 
-/// Refuses a point that is not within the picture's edges; a NaN is not.
+/// Refuses a point outside the picture, and NaN.
 void check(const PicturePoint& point, const FrameOptions& options) {
   if (point.x >= -0.5 && point.x <= options.width - 0.5 && point.y >= -0.5 && point.y <= options.height - 0.5) return;
   throw Error(ErrorCode::usage,
