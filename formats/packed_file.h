@@ -20,7 +20,7 @@ struct DamagedBlock {
   std::uint64_t byte_count = 0;
 };
 
-/// An array that is not in a packed file, but in the memory of whoever opens it.
+/// An array that is not in a packed file: the caller has it in memory.
 struct OutsideArray {
   ArraySpec spec;
   std::span<const std::byte> bytes;  ///< as many as the shape says, aligned for their type
@@ -44,8 +44,8 @@ class PackedFile {
   static PackedFile from_descriptor(int descriptor, std::string name) {
     return from_descriptor(descriptor, std::move(name), {}, nullptr);
   }
-  /// As above, with further arrays at the end of arrays(). Nobody checks their bytes, which must stay
-  /// as they are.
+  /// As above, with further arrays at the end of arrays(). Their bytes are not checked and must not
+  /// change.
   /// @param owner  of the arrays' memory; released with the last copy
   static PackedFile from_descriptor(int descriptor, std::string name, std::span<const OutsideArray> outside,
                                     std::shared_ptr<const void> owner);

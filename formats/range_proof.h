@@ -17,8 +17,8 @@ namespace rhoray::formats {
 ///
 /// Reads the field and the structure over it once. Refuses (ErrorCode::invalid) with the first
 /// finding. `rhoray verify --deep` uses the same code; the code shares nothing with the packer.
-/// A stop request ends it after at most about a millisecond (ErrorCode::interrupted); then it has
-/// proven nothing.
+/// A stop request ends it between rows of macrocells or groups of cells (ErrorCode::interrupted);
+/// then it has proven nothing.
 /// @param threads  0 = all cores
 /// @return         number of bytes of the file that were compared
 std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0,

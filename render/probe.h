@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ struct ProbeHit {
 /// isosurface or a projection whose stored ranges do not hold (ErrorCode::invalid).
 /// @param options  size of the picture; threads that prove ranges; the machine. Nothing else is read
 /// @param most     number of points at most, nearest first
+/// @param stop     ends the proof of ranges (ErrorCode::interrupted)
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
-                            const PicturePoint& point, std::size_t most);
+                            const PicturePoint& point, std::size_t most, const std::stop_token& stop = {});
 
 /// Bound on the distance of a position in the world from the exact one: that of its depth, and what
 /// the arithmetic from a depth to a position rounds.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t width = ClusterShape::width;
 constexpr std::uint64_t range_piece = 1 << 12;  // cells, leaf cells or clusters
-constexpr std::uint64_t stop_piece = 64;        // of these, between looks at the stop token
+constexpr std::uint64_t stop_piece = 64;        // of these, between two checks of the stop token
 
 Vec3 to_vec(const std::array<double, 3>& p) {
   return {p[0], p[1], p[2]};

@@ -16,7 +16,7 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr std::size_t rays_at_a_time = 4096;  // an interrupt waits for so many
+constexpr std::size_t rays_at_a_time = 256;  // a stop request waits for so many
 
 void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
   RayCaster queries(spec.dataset, spec.isovalue, spec.method, spec.threads, spec.machine, spec.stop);

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t candidates_per_part = 256;
 
 /// Number of blocks between looks at the stop token.
-constexpr std::uint64_t blocks_per_look = 64;
+constexpr std::uint64_t blocks_per_check = 64;
 
 /// 64 cells, some of which the surface may pass through.
 struct Candidates {
@@ -369,7 +369,7 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads, c
       fields_[f].cell = static_cast<std::uint32_t>(view.cell_id(triangle));
     }
   };
-  for_each_until_stopped(block_count(), 256, blocks_per_look, threads, stop, prepare_block);
+  for_each_until_stopped(block_count(), 256, blocks_per_check, threads, stop, prepare_block);
   build_levels();
 }
 
@@ -394,7 +394,7 @@ Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigne
   fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
   for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     BlockCells cells;
-    for_each_until_stopped(first_block, end_block, blocks_per_look, stop, [&](std::uint64_t b) {
+    for_each_until_stopped(first_block, end_block, blocks_per_check, stop, [&](std::uint64_t b) {
       const std::size_t first = b * FacetBlock::size;
       const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, placed.size() - first);
       const std::span<FacetField> fields(fields_.get() + first, in_block);

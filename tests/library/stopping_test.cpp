@@ -159,6 +159,7 @@ void expect_each(ErrorCode code, const std::string& words, const Dataset& data, 
   expect_refused(code, words, [&] { caster.all_hits(rays.rays(), hits, context, 16, stop); });
   Scene scene = certified_scene(data, 0.1, size);
   scene.layers[0].method = Accuracy::float32;
+  expect_refused(code, words, [&] { context.probe(scene, size, 4, 4, 16, stop); });
   const Picture picture = rendered(scene, {.size = size, .channels = {.depth = true}});
   expect_refused(code, words, [&] { self_check(scene, picture, {.pixels = 50, .stop = stop}); });
 }

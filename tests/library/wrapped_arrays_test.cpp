@@ -184,6 +184,10 @@ TEST(WrappedArrays, are_refused_where_rays_cannot_read_them) {
   const std::string grids_only = "only the samples of a grid can be wrapped; expected Memory::copy";
   expect_refused(ErrorCode::usage, grids_only, [] { ball_mesh(2, {.memory = Memory::wrap}); });
   expect_refused(ErrorCode::usage, grids_only, [] { octahedron({.memory = Memory::wrap}); });
+  const PackOptions copied{.owner = std::make_shared<int>(0)};
+  for (const auto& act : {+[](const PackOptions& options) { gyroid_grid(options); },
+                          +[](const PackOptions& options) { ball_mesh(2, options); }})
+    expect_refused(ErrorCode::usage, "PackOptions::owner: found one; expected none", [&] { act(copied); });
 }
 
 TEST(WrappedArrays, are_in_no_file) {
@@ -192,6 +196,8 @@ TEST(WrappedArrays, are_in_no_file) {
   expect_refused(ErrorCode::usage, "save: the samples are wrapped, so they are in no file",
                  [&] { data.save("wrapped.rho"); });
   expect_refused(ErrorCode::usage, "path: the samples are wrapped, so they are in no file", [&] { data.path(); });
+  expect_refused(ErrorCode::usage, "to_document: the samples are wrapped, so they are in no file",
+                 [&] { to_document({.layers = {{.data = data, .show = Isosurface{0.1}}}}, {}); });
   EXPECT_FALSE(std::filesystem::exists("wrapped.rho"));
 }
 

@@ -137,14 +137,15 @@ RenderResult RenderContext::refine(const Scene& scene, const RenderOptions& opti
   return trace(*implementation_, scene, options, linked, picture, after_first_pass.get_token());
 }
 
-std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size, double x, double y, int max_hits) {
+std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size, double x, double y, int max_hits,
+                                           std::stop_token stop) {
   return implementation_->call([&](render::RenderContext&) {
     if (max_hits < 1) inside::refuse("RenderContext::probe: max_hits is ", max_hits, "; expected at least 1");
     render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
     resolved.frame.threads = implementation_->threads(), resolved.frame.machine = implementation_->machine();
     std::vector<ProbeHit> hits;
-    for (const render::ProbeHit& hit :
-         render::probe(resolved.datasets, resolved.scene, resolved.frame, {x, y}, static_cast<std::size_t>(max_hits)))
+    for (const render::ProbeHit& hit : render::probe(resolved.datasets, resolved.scene, resolved.frame, {x, y},
+                                                     static_cast<std::size_t>(max_hits), stop))
       hits.push_back(inside::outside_of(hit));
     return hits;
   });

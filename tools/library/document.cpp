@@ -140,6 +140,7 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open) {
 SceneDocument to_document(const Scene& scene, const RenderOptions& options) {
   return inside::guarded([&] {
     for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+      scene.layers[i].data.implementation().require_whole_file("to_document");
       if (scene.layers[i].data.implementation().is_in_memory())
         inside::refuse("to_document: the data of layer ", i, " are in memory; save them and open the file");
       if (scene.layers[i].material.texture)

@@ -45,6 +45,7 @@ template <class Write>
 Dataset packed(const PackOptions& options, const Write& write) {
   if (options.memory == Memory::wrap)
     inside::refuse("PackOptions::memory: only the samples of a grid can be wrapped; expected Memory::copy");
+  if (options.owner) inside::refuse("PackOptions::owner: found one; expected none with Memory::copy, which copies");
   if (!options.file.empty()) {
     write(formats::Destination(options.file), progress_of(options));
     return Dataset::open(options.file);

@@ -61,7 +61,8 @@ bool is_choice(const std::string& note) {
   return note.find("; choose another with --") != std::string::npos;
 }
 
-/// Whether data that were opened with all their fields have these.
+/// Whether data that were opened without names of fields have these. Then open_data would make the same
+/// file for them: it names fields to the packer only if they are missing otherwise.
 bool has_fields(const preprocess::OpenedData& opened, const std::vector<std::string>& names) {
   if (opened.file.description().kind == "vdb") return false;  // it holds one of the file's grids
   const render::Dataset dataset = render::Dataset::load(opened.file);
@@ -80,7 +81,8 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
     preprocess::PackOptions all_fields = pack;
     all_fields.fields.clear();
     const auto whole = access.opened->find({path, preprocess::option_words(all_fields)});
-    if (whole != access.opened->end() && has_fields(whole->second, pack.fields)) return whole->second;
+    if (whole != access.opened->end() && has_fields(whole->second, pack.fields))
+      return access.opened->emplace(key, whole->second).first->second;
   }
   const Stopwatch watch;
   const preprocess::OpenedData opened = preprocess::open_data(path, {.pack = pack,

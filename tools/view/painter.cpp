@@ -376,6 +376,15 @@ Painter::Outcome Painter::run_until_ended(Client& client, Clock::time_point begi
   return Clock::now() >= deadline ? Outcome::took_too_long : Outcome::ended;
 }
 
+/// Proves what certified layers need. Only the end of the program ends a proof, which is made once for
+/// a file: a file whose proof takes long would otherwise never be shown. Returns how long it took.
+Painter::Clock::duration Painter::prove_ranges(const render::ResolvedScene& plan) const {
+  const Clock::time_point begin = Clock::now();
+  for (const render::Layer& layer : plan.scene.layers)
+    if (render::proves(layer.method)) plan.datasets[layer.dataset].prove_ranges(threads_, thread_.get_stop_token());
+  return Clock::now() - begin;
+}
+
 /// Traces a picture, in passes; a newer request may end it as soon as pass_done or the caller says so.
 /// Nothing if it was ended before it was finished. Refuses a picture that takes too long
 /// (ErrorCode::resource).
@@ -384,6 +393,7 @@ std::optional<render::FrameStatistics> Painter::trace(Client& client, render::Re
                                                       render::Framebuffer& picture, bool may_be_ended) {
   plan.frame.threads = threads_;
   if (plan.page) plan.frame.channels |= channel_of(*plan.page);
+  begin += prove_ranges(plan);
   bool is_whole = false;
   refinement.pass_done = [&is_whole, then = std::move(refinement.pass_done)](int spacing) {
     is_whole = spacing == 1;

@@ -65,6 +65,7 @@ class Painter {
   enum class Outcome { finished, ended, took_too_long };
   Outcome run_until_ended(Client& client, Clock::time_point begin, bool may_be_ended,
                           const std::function<void(std::stop_token)>& act);
+  Clock::duration prove_ranges(const render::ResolvedScene& plan) const;
   std::optional<render::FrameStatistics> trace(Client& client, render::ResolvedScene& plan,
                                                render::Refinement refinement, Clock::time_point begin,
                                                render::Framebuffer& picture, bool may_be_ended = false);

@@ -41,8 +41,8 @@ struct ContextOptions {
   /// Everything that is called with this context uses it. Nothing: best_machine(). The library does
   /// not read the environment variable RHORAY_MACHINE; a program that wants to obey it sets this.
   ///
-  /// Pictures at preview and float32 may differ between instruction sets. On computers with
-  /// different processors, choose the least of their best_machine() to get the same bytes.
+  /// Pictures at preview and float32 may differ between instruction sets. On different
+  /// x86-64 processors, choose the least of their best_machine() to get the same bytes.
   std::optional<Machine> machine{};
 };
 
@@ -123,17 +123,17 @@ class RHORAY_API RenderContext {
   RenderContext& operator=(const RenderContext&) = delete;
 
   /// Traces a picture, or a window of it. `stop` ends it between tiles of 32 x 32 pixels: that is
-  /// not an error, and the result says that it is not complete. It ends the proof of stored ranges and
-  /// the preparation of a mesh's isovalue as soon; then nothing is traced.
+  /// not an error, and the result says that it is not complete. It also ends the proof of stored
+  /// ranges and, between its steps, the preparation; then nothing is traced.
   ///
   /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found
   /// and what was expected; ErrorCode::invalid for certified and exact pictures of data whose
   /// stored ranges do not hold.
   RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
 
-  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` is
-  /// heeded after the first pass, with its preparation and proof, so that something of every request
-  /// is shown; it ends a later pass at once.
+  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` ends
+  /// neither the first pass nor the preparation and the proof before it, so that something of every
+  /// request is shown; it ends a later pass at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
                       std::stop_token stop = {});
 
@@ -144,8 +144,8 @@ class RHORAY_API RenderContext {
   /// there may be more.
   ///
   /// Crossings and largest values are decided by exact arithmetic, whatever the layer's method. The
-  /// first one is therefore where the picture at Accuracy::exact shows it, bit for bit. Errors hold
-  /// for the pixel's ray in the frame of the data (RayCaster). Hits of triangles are those of
+  /// first crossing of a layer, rounded to float, is its depth in a picture at Accuracy::exact. Errors
+  /// hold for the pixel's ray in the frame of the data (RayCaster). Hits of triangles are those of
   /// Accuracy::float64. At equal depths slices come first, then the scene's order.
   ///
   /// Surfaces with opacity 0 and clipped parts are left out. Traces on the calling thread; proving
@@ -157,7 +157,9 @@ class RHORAY_API RenderContext {
   /// @param size  of the picture; sides from 1 to 65,536
   /// @param x, y  in pixels; the centre of pixel (i, j) is at (i, j), so that the picture extends
   ///              from (-0.5, -0.5) to (width - 0.5, height - 0.5)
-  std::vector<ProbeHit> probe(const Scene& scene, const Size& size, double x, double y, int max_hits = 64);
+  /// @param stop  ends the proof (ErrorCode::interrupted)
+  std::vector<ProbeHit> probe(const Scene& scene, const Size& size, double x, double y, int max_hits = 64,
+                              std::stop_token stop = {});
 
   Machine machine() const;  ///< the instruction set of all calls
 

@@ -72,12 +72,12 @@ enum class Memory {
   copy,  ///< the dataset's: the arrays may be freed after `pack`
   /// The caller's: rays read the arrays themselves. Only for grids whose samples are contiguous with
   /// x fastest, aligned, of any type but U64 and I64. Others are refused with the reason; nothing is
-  /// copied instead. The dataset adds 3 % for the ranges of its macrocells.
+  /// copied instead. The ranges of macrocells take 3 % more memory.
   ///
   /// The arrays must live, and must not change, as long as the dataset or anything that holds it:
   /// the ranges would no longer hold, and neither would proven errors. Answers have the same bits as
-  /// of a copy, but for the channel `cost`. Rays took 0 to 23 % more CPU time in our measurements,
-  /// because neighbours are further apart in memory than in bricks.
+  /// of a copy, but for the channel `cost`. Rays took 0 to 23 % more CPU time (medians of our
+  /// measurements), because neighbours are further apart in memory than in bricks.
   wrap
 };
 

@@ -89,9 +89,10 @@ def trace(data, origins, directions, *, iso=None, query="first", accuracy="doubl
     iso: the isovalue of a grid or a mesh; surfaces have none.
     t_min, t_max: arrays of the shape [rays], in lengths of the direction; None: 0 and infinity.
     max_hits: of a ray, for "all".
-    out: Hits for as many rays, of an earlier call with the same query or with arrays of your own. The answers
-    overwrite it, and it is returned: this saves the time that new memory takes. The arrays are contiguous and
-    share no memory with each other or with the rays. "any" and "all" have no such argument.
+    out: Hits for as many rays, of an earlier call with the same query and an accuracy that also proves errors, or
+    also proves none; or with arrays of your own. The answers overwrite it, and it is returned: this saves the time
+    that new memory takes. After an interrupt it holds old and new answers. The arrays are contiguous and share no
+    memory with each other or with the rays. "any" and "all" have no such argument.
 
     Two rays along x. One meets the sphere of radius 1 around (2, 2, 2), one misses it:
 
