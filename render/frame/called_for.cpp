@@ -140,7 +140,7 @@ std::vector<EffectReason> reasons_for_effects(const Scene& scene, const Layer& l
 }
 
 std::string_view machine_for(const Dataset& dataset, const Layer& layer, const FrameOptions& options) {
-  const Machine machine = options.machine ? *options.machine : chosen_machine();
+  const Machine machine = options.machine.value_or(chosen_machine());
   if (layer.mode == Mode::slice) return name_of(machine);
   const auto kernel = is_projection(layer) ? &Intersectors::largest : &Intersectors::first_hit;
   const bool is_wide = options.use_hierarchy && answers_wide(dataset.implementation(), layer.method, kernel, machine);

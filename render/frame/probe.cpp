@@ -71,7 +71,7 @@ class Probe {
   }
 
  private:
-  Machine machine() const { return options_.machine ? *options_.machine : chosen_machine(); }
+  Machine machine() const { return options_.machine.value_or(chosen_machine()); }
 
   Ray world_ray(const PicturePoint& point) const {
     const CameraRays rays(scene_.camera, options_.width, options_.height);

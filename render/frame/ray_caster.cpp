@@ -38,7 +38,7 @@ RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& meth
                      std::optional<Machine> machine, const std::stop_token& stop)
     : dataset_(dataset.implementation()),
       query_{.isovalue = finite(isovalue), .field_range = dataset.field().range, .method = method},
-      machine_(machine ? *machine : chosen_machine()),
+      machine_(machine.value_or(chosen_machine())),
       intersectors_(choose_intersectors(dataset_, query_, machine_)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {

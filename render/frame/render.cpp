@@ -146,7 +146,7 @@ Frame frame_without_layers(const Scene& scene, const FrameOptions& options) {
           .window = window_to_trace(options),
           .occlusion = scene.occlusion,
           .needs = {},
-          .machine = options.machine ? *options.machine : chosen_machine()};
+          .machine = options.machine.value_or(chosen_machine())};
 }
 
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,

@@ -1,4 +1,4 @@
-// What the ray through a point of a picture meets.
+// RenderContext::probe: all hits of the ray through a point of a picture.
 #include <gtest/gtest.h>
 
 #include "tests/library/expect_refused.h"

@@ -72,7 +72,7 @@ std::string pictures_of(const Dataset& data) {
     }
     scene.lights = {{.kind = Light::Kind::point, .place = {40, -30, 50}, .casts_shadows = true}};
     scene.occlusion = {.samples = 2, .radius = 3};
-    layer = {.data = data, .show = Isosurface{99}};  // its samples are no floats beside the isovalue
+    layer = {.data = data, .show = Isosurface{99}};
     draw();
     scene.layers.push_back({.data = data, .show = Isosurface{150}, .material = {.opacity = 0.5}});
     scene.layers.push_back({.data = data, .show = Isosurface{60}, .material = {.opacity = 0.3}});

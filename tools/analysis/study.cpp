@@ -10,6 +10,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "formats/base/stopping.h"
 #include "render/method_words.h"
 #include "render/scene_spec.h"
 #include "tools/analysis/cpu_meter.h"
@@ -84,7 +85,7 @@ render::FrameStatistics LayerStudy::draw(const Variant& variant, const render::P
   const Setup drawn = setup(variant, size, channels);
   const render::FrameStatistics statistics = render::refine(
       drawn.data.dataset, drawn.scene, drawn.frame, {.first_spacing = 1, .stop = options_.stop}, picture, memory_);
-  if (options_.stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
+  end_if_stopped(options_.stop);
   return statistics;
 }
 

@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "render/document.h"
 #include "tools/analysis/format_statistics.h"
 #include "tools/analysis/measure.h"
@@ -196,7 +197,7 @@ class Work {
                      .memory_limit_bytes = command_.common.memory.bytes,
                      .seconds = 0.1 * command_.time_limit_s,
                      .progress = [stop = interrupt_.token()](std::string_view, std::uint64_t, std::uint64_t) {
-                       if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
+                       end_if_stopped(stop);
                      }};
     return options;
   }

@@ -23,6 +23,9 @@ function(rhoray_names_defined file result)
       elseif(line MATCHES "^([A-Za-z0-9_]+)\\(")  # its type is in the line before
         list(APPEND names ${CMAKE_MATCH_1})
       endif()
+      string(REGEX MATCHALL ", [A-Za-z0-9_]+ = " others "${line}")  # a = 1, b = 2
+      list(TRANSFORM others REPLACE "^, | = $" "")
+      list(APPEND names ${others})
     endforeach()
     set_property(GLOBAL PROPERTY rhoray_names_of_${file} "${names}")
   endif()
@@ -75,8 +78,9 @@ endfunction()
 # Makes units of about so many bytes of a target's sources. What a source defines and does not
 # declare in a header that it includes is its own: it is taken to be in an anonymous namespace.
 # Another source that has the same name, of its own or from a header, is never in the same unit: one
-# would hide, overload or redefine the other. Functions of one name may differ in the class that
-# they take first. Sources with options or definitions of their own stay apart.
+# would hide, overload or redefine the other. Two sources may have functions of one name that differ in
+# the class that they take first. Such a function still hides those of headers. Sources with options or
+# definitions of their own stay apart.
 function(rhoray_unite_sources target unit_bytes)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(sources ${target} SOURCES)
@@ -111,13 +115,15 @@ function(rhoray_unite_sources target unit_bytes)
     rhoray_names_defined(${path} names)
     rhoray_names_included(${path} included declared)
     list(REMOVE_ITEM names "" ${declared})
+    list(TRANSFORM names REPLACE "\\(.*" "" OUTPUT_VARIABLE hiding)
     file(SIZE ${path} bytes)
     # The first unit that is not full, else the shortest; only of those without a name in common.
     set(chosen ${unit_count})
     foreach(unit RANGE ${unit_count})
-      rhoray_have_common("${names}" "${names_of_${unit}};${included_by_${unit}}" is_taken)
-      rhoray_have_common("${included}" "${names_of_${unit}}" takes)
-      if(is_taken OR takes OR unit EQUAL unit_count)
+      rhoray_have_common("${names}" "${names_of_${unit}}" is_taken)
+      rhoray_have_common("${hiding}" "${included_by_${unit}}" hides)
+      rhoray_have_common("${included}" "${hiding_in_${unit}}" is_hidden)
+      if(is_taken OR hides OR is_hidden OR unit EQUAL unit_count)
         continue()
       endif()
       if(bytes_of_${unit} LESS full)
@@ -132,6 +138,7 @@ function(rhoray_unite_sources target unit_bytes)
       set(bytes_of_${unit_count} 0)
     endif()
     list(APPEND names_of_${chosen} ${names})
+    list(APPEND hiding_in_${chosen} ${hiding})
     list(APPEND included_by_${chosen} ${included})
     list(REMOVE_DUPLICATES included_by_${chosen})
     math(EXPR bytes_of_${chosen} "${bytes_of_${chosen}} + ${bytes}")

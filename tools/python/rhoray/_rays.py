@@ -65,7 +65,7 @@ def _require_room(name, array, dtype, shape, used):
 
 
 def _hits(out, rows, names, used):
-    """Hits for answers with these names: new ones, or those of the caller."""
+    """Returns Hits with room for the named answers: new ones, or `out`, which must fit."""
     kinds = {name: (numpy.uint64 if name == "cell" else numpy.float64, (*rows, 3) if name == "gradient" else rows)
              for name in names}
     if out is None:
