@@ -116,6 +116,7 @@ function(rhoray_unite_sources target unit_bytes)
     rhoray_names_included(${path} included declared)
     list(REMOVE_ITEM names "" ${declared})
     list(TRANSFORM names REPLACE "\\(.*" "" OUTPUT_VARIABLE hiding)
+    list(TRANSFORM included REPLACE "\\(.*" "")
     file(SIZE ${path} bytes)
     # The first unit that is not full, else the shortest; only of those without a name in common.
     set(chosen ${unit_count})
