@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <atomic>
+#include <forward_list>
 #include <mutex>
 
 namespace rhoray {
@@ -51,21 +52,63 @@ class LowestFailure {
   std::size_t piece_ = 0;
 };
 
+/// A thread of a loop. Its destructor joins it. The thread keeps its stack until it is joined, and
+/// recursive loops join theirs only after a deeper call. Each new thread therefore joins the
+/// threads whose work has ended, and their stacks serve again.
+class Helper {
+ public:
+  /// Throws if there is no memory for a thread, or the system allows none.
+  Helper(Lent lent, std::function<void()> work) {
+    const std::lock_guard lock(mutex_);
+    join_ended();
+    unjoined_.push_back(this);
+    try {
+      thread_ = std::thread([this, lent = std::move(lent), work = std::move(work)] {
+        work();
+        has_ended_ = true;  // before `lent` allows the next thread
+      });
+    } catch (...) {
+      unjoined_.pop_back();
+      throw;
+    }
+  }
+  ~Helper() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::erase(unjoined_, this) == 0) return;  // another thread has joined it
+    }
+    thread_.join();
+  }
+  Helper(const Helper&) = delete;
+  Helper& operator=(const Helper&) = delete;
+
+ private:
+  static void join_ended() {
+    std::erase_if(unjoined_, [](Helper* helper) {
+      if (!helper->has_ended_) return false;
+      helper->thread_.join();
+      return true;
+    });
+  }
+
+  static inline std::mutex mutex_;
+  static inline std::vector<Helper*> unjoined_;  ///< guarded by mutex_
+
+  std::thread thread_;
+  std::atomic<bool> has_ended_{false};
+};
+
 /// Threads that are joined even if an exception leaves the scope that started them. Each returns
 /// its right to run first.
 class Threads {
  public:
-  ~Threads() {
-    for (std::thread& thread : threads_) thread.join();
-  }
-
   /// Runs `work` on another thread and returns true; returns false if the limit or the system
   /// allows none.
   bool start(std::function<void()> work) {
     Lent lent;
     if (!lent) return false;
     try {
-      threads_.emplace_back([lent = std::move(lent), work = std::move(work)] { work(); });
+      helpers_.emplace_front(std::move(lent), std::move(work));
     } catch (...) {  // no more threads, or no memory for one
       return false;
     }
@@ -73,7 +116,7 @@ class Threads {
   }
 
  private:
-  std::vector<std::thread> threads_;
+  std::forward_list<Helper> helpers_;
 };
 
 }  // namespace

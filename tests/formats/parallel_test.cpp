@@ -1,7 +1,10 @@
 #include "formats/base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -222,6 +225,45 @@ TEST(ParallelInvoke, waits_for_both_and_throws_what_the_first_threw) {
     EXPECT_TRUE(second_ran);
     EXPECT_THROW(parallel_invoke([] {}, second), std::runtime_error);
   }
+}
+
+/// The lowest address of the calling thread's stack.
+void* stack_of_this_thread() {
+  pthread_attr_t attributes;
+  void* lowest = nullptr;
+  std::size_t bytes = 0;
+  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return nullptr;
+  ::pthread_attr_getstack(&attributes, &lowest, &bytes);
+  ::pthread_attr_destroy(&attributes);
+  return lowest;
+}
+
+/// A thread keeps its stack until it is joined, and each caller in a recursion joins its own last.
+TEST(ParallelInvoke, takes_one_stack_for_threads_that_run_one_after_another_in_a_recursion) {
+  const ThreadLimit limit(2);
+  const std::thread::id caller = std::this_thread::get_id();
+  std::array<void*, 8> stacks{};  // null where no thread was started
+  const std::function<void(std::size_t)> recurse = [&](std::size_t depth) {
+    if (depth == stacks.size()) return;
+    std::atomic<bool> second_ran = false;
+    parallel_invoke(
+        [&] {
+          // until the other thread has ended, or for a while if none was started
+          for (int wait = 0; wait < 100 && !second_ran; ++wait)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          std::this_thread::sleep_for(std::chrono::milliseconds(5));
+          recurse(depth + 1);
+        },
+        [&] {
+          if (std::this_thread::get_id() != caller) stacks[depth] = stack_of_this_thread();
+          second_ran = true;
+        });
+  };
+  recurse(0);
+  std::set<void*> used(stacks.begin(), stacks.end());
+  EXPECT_LE(std::count(stacks.begin(), stacks.end(), nullptr), 4) << "hardly a thread was started";
+  used.erase(nullptr);
+  EXPECT_EQ(used.size(), 1U);
 }
 
 TEST(ParallelSort, sorts_as_std_sort_does) {
