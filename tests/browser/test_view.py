@@ -355,11 +355,22 @@ class Results(PageTest):
         self.assertNotIn("token", link)
         self.assertLess(len(link), 300)
         picture = self.rendered(self.command())
+        self.set_number("layer-0-isovalue", 0.6)  # the page that is left shows something else
+        self.settle()
         self.open(viewer, fragment=link)
         # The link rounds the camera: a few pixels at edges may differ.
         width, height = self.js("[rhoray.active.canvas.width, rhoray.active.canvas.height]")
         self.assertLess(self.different_pixels(picture), 0.01 * width * height)
         self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
+
+    def test_a_page_without_a_link_has_the_state_of_the_start(self):
+        viewer = self.volume()
+        picture = self.pixels()
+        self.set_number("layer-0-isovalue", 0.6)
+        self.settle()
+        self.open(viewer)
+        self.assertEqual(self.js("rhoray.active.patch"), {})
+        self.assertEqual(self.pixels(), picture)
 
     def test_scene_document_draws_the_picture(self):
         self.volume("--iso", "0.5", "--style", "presentation")

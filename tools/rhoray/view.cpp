@@ -2,7 +2,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -99,13 +101,15 @@ void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_tok
 int run(const ViewCommand& command) {
   ProgressDisplay display(command.common);
   LineExchange* told = nullptr;
-  const auto tell_program = [&](std::string text) {
-    if (told == nullptr) return;
-    if (text.starts_with(R"({"state")"))
-      told->write_state(std::move(text));
-    else
-      told->write(std::move(text));
-  };
+  std::function<void(std::string)> tell_program;  // none without --stdio: pages then share nothing
+  if (command.uses_stdio)
+    tell_program = [&](std::string text) {
+      if (told == nullptr) return;
+      if (text.starts_with(R"({"state")"))
+        told->write_state(std::move(text));
+      else
+        told->write(std::move(text));
+    };
   Server server(opened(command, display), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
                                            .socket = command.socket,
                                            .allowed_hosts = command.hosts,

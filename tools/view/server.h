@@ -18,7 +18,7 @@ struct ServerOptions {
   std::vector<std::string> allowed_hosts{};  ///< names under which a proxy reaches the server
   unsigned threads = 0;                      ///< that trace; 0 = all cores
   /// Takes messages to the program that started the server, JSON (PROTOCOL.md). The server's thread
-  /// calls it; it must not wait. Empty: nobody is told.
+  /// calls it; it must not wait. Empty: nobody is told, and clients share nothing.
   std::function<void(std::string)> tell_program{};
 };
 

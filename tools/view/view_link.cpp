@@ -32,10 +32,10 @@ void ViewLink::set(const ViewState& state) {
 }
 
 void ViewLink::show(const PictureRequest& request) {
+  if (!tell_) return;  // each page then has its own state
   const std::uint32_t newest = state_ ? state_->number : 0;
   if (request.set_number < newest) return;
   state_ = ViewState{.number = newest, .camera = request.camera, .patch = request.patch};
-  if (!tell_) return;
   Json json = json_of(*state_);
   json["size"] = {request.width, request.height};
   json["moving"] = request.is_moving;

@@ -16,7 +16,8 @@ class ViewLink {
  public:
   using Send = std::function<void(std::string)>;
 
-  /// @param tell  takes messages to the program (PROTOCOL.md); empty: there is none
+  /// @param tell  takes messages to the program (PROTOCOL.md); empty: there is none, and clients
+  ///              share nothing
   explicit ViewLink(Send tell = {}) : tell_(std::move(tell)) {}
 
   /// Adds a client that shares its state, and sends it the present one, if there is one.
