@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "render/dataset/loaded_dataset.h"
@@ -68,6 +69,7 @@ struct Frame {
   Occlusion occlusion;
   WorkerNeeds needs;
   Machine machine = Machine::scalar;  ///< of all kernels and loops
+  std::stop_token stop{};             ///< also ends the search for occluders in a tile
   RangeProof range_proof{};           ///< of the datasets with a method that proves its answers
   /// For each pixel the layer of its first surface; null: not needed.
   std::uint8_t* first_layers = nullptr;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "formats/base/error.h"
 #include "render/frame/light_rays.h"
 #include "render/traverse/ticks.h"
 
@@ -140,6 +141,18 @@ void drop_blocked_groups(const FrameLayer& layer, const wide::Occluders* occlude
   }
 }
 
+/// Null if a stop request ended the search for them. Then the rest of the tile is tested against
+/// the whole surface.
+const wide::Occluders* find_occluders(const wide::LightOccluders& of_light, StartSide side,
+                                      const std::stop_token& stop) {
+  try {
+    return &of_light.of(side, stop);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::interrupted) throw;
+    return nullptr;
+  }
+}
+
 constexpr std::size_t no_light = ~std::size_t{0};
 
 /// Ends the rays that a layer's surface occludes (LightRays::t_max).
@@ -170,7 +183,8 @@ bool drop_blocked_by(const Frame& frame, std::size_t index, int part, const Fram
         if (of_light == nullptr || sides[i] == side) chosen |= asked[g][i];
       if (chosen == 0) continue;
       any = true;
-      if (of_light != nullptr && side != StartSide::unknown) occluders = &of_light->of(side);
+      if (of_light != nullptr && side != StartSide::unknown && occluders == nullptr)
+        occluders = find_occluders(*of_light, side, frame.stop);
       const std::size_t first = light.shown[g], place = light.groups.size() * group_size;
       write_light_rays(machine, light, {first, chosen, place, sides}, layer.data_from_world, hit_work.hits, work.rays,
                        worker.few_rays);

@@ -29,12 +29,12 @@ Blend blend_of(const Layer& layer, const Scene& scene) {
 
 /// Lookup of the attributes that a layer's effects need besides the hits; null if they need none.
 std::shared_ptr<const HitLookup> choose_lookup(const Dataset& dataset, const Layer& layer, unsigned threads,
-                                               Machine machine) {
+                                               const Frame& frame) {
   const EffectSet effects = effects_called_for(layer);
   HitAttributes attributes{.smooth_gradients = effects.smooth_normals, .field = {}};
   if (effects.field_color) attributes.field = layer.material.color_by->field;
   if (layer.mode == Mode::slice || attributes.none()) return nullptr;
-  return std::make_shared<const HitLookup>(dataset.implementation(), attributes, threads, machine);
+  return std::make_shared<const HitLookup>(dataset.implementation(), attributes, threads, frame.machine, frame.stop);
 }
 
 std::shared_ptr<const TextureLookup> choose_texture(const Dataset& dataset, const Layer& layer, Machine machine) {
@@ -59,8 +59,9 @@ bool meets_rays_from_crossings(const Layer& layer, Blend blend, const Scene& sce
 }
 
 FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend, const Scene& scene,
-                        const FrameOptions& options, Machine machine) {
+                        const FrameOptions& options, const Frame& frame) {
   const LoadedDataset& implementation = dataset.implementation();
+  const Machine machine = frame.machine;
   const bool is_mip = layer.mode == Mode::mip;
   RayQuery query{.isovalue = layer.isovalue,
                  .field_range = implementation.field.range,
@@ -88,7 +89,7 @@ FrameLayer choose_layer(const Dataset& dataset, const Layer& layer, Blend blend,
                       .lights = lights_of(scene, implementation.world_from_data),
                       .fog = scene.fog,
                       .proves = proves(layer.method),
-                      .lookup = choose_lookup(dataset, layer, options.threads, machine),
+                      .lookup = choose_lookup(dataset, layer, options.threads, frame),
                       .texture = choose_texture(dataset, layer, machine),
                       .machine = machine},
           .data_from_world = implementation.world_from_data.inverse()};
@@ -136,7 +137,7 @@ PixelRect window_to_trace(const FrameOptions& options) {
   return window;
 }
 
-Frame frame_without_layers(const Scene& scene, const FrameOptions& options) {
+Frame frame_without_layers(const Scene& scene, const FrameOptions& options, const std::stop_token& stop) {
   return {.layers = {},
           .camera_rays = CameraRays(scene.camera, options.width, options.height),
           .clip = std::nullopt,
@@ -146,13 +147,13 @@ Frame frame_without_layers(const Scene& scene, const FrameOptions& options) {
           .window = window_to_trace(options),
           .occlusion = scene.occlusion,
           .needs = {},
-          .machine = options.machine.value_or(chosen_machine())};
+          .machine = options.machine.value_or(chosen_machine()),
+          .stop = stop};
 }
 
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
 /// and layers outside the view that shade nothing. Nothing is prepared or read for these.
-void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
-                   const std::stop_token& stop, Frame& frame) {
+void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options, Frame& frame) {
   for (const auto& [blend, is_slice] : {std::pair{Blend::opaque, true},
                                         {Blend::opaque, false},
                                         {Blend::transparent, true},
@@ -168,8 +169,8 @@ void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const 
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
           lies_outside_view(dataset, frame.camera_rays, options, frame.machine))
         continue;
-      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads, stop);
-      frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options, frame.machine));
+      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads, frame.stop);
+      frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options, frame));
       if (is_slice)
         frame.layers.back().slice =
             std::make_shared<const SlicePlane>(dataset.implementation(), layer, scene.clip, frame.machine);
@@ -233,7 +234,8 @@ wide::LightPlace place_in(const FrameLayer& layer, const LayerLights::One& light
 }
 
 /// Finds the parts of a layer that may occlude lights that cast shadows.
-void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::OccluderCache& memory) {
+void prepare_occluders(FrameLayer& layer, const FrameOptions& options, const std::stop_token& stop,
+                       wide::OccluderCache& memory) {
   if (!holds_light_back(layer.shading.layer) || !layer.continuation || layer.continuation->occluders == nullptr) return;
   if (!layer.shading.effects.shadows || layer.clipped) return;
   layer.occluders.resize(layer.shading.lights.lights.size());
@@ -242,7 +244,7 @@ void prepare_occluders(FrameLayer& layer, const FrameOptions& options, wide::Occ
     if (!light.casts_shadows) continue;
     const wide::LightPlace place = place_in(layer, light);
     layer.occluders[l] = memory.of(*layer.continuation->occluders, layer.dataset, layer.continuation_query, place,
-                                   layer.shading.machine, options.threads);
+                                   layer.shading.machine, options.threads, stop);
   }
 }
 
@@ -395,13 +397,13 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   };
 
   const auto preparation_start = std::chrono::steady_clock::now();
-  Frame frame = frame_without_layers(scene, options);
+  Frame frame = frame_without_layers(scene, options, refinement.stop);
   bool is_wide = false, prepares = false;
   const bool is_prepared = completes([&] {
-    choose_layers(datasets, scene, options, refinement.stop, frame);
+    choose_layers(datasets, scene, options, frame);
     for (FrameLayer& layer : frame.layers) {
       is_wide |= prepare(layer, scene.clip, options, refinement.stop);
-      prepare_occluders(layer, options, memory.implementation().occluders());
+      prepare_occluders(layer, options, refinement.stop, memory.implementation().occluders());
       prepares |= layer.intersectors.prepare != nullptr || layer.shading.lookup;
     }
   });

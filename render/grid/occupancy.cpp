@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "formats/base/stopping.h"
+
 namespace rhoray::render {
 
 namespace {
@@ -101,7 +103,7 @@ struct BoxList {
 
 }  // namespace
 
-Occupancy::Occupancy(const formats::MacroRanges& ranges, double isovalue) {
+Occupancy::Occupancy(const formats::MacroRanges& ranges, double isovalue, const std::stop_token& stop) {
   const Index3& blocks = ranges.level(1).count;
   std::array<int, 3> super_node_count;
   for (int a = 0; a < 3; ++a) {
@@ -113,11 +115,11 @@ Occupancy::Occupancy(const formats::MacroRanges& ranges, double isovalue) {
   };
   nodes_.assign(volume(node_count_), 0);
   super_nodes_.assign(volume(super_node_count), 0);
-  formats::with_exact_type(ranges.type(), [&]<class T>(T) { find_nodes<T>(ranges, isovalue); });
+  formats::with_exact_type(ranges.type(), [&]<class T>(T) { find_nodes<T>(ranges, isovalue, stop); });
 }
 
 template <class T>
-void Occupancy::find_nodes(const formats::MacroRanges& ranges, double isovalue) {
+void Occupancy::find_nodes(const formats::MacroRanges& ranges, double isovalue, const std::stop_token& stop) {
   const std::optional<T> threshold = threshold_in<T>(isovalue);
   if (!threshold) return;
 
@@ -130,6 +132,7 @@ void Occupancy::find_nodes(const formats::MacroRanges& ranges, double isovalue) 
   for (int k = 0; k < node_count_[2] / 4; ++k)
     for (int j = 0; j < node_count_[1] / 4; ++j)
       for (int i = 0; i < node_count_[0] / 4; ++i, ++at) {
+        end_if_stopped(stop);
         if (level_count >= 3 && !level(3)(i, j, k)) continue;
         std::uint64_t candidates = ~std::uint64_t{0};
         if (level_count >= 2) candidates = level(2).children(i, j, k);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "formats/macro_ranges.h"
@@ -22,7 +23,8 @@ namespace rhoray::render {
 class Occupancy {
  public:
   /// Children of macrocells whose values lie on one side are not read.
-  Occupancy(const formats::MacroRanges& ranges, double isovalue);
+  /// @param stop  ends it (ErrorCode::interrupted)
+  Occupancy(const formats::MacroRanges& ranges, double isovalue, const std::stop_token& stop = {});
 
   /// Nodes per axis, a multiple of 4.
   const std::array<int, 3>& node_count() const { return node_count_; }
@@ -39,7 +41,7 @@ class Occupancy {
 
  private:
   template <class T>
-  void find_nodes(const formats::MacroRanges& ranges, double isovalue);
+  void find_nodes(const formats::MacroRanges& ranges, double isovalue, const std::stop_token& stop);
   void find_boxes(const Index3& leaf_count);
 
   std::array<int, 3> node_count_;
@@ -50,8 +52,9 @@ class Occupancy {
 /// Keeps the occupancies of one volume for the isovalues used last. Thread-safe.
 class OccupancyCache {
  public:
-  std::shared_ptr<const Occupancy> of(const formats::MacroRanges& ranges, double isovalue) {
-    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(ranges, isovalue); });
+  std::shared_ptr<const Occupancy> of(const formats::MacroRanges& ranges, double isovalue,
+                                      const std::stop_token& stop = {}) {
+    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(ranges, isovalue, stop); });
   }
 
  private:

@@ -286,9 +286,9 @@ void add_field(const std::string& name, MeshLookup& lookup) {
 }
 
 LookUp look_up_for(const TetData& view, const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
-                   Machine machine) {
+                   Machine machine, const std::stop_token& stop) {
   MeshLookup lookup{.view = &view};
-  if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads);
+  if (attributes.smooth_gradients) lookup.gradients = dataset.point_gradients->of(view, threads, stop);
   if (attributes.field) add_field(*attributes.field, lookup);
   return [lookup = std::move(lookup), look_up = compiled_for<look_up_in_mesh>(machine)](
              const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
@@ -310,7 +310,7 @@ LookUp field_lookup(const PlacedGrid<Geometry>& view, const LoadedDataset& datas
 
 template <class Geometry>
 LookUp look_up_for(const PlacedGrid<Geometry>& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned, Machine machine) {
+                   unsigned, Machine machine, const std::stop_token&) {
   LookUp of_field;
   if (attributes.field) of_field = field_lookup(view, dataset, *attributes.field, machine);
   if (!attributes.smooth_gradients) return of_field;
@@ -336,7 +336,7 @@ LookUp field_on_boundary(const MeshBoundary& boundary, const std::string& field,
 }
 
 LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const HitAttributes& attributes,
-                   unsigned threads, Machine machine) {
+                   unsigned threads, Machine machine, const std::stop_token& stop) {
   LookUp of_field;
   if (attributes.field) {
     if (view.boundary() == nullptr)
@@ -344,7 +344,7 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
     of_field = field_on_boundary(*view.boundary(), *attributes.field, machine);
   }
   if (!attributes.smooth_gradients) return of_field;
-  return [&view, normals = dataset.corner_normals->of(view, threads), of_field = std::move(of_field)](
+  return [&view, normals = dataset.corner_normals->of(view, threads, stop), of_field = std::move(of_field)](
              const RayBatch& rays, HitBatch& hits, std::size_t first, double* values) {
     for (std::size_t r = first; r < first + group_size && r < rays.count; ++r)
       if (hits.t[r] < infinity) replace_by_smooth(view, *normals, rays[r], r, hits);
@@ -354,11 +354,12 @@ LookUp look_up_for(const TriangleData& view, const LoadedDataset& dataset, const
 
 }  // namespace
 
-HitLookup::HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads, Machine machine) {
+HitLookup::HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads, Machine machine,
+                     const std::stop_token& stop) {
   RHORAY_CHECK(!attributes.none());
   if (attributes.field) check_field_name(dataset.file, *attributes.field, color_names(dataset));
-  look_up_ = std::visit([&](const auto& view) { return look_up_for(view, dataset, attributes, threads, machine); },
-                        dataset.view);
+  look_up_ = std::visit(
+      [&](const auto& view) { return look_up_for(view, dataset, attributes, threads, machine, stop); }, dataset.view);
 }
 
 }  // namespace rhoray::render

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "render/dataset/loaded_dataset.h"
@@ -41,8 +42,9 @@ class HitLookup {
   /// Computes the data kept with the dataset (point_gradients.h, corner_normals.h) with `threads`
   /// threads (0: all cores). Refuses an unknown field (ErrorCode::usage), and another grid of an
   /// OpenVDB file (ErrorCode::unsupported). The numbers are the same on every machine.
+  /// @param stop  ends the computation (ErrorCode::interrupted); then nothing of it is kept
   HitLookup(const LoadedDataset& dataset, const HitAttributes& attributes, unsigned threads,
-            Machine machine = chosen_machine());
+            Machine machine = chosen_machine(), const std::stop_token& stop = {});
 
   /// Handles the group of first crossings that begins at `first`. Writes the field's values, NaN
   /// where the cell has a point without data. Overwrites the hits' gradients, except where the

@@ -28,13 +28,13 @@ Kept& put_in_front(std::vector<Kept>& list, Kept added, std::size_t most) {
 
 std::shared_ptr<const LightOccluders> OccluderCache::of(const OccluderSearch& search, const LoadedDataset& dataset,
                                                         const RayQuery& query, const LightPlace& light, Machine machine,
-                                                        unsigned threads) {
-  const std::shared_ptr<const void> source = search.source(dataset, query, light, threads);
+                                                        unsigned threads, const std::stop_token& stop) {
+  const std::shared_ptr<const void> source = search.source(dataset, query, light, threads, stop);
   if (!source) return nullptr;
   OfSurface* kept = bring_to_front(kept_, [&](const OfSurface& of) { return of.source == source; });
   const Shadows shadows = kept != nullptr ? Shadows::known : Shadows::unknown;
   if (kept == nullptr)
-    kept = &put_in_front(kept_, {source, search.surface(dataset, query, source, threads), {}}, most_kept);
+    kept = &put_in_front(kept_, {source, search.surface(dataset, query, source, threads, stop), {}}, most_kept);
   const OccludingSurface& surface = *kept->surface;
   if (OfLight* of = bring_to_front(kept->lights, [&](const OfLight& one) { return one.light == light; })) {
     if (of->shadows != shadows)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "render/shadow/occluders.h"
@@ -14,10 +15,11 @@ namespace rhoray::render::wide {
 class OccluderCache {
  public:
   /// The occluders are the same on every machine.
-  /// @return  null where OccluderSearch::source is
+  /// @param stop  ends the search (ErrorCode::interrupted); then nothing of it is kept
+  /// @return      null where OccluderSearch::source is
   std::shared_ptr<const LightOccluders> of(const OccluderSearch& search, const LoadedDataset& dataset,
                                            const RayQuery& query, const LightPlace& light, Machine machine,
-                                           unsigned threads);
+                                           unsigned threads, const std::stop_token& stop = {});
 
  private:
   struct OfLight {

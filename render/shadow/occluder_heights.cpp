@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "formats/base/stopping.h"
 #include "render/query/compiled_for.h"
 
 namespace rhoray::render::wide {
@@ -37,23 +38,27 @@ void Squares::divide(const double (&last)[2], double edge) {
   for (int i = 0; i < 2; ++i) count[i] = static_cast<int>((last[i] - first[i]) * per_length) + 1;
 }
 
-OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints)
+OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints,
+                                 const std::stop_token& stop)
     : seen_(seen), frame_(frame) {
   if (footprints.empty()) return;
   double last[2] = {-nowhere, -nowhere}, size = 0;
   const auto& [count, begin, per_length] = squares_;
   squares_.first[0] = squares_.first[1] = nowhere;
-  for (const Footprint& of : footprints) {
+  const auto for_each_footprint = [&](const auto& act) {
+    for_each_until_stopped(0, footprints.size(), 1 << 14, stop, [&](std::uint64_t f) { act(footprints[f]); });
+  };
+  for_each_footprint([&](const Footprint& of) {
     for (int i = 0; i < 2; ++i) {
       squares_.first[i] = std::min(squares_.first[i], of.low[i] - frame.margin);
       last[i] = std::max(last[i], of.high[i] + frame.margin);
     }
     size += std::max(of.high[0] - of.low[0], of.high[1] - of.low[1]);
-  }
+  });
   // About half as large as the occluders.
   squares_.divide(last, 0.5 * size / static_cast<double>(footprints.size()));
   heights_.assign(squares_.size() + 1, -nowhere);  // the last one: outside all squares
-  for (const Footprint& of : footprints) {
+  for_each_footprint([&](const Footprint& of) {
     int from[2], to[2];
     for (int i = 0; i < 2; ++i) {
       from[i] = static_cast<int>((of.low[i] - frame.margin - begin[i]) * per_length);
@@ -63,7 +68,7 @@ OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, 
       float* row = heights_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(count[0]);
       for (int x = from[0]; x <= to[0]; ++x) row[x] = std::max(row[x], of.height);
     }
-  }
+  });
 }
 
 RHORAY_INLINE void OccluderHeights::find_known(const OccluderHeights& heights, RayBatch& rays, std::size_t first,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -73,7 +74,9 @@ class OccluderHeights {
     bool ends_rays = false;  ///< rays end where they are above all their possible occluders
   };
 
-  OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints);
+  /// @param stop  ends it (ErrorCode::interrupted)
+  OccluderHeights(const SeenFromLight& seen, const Frame& frame, std::span<const Footprint> footprints,
+                  const std::stop_token& stop);
 
   /// The same for given heights of each square and of what is outside.
   /// @param heights  upper bounds of the occluders' heights; empty: there are no occluders

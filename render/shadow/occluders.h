@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 #include "render/query/kernels.h"
@@ -38,20 +39,22 @@ struct Occluders {
 /// The same for one light, computed at the first request for a side. Any thread may call.
 class LightOccluders {
  public:
-  using Find = std::function<Occluders(StartSide)>;
+  using Find = std::function<Occluders(StartSide, const std::stop_token&)>;
   explicit LightOccluders(Find find) : find_(std::move(find)) {}
 
   /// @param side  not unknown
-  const Occluders& of(StartSide side) const {
+  /// @param stop  ends the computation (ErrorCode::interrupted); then the next request repeats it
+  const Occluders& of(StartSide side, const std::stop_token& stop = {}) const {
     OfSide& asked = sides_[side == StartSide::inside];
-    std::call_once(asked.once, [&] { asked.found = find_(side); });
-    return asked.found;
+    const std::lock_guard lock(asked.mutex);
+    if (!asked.found) asked.found = find_(side, stop);
+    return *asked.found;
   }
 
  private:
   struct OfSide {
-    std::once_flag once;
-    Occluders found;
+    std::mutex mutex;
+    std::optional<Occluders> found;
   };
   Find find_;
   mutable std::array<OfSide, 2> sides_;
@@ -71,14 +74,16 @@ class OccludingSurface {
                                                              const LightPlace& light) const = 0;
 };
 
-/// How a kind of data finds such surfaces, for queries that its wide kernels answer.
+/// How a kind of data finds such surfaces, for queries that its wide kernels answer. A stop request
+/// may end both functions (ErrorCode::interrupted).
 struct OccluderSearch {
   /// The object that stands for the surface as long as it is in use. Null where the occluders of
   /// this light are not known to be less than the whole surface.
   std::shared_ptr<const void> (*source)(const LoadedDataset& dataset, const RayQuery& query, const LightPlace& light,
-                                        unsigned threads);
+                                        unsigned threads, const std::stop_token& stop);
   std::shared_ptr<const OccludingSurface> (*surface)(const LoadedDataset& dataset, const RayQuery& query,
-                                                     std::shared_ptr<const void> source, unsigned threads);
+                                                     std::shared_ptr<const void> source, unsigned threads,
+                                                     const std::stop_token& stop);
 };
 
 }  // namespace rhoray::render::wide

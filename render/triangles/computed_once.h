@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <stop_token>
 
 namespace rhoray::render {
 
@@ -10,10 +11,11 @@ template <class Computed>
 class ComputedOnce {
  public:
   /// @param threads  0 = all cores
+  /// @param stop     ends it (ErrorCode::interrupted); then nothing is kept
   template <class View>
-  std::shared_ptr<const Computed> of(const View& view, unsigned threads) {
+  std::shared_ptr<const Computed> of(const View& view, unsigned threads, const std::stop_token& stop = {}) {
     const std::lock_guard lock(mutex_);
-    if (!computed_) computed_ = std::make_shared<const Computed>(view, threads);
+    if (!computed_) computed_ = std::make_shared<const Computed>(view, threads, stop);
     return computed_;
   }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <span>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "render/cell/triangle_crossing.h"
 #include "render/triangles/corners_of_points.h"
 
@@ -117,17 +117,17 @@ class Fans {
 
 // The first normal of a point has the point's place; the places of the others are counted before
 // they are computed again. So the result is the same for any number of threads.
-CornerNormals::CornerNormals(const TriangleData& view, unsigned threads) {
-  constexpr std::uint64_t fewest_points = 1 << 12;
+CornerNormals::CornerNormals(const TriangleData& view, unsigned threads, const std::stop_token& stop) {
+  constexpr std::uint64_t fewest_points = 1 << 12, points_per_check = 1 << 8;
   const std::uint64_t point_count = view.point_count();
   const CornersOfPoints corners(view);
   std::vector<std::uint32_t> first_other(point_count + 1);
   for_each_range(point_count, fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
     Fans fans;
-    for (std::uint64_t point = first; point < end; ++point) {
+    for_each_until_stopped(first, end, points_per_check, stop, [&](std::uint64_t point) {
       fans.find(view, corners.at(point));
       first_other[point + 1] = static_cast<std::uint32_t>(std::max<std::size_t>(fans.normals().size(), 1) - 1);
-    }
+    });
   });
   first_other[0] = static_cast<std::uint32_t>(point_count);
   for (std::uint64_t point = 0; point < point_count; ++point) first_other[point + 1] += first_other[point];
@@ -135,7 +135,7 @@ CornerNormals::CornerNormals(const TriangleData& view, unsigned threads) {
   of_corners_.resize(view.triangle_count());
   for_each_range(point_count, fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
     Fans fans;
-    for (std::uint64_t point = first; point < end; ++point) {
+    for_each_until_stopped(first, end, points_per_check, stop, [&](std::uint64_t point) {
       const std::span<const Corner> at_point = corners.at(point);
       fans.find(view, at_point);
       const auto place = [&](std::uint32_t slot) {
@@ -145,7 +145,7 @@ CornerNormals::CornerNormals(const TriangleData& view, unsigned threads) {
         normals_[place(slot)] = fans.normals()[slot].normalized();
       for (std::size_t i = 0; i < at_point.size(); ++i)
         of_corners_[at_point[i].triangle][at_point[i].index] = place(fans.slot(i));
-    }
+    });
   });
 }
 

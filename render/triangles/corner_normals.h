@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "formats/base/vector.h"
@@ -25,7 +26,8 @@ class CornerNormals {
   static constexpr double crease_angle_deg = 30;
 
   /// @param threads  0 = all cores; the result is the same for any number
-  CornerNormals(const TriangleData& view, unsigned threads);
+  /// @param stop     ends it (ErrorCode::interrupted)
+  CornerNormals(const TriangleData& view, unsigned threads, const std::stop_token& stop = {});
 
   /// The normal at a corner of a triangle, of length 1; zero where there is none.
   Vec3 of(std::uint32_t triangle, std::size_t corner) const { return normals_[of_corners_[triangle][corner]]; }

@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "formats/base/checks.h"
+#include "formats/base/stopping.h"
 #include "render/triangles/facet_block.h"
 
 namespace rhoray::render {
 
 namespace {
+
+constexpr std::uint64_t facets_per_check = 1 << 11;
 
 struct Corner {
   float at[3];
@@ -61,12 +64,13 @@ class Edges {
 
 }  // namespace
 
-FacetNeighbours::FacetNeighbours(const FacetBlock* blocks, const FacetField* fields, std::uint32_t count)
+FacetNeighbours::FacetNeighbours(const FacetBlock* blocks, const FacetField* fields, std::uint32_t count,
+                                 const std::stop_token& stop)
     : beyond_(count), turns_(count, Turn::unknown) {
   RHORAY_CHECK(count <= most_facets);
   for (auto& of_facet : beyond_) of_facet.fill(nothing());
-  find_beyond(blocks);
-  find_turns(blocks, fields);
+  find_beyond(blocks, stop);
+  find_turns(blocks, fields, stop);
   for (std::uint32_t f = 0; f < count; ++f)
     for (Beyond& beyond : beyond_[f])
       if (place_of(beyond) < count) beyond ^= static_cast<Beyond>(turns_[f] != turns_[place_of(beyond)]);
@@ -74,10 +78,11 @@ FacetNeighbours::FacetNeighbours(const FacetBlock* blocks, const FacetField* fie
 
 /// At this stage two facets are alike when, traversed from corner to corner, they pass their edge
 /// in opposite directions.
-void FacetNeighbours::find_beyond(const FacetBlock* blocks) {
+void FacetNeighbours::find_beyond(const FacetBlock* blocks, const std::stop_token& stop) {
   const Beyond several = nothing() + 2;
   Edges edges(4 * beyond_.size());
-  for (std::uint32_t f = 0; f < beyond_.size(); ++f) {
+  for_each_until_stopped(0, beyond_.size(), facets_per_check, stop, [&](std::uint64_t facet) {
+    const auto f = static_cast<std::uint32_t>(facet);
     const Corner corner[5] = {{blocks, f, 0}, {blocks, f, 1}, {blocks, f, 2}, {blocks, f, 3}, {blocks, f, 0}};
     std::uint32_t hash[5];
     for (std::size_t c = 0; c < 4; ++c) hash[c] = corner[c].hash();
@@ -110,15 +115,16 @@ void FacetNeighbours::find_beyond(const FacetBlock* blocks) {
           if (place_of(of_second) == first) of_second = several;
       of_first = beyond_[f][c] = several;
     }
-  }
+  });
   for (auto& of_facet : beyond_)
     for (Beyond& beyond : of_facet)
       if (beyond == several) beyond = nothing();
 }
 
-void FacetNeighbours::find_turns(const FacetBlock* blocks, const FacetField* fields) {
+void FacetNeighbours::find_turns(const FacetBlock* blocks, const FacetField* fields, const std::stop_token& stop) {
   std::vector<std::uint32_t> thin;
-  for (std::uint32_t f = 0; f < beyond_.size(); ++f) {
+  for_each_until_stopped(0, beyond_.size(), facets_per_check, stop, [&](std::uint64_t facet) {
+    const auto f = static_cast<std::uint32_t>(facet);
     const Corner a(blocks, f, 0), b(blocks, f, 1), c(blocks, f, 2), d(blocks, f, 3);
     const Vec3 ac = c - a, bd = d - b, normal = ac.cross(bd);
     const FacetField& field = fields[f];
@@ -130,7 +136,7 @@ void FacetNeighbours::find_turns(const FacetBlock* blocks, const FacetField* fie
       turns_[f] = along > 0 ? Turn::counter_clockwise : Turn::clockwise;
     else
       thin.push_back(f);
-  }
+  });
   const auto turn_as_a_neighbour = [&](std::uint32_t f) {
     for (const Beyond beyond : beyond_[f]) {
       if (place_of(beyond) >= count() || turns_[place_of(beyond)] == Turn::unknown) continue;
@@ -141,6 +147,7 @@ void FacetNeighbours::find_turns(const FacetBlock* blocks, const FacetField* fie
     return false;
   };
   for (bool any = true; any;) {
+    end_if_stopped(stop);
     const auto left = std::remove_if(thin.begin(), thin.end(), turn_as_a_neighbour);
     any = left != thin.end();
     thin.erase(left, thin.end());

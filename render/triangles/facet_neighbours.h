@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "render/triangles/facet_block.h"
@@ -30,7 +31,9 @@ class FacetNeighbours {
 
   static constexpr std::uint32_t most_facets = std::uint32_t{1} << 30;
   /// @param count  at most most_facets
-  FacetNeighbours(const FacetBlock* blocks, const FacetField* fields, std::uint32_t count);
+  /// @param stop   ends it (ErrorCode::interrupted)
+  FacetNeighbours(const FacetBlock* blocks, const FacetField* fields, std::uint32_t count,
+                  const std::stop_token& stop = {});
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(beyond_.size()); }
   const std::array<Beyond, 4>& of(std::uint32_t facet) const { return beyond_[facet]; }
@@ -43,8 +46,8 @@ class FacetNeighbours {
   std::size_t size_bytes() const { return beyond_.size() * (sizeof(beyond_[0]) + sizeof(turns_[0])); }
 
  private:
-  void find_beyond(const FacetBlock* blocks);
-  void find_turns(const FacetBlock* blocks, const FacetField* fields);
+  void find_beyond(const FacetBlock* blocks, const std::stop_token& stop);
+  void find_turns(const FacetBlock* blocks, const FacetField* fields, const std::stop_token& stop);
 
   std::vector<std::array<Beyond, 4>> beyond_;
   std::vector<Turn> turns_;

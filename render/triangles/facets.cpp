@@ -444,9 +444,9 @@ void Facets::build_levels() {
   low_ = box.low, high_ = box.high;
 }
 
-const FacetNeighbours& Facets::neighbours() const {
-  std::call_once(neighbours_once_,
-                 [&] { neighbours_ = std::make_unique<FacetNeighbours>(blocks_.get(), fields_.get(), count_); });
+const FacetNeighbours& Facets::neighbours(const std::stop_token& stop) const {
+  const std::lock_guard lock(neighbours_mutex_);
+  if (!neighbours_) neighbours_ = std::make_unique<FacetNeighbours>(blocks_.get(), fields_.get(), count_, stop);
   return *neighbours_;
 }
 

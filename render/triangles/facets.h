@@ -56,7 +56,8 @@ class Facets {
   const std::array<float, 3>& high() const { return high_; }
 
   /// Computed at the first call. Any thread may call.
-  const FacetNeighbours& neighbours() const;
+  /// @param stop  ends it (ErrorCode::interrupted); then the next call repeats it
+  const FacetNeighbours& neighbours(const std::stop_token& stop = {}) const;
 
   std::size_t size_bytes() const;  ///< without neighbours
 
@@ -73,7 +74,7 @@ class Facets {
   Vec3 anchor_;
   double scale_ = 1;
   std::array<float, 3> low_{}, high_{};
-  mutable std::once_flag neighbours_once_;
+  mutable std::mutex neighbours_mutex_;
   mutable std::unique_ptr<const FacetNeighbours> neighbours_;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "formats/base/vector.h"
 
 namespace rhoray::render {
@@ -32,25 +32,25 @@ WeightedGradient weighted_gradient(const std::array<std::array<double, 3>, 4>& p
 
 // Every thread goes through all cells in order and adds up those of its own points. Sums are
 // therefore the same for any number of threads, and no list of the cells around a point is needed.
-PointGradients::PointGradients(const TetData& view, unsigned threads)
+PointGradients::PointGradients(const TetData& view, unsigned threads, const std::stop_token& stop)
     : gradients_(view.description().point_count, std::array<double, 3>{}) {
-  constexpr std::uint64_t fewest_points = 1 << 14;
+  constexpr std::uint64_t fewest_points = 1 << 14, cells_per_check = 1 << 12;
   const std::uint64_t cell_count = view.description().cell_count;
   for_each_range(gradients_.size(), fewest_points, threads, [&](std::uint64_t first, std::uint64_t end) {
     std::vector<double> weights(end - first);
-    for (std::uint64_t cell = 0; cell < cell_count; ++cell) {
+    for_each_until_stopped(0, cell_count, cells_per_check, stop, [&](std::uint64_t cell) {
       const auto vertices = view.vertices(static_cast<std::uint32_t>(cell));
       const auto is_own = [&](std::uint32_t point) { return point >= first && point < end; };
-      if (std::none_of(vertices.begin(), vertices.end(), is_own)) continue;
+      if (std::none_of(vertices.begin(), vertices.end(), is_own)) return;
       const auto values = view.values_at(vertices);
-      if (!has_data(values)) continue;
+      if (!has_data(values)) return;
       const auto [gradient, weight] = weighted_gradient(view.points_at(vertices), values);
       for (const std::uint32_t point : vertices) {
         if (!is_own(point)) continue;
         for (int axis = 0; axis < 3; ++axis) gradients_[point][static_cast<std::size_t>(axis)] += gradient[axis];
         weights[point - first] += weight;
       }
-    }
+    });
     for (std::uint64_t point = first; point < end; ++point)
       for (double& component : gradients_[point])
         component = weights[point - first] > 0 ? component / weights[point - first] : 0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "render/tets/tet_data.h"
@@ -18,7 +19,8 @@ namespace rhoray::render {
 class PointGradients {
  public:
   /// @param threads  0 = all cores; the result is the same for any number
-  PointGradients(const TetData& view, unsigned threads);
+  /// @param stop     ends it (ErrorCode::interrupted)
+  PointGradients(const TetData& view, unsigned threads, const std::stop_token& stop = {});
 
   /// Gradients in the mesh's frame.
   std::span<const std::array<double, 3>> of_points() const { return gradients_; }

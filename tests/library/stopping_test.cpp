@@ -1,8 +1,12 @@
 // Calls that are stopped, and callbacks that throw.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <functional>
 #include <stdexcept>
 #include <stop_token>
+#include <string>
+#include <thread>
 
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
@@ -199,6 +203,54 @@ TEST(Stopping, of_a_proof_does_not_hide_damage_late_in_a_file) {
     expect_each(ErrorCode::invalid, "grid.rho: an interval that lacks a value", grid, live.get_token());
     expect_refused(ErrorCode::invalid, "grid.rho: an interval that lacks a value",
                    [&] { context.render(scene, {.size = size}, picture, live.get_token()); });
+  }
+}
+
+/// A ball with smooth normals, in the light of a lamp that casts shadows.
+Scene shaded_scene(const Dataset& data, const decltype(Layer::show)& show) {
+  Scene scene{.layers = {{.data = data, .show = show, .material = {.normals = Normals::smooth}}},
+              .lights = {{.kind = Light::Kind::directional, .place = {1, -2, 3}, .casts_shadows = true}}};
+  scene.camera = fit_camera(scene, size);
+  return scene;
+}
+
+// Facets, occupied blocks, normals and occluders are kept for the next picture.
+TEST(Stopping, at_any_time_changes_nothing_in_the_next_picture) {
+  using Clock = std::chrono::steady_clock;
+  const TemporaryFolder folder;
+  const Samples<float> samples = samples_of<float>(64, 64, 64, [](auto i, auto j, auto k) {
+    return gyroid(0.5 * static_cast<double>(i), 0.5 * static_cast<double>(j), 0.5 * static_cast<double>(k));
+  });
+  pack(GridArrays{.fields = {samples.field("gyroid")}}, AxisOrder::zyx, {.file = folder / "grid.rho"});
+  ball_mesh(16, {.file = folder / "mesh.rho"});
+  // Each opens its file again: nothing is prepared of it.
+  const std::function<Scene()> scenes[] = {
+      [&] { return shaded_scene(Dataset::open(folder / "grid.rho"), Isosurface{0.1}); },
+      [&] { return shaded_scene(Dataset::open(folder / "mesh.rho"), Isosurface{0.7}); },
+      [&] { return shaded_scene(Dataset::open(folder / "mesh.rho").boundary(), Triangles{}); }};
+  for (const auto& make : scenes) {
+    const Clock::time_point begin = Clock::now();
+    const std::string expected = bits_of(rendered(make(), {.size = size}));
+    const Clock::duration longest = Clock::now() - begin;
+    constexpr int count = 24;
+    int stopped = 0;
+    for (int time = 0; time < count; ++time) {
+      const Scene scene = make();
+      RenderContext context;
+      Picture picture;
+      std::stop_source stop;
+      if (time == 0) stop.request_stop();
+      const std::jthread stopping([&] {
+        std::this_thread::sleep_for(longest * time / count);
+        stop.request_stop();
+      });
+      stopped += !context.render(scene, {.size = size}, picture, stop.get_token()).complete;
+      for (int again = 0; again < 2; ++again) {  // certain shadows are computed by the second one
+        EXPECT_TRUE(context.render(scene, {.size = size}, picture).complete);
+        EXPECT_TRUE(bits_of(picture) == expected) << time;
+      }
+    }
+    EXPECT_GE(stopped, 1);
   }
 }
 

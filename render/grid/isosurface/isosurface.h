@@ -12,7 +12,7 @@ namespace rhoray::render::wide {
 /// methods other than those of the table in render/KERNELS.md.
 Kernel first_crossing_kernel(const LoadedDataset& dataset, const Method& method, Machine machine);
 
-/// Finds the blocks of an isovalue unless they are cached. Not ended by a stop request.
+/// Finds the blocks of an isovalue unless they are cached.
 /// @return  the boxes around them; nothing where the scalar kernels answer
 std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned threads,
                                               const std::stop_token& stop);

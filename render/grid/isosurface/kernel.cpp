@@ -84,10 +84,10 @@ void first_crossings(const LoadedDataset& dataset, const RayQuery& query, const 
 }  // namespace
 
 std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, const RayQuery& query, unsigned,
-                                              const std::stop_token&) {
+                                              const std::stop_token& stop) {
   const UniformGrid& view = std::get<UniformGrid>(dataset.view);
   if (!is_answerable_wide(view, query)) return std::nullopt;
-  const auto occupancy = dataset.occupancies->of(view.ranges(), query.isovalue);
+  const auto occupancy = dataset.occupancies->of(view.ranges(), query.isovalue, stop);
   const Index3 cells = view.lattice().leaf_count;
   SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
   // Far above what rounding exchanges at edges between cells, plus the rounding of the last cells to

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "render/grid/brick_samples.h"
 #include "render/grid/isosurface/grid_surface.h"
 #include "render/query/compiled_for.h"
@@ -127,13 +127,14 @@ struct Found {
   std::vector<SurfaceCells::Cell> cells;
 };
 
-Found cells_of(const SampleSource& source, const Occupancy& occupancy, double isovalue, unsigned threads) {
+Found cells_of(const SampleSource& source, const Occupancy& occupancy, double isovalue, unsigned threads,
+               const std::stop_token& stop) {
   const std::vector<Index3> places = blocks_of(occupancy);
   constexpr std::uint64_t blocks_each = 1024;
   std::vector<Found> parts((places.size() + blocks_each - 1) / blocks_each);
   for_each_range(parts.size(), 1, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
     BlockOfSamples samples;
-    for (std::uint64_t part = first_part; part < end_part; ++part) {
+    for_each_until_stopped(first_part, end_part, 1, stop, [&](std::uint64_t part) {
       const std::uint64_t end = std::min<std::uint64_t>(places.size(), (part + 1) * blocks_each);
       for (std::uint64_t b = part * blocks_each; b < end; ++b) {
         SurfaceCells::Block& block = parts[part].blocks.emplace_back();
@@ -141,10 +142,11 @@ Found cells_of(const SampleSource& source, const Occupancy& occupancy, double is
         read_block(source, places[b], samples);
         add_cells(samples, isovalue, block, parts[part].cells);
       }
-    }
+    });
   });
   Found all;
   for (Found& part : parts) {
+    end_if_stopped(stop);
     for (SurfaceCells::Block& block : part.blocks) block.first_cell += static_cast<std::uint32_t>(all.cells.size());
     all.blocks.insert(all.blocks.end(), part.blocks.begin(), part.blocks.end());
     all.cells.insert(all.cells.end(), part.cells.begin(), part.cells.end());
@@ -189,7 +191,7 @@ RHORAY_INLINE void find_rising(const SurfaceCells::Cell* cells, std::size_t coun
 
 /// Returns the footprints of the cells that may occlude.
 std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active, const SeenFromLight& seen,
-                                     const Vec3& falling) {
+                                     const Vec3& falling, const std::stop_token& stop) {
   // The same for all cells, except for their position.
   Footprint of_cell = Footprint::of_nothing();
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -205,11 +207,16 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
     doubt += (1 + 0x1p-7F) * std::abs(direction[a]);
   }
   std::vector<std::uint8_t> rises(active.cells().size());
-  compiled_for<find_rising>(machine)(active.cells().data(), active.cells().size(),
-                                     Slope{direction[0], direction[1], direction[2], doubt}, rises.data());
+  constexpr std::size_t cells_each = 1 << 14;
+  for (std::size_t first = 0; first < rises.size(); first += cells_each) {
+    end_if_stopped(stop);
+    compiled_for<find_rising>(machine)(active.cells().data() + first, std::min(cells_each, rises.size() - first),
+                                       Slope{direction[0], direction[1], direction[2], doubt}, rises.data() + first);
+  }
   std::vector<Footprint> footprints;
   footprints.reserve(static_cast<std::size_t>(std::count(rises.begin(), rises.end(), std::uint8_t{1})));
-  for (const SurfaceCells::Block& block : active.blocks())
+  for_each_until_stopped(0, active.blocks().size(), 1 << 8, stop, [&](std::uint64_t b) {
+    const SurfaceCells::Block& block = active.blocks()[b];
     for (std::uint32_t c = block.first_cell; c < block.first_cell + block.cell_count; ++c) {
       if (rises[c] == 0) continue;
       const SurfaceCells::Cell& cell = active.cells()[c];
@@ -222,6 +229,7 @@ std::vector<Footprint> footprints_of(Machine machine, const SurfaceCells& active
                             .high = {at.high[0] + of_cell.high[0], at.high[1] + of_cell.high[1]},
                             .height = at.height + of_cell.height});
     }
+  });
   return footprints;
 }
 
@@ -249,14 +257,15 @@ class OccludingCells final : public OccludingSurface {
 };
 
 std::shared_ptr<const void> source_of_light(const LoadedDataset& dataset, const RayQuery& query,
-                                            const LightPlace& light, unsigned) {
+                                            const LightPlace& light, unsigned, const std::stop_token& stop) {
   const UniformGrid* grid = light.is_one_direction() ? grid_with_occluders(dataset, query) : nullptr;
-  return grid != nullptr ? dataset.occupancies->of(grid->ranges(), query.isovalue) : nullptr;
+  return grid != nullptr ? dataset.occupancies->of(grid->ranges(), query.isovalue, stop) : nullptr;
 }
 
 std::shared_ptr<const OccludingSurface> occluding_cells(const LoadedDataset& dataset, const RayQuery& query,
-                                                        std::shared_ptr<const void>, unsigned threads) {
-  return std::make_shared<const OccludingCells>(SurfaceCells::of(dataset, query, threads));
+                                                        std::shared_ptr<const void>, unsigned threads,
+                                                        const std::stop_token& stop) {
+  return std::make_shared<const OccludingCells>(SurfaceCells::of(dataset, query, threads, stop));
 }
 
 }  // namespace
@@ -264,30 +273,32 @@ std::shared_ptr<const OccludingSurface> occluding_cells(const LoadedDataset& dat
 const OccluderSearch grid_occluder_search{.source = source_of_light, .surface = occluding_cells};
 
 std::shared_ptr<const SurfaceCells> SurfaceCells::of(const LoadedDataset& dataset, const RayQuery& query,
-                                                     unsigned threads) {
+                                                     unsigned threads, const std::stop_token& stop) {
   const UniformGrid* grid = grid_with_occluders(dataset, query);
   if (grid == nullptr) return nullptr;
   const auto active = std::make_shared<SurfaceCells>();
-  Found found =
-      cells_of(*grid->source(), *dataset.occupancies->of(grid->ranges(), query.isovalue), query.isovalue, threads);
+  const auto occupancy = dataset.occupancies->of(grid->ranges(), query.isovalue, stop);
+  Found found = cells_of(*grid->source(), *occupancy, query.isovalue, threads, stop);
   active->blocks_ = std::move(found.blocks), active->cells_ = std::move(found.cells);
   return active;
 }
 
 std::shared_ptr<const LightOccluders> grid_occluders_of(Machine machine, std::shared_ptr<const SurfaceCells> cells,
                                                         const LightPlace& light) {
-  return std::make_shared<const LightOccluders>([machine, cells = std::move(cells), light](StartSide side) {
-    // Far above the rounding of points and rays, as in prepare_occupancy.
-    float farthest = 0;
-    for (const SurfaceCells::Block& block : cells->blocks())
-      for (const float low : block.corner) farthest = std::max(farthest, low + 4);
-    const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
-    const SeenFromLight seen(light.at);
-    Occluders occluders;
-    occluders.heights.emplace(seen, OccluderHeights::Frame{.margin = margin, .ends_rays = true},
-                              footprints_of(machine, *cells, seen, side == StartSide::outside ? light.at : -light.at));
-    return occluders;
-  });
+  return std::make_shared<const LightOccluders>(
+      [machine, cells = std::move(cells), light](StartSide side, const std::stop_token& stop) {
+        // Far above the rounding of points and rays, as in prepare_occupancy.
+        float farthest = 0;
+        for (const SurfaceCells::Block& block : cells->blocks())
+          for (const float low : block.corner) farthest = std::max(farthest, low + 4);
+        const double margin = 1.0 / 64 + 0x1p-21 * static_cast<double>(farthest);
+        const SeenFromLight seen(light.at);
+        Occluders occluders;
+        occluders.heights.emplace(
+            seen, OccluderHeights::Frame{.margin = margin, .ends_rays = true},
+            footprints_of(machine, *cells, seen, side == StartSide::outside ? light.at : -light.at, stop), stop);
+        return occluders;
+      });
 }
 
 }  // namespace rhoray::render::wide

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "render/grid/occupancy.h"
@@ -29,9 +30,11 @@ class SurfaceCells {
   };
 
   /// @param volume  a grid that is fit (is_fit_grid)
+  /// @param stop    ends the search (ErrorCode::interrupted)
   /// @return        null where the wide kernel leaves the query to others, and where data have
   ///   gaps: from one side of a gap to the other the field may rise in no cell
-  static std::shared_ptr<const SurfaceCells> of(const LoadedDataset& dataset, const RayQuery& query, unsigned threads);
+  static std::shared_ptr<const SurfaceCells> of(const LoadedDataset& dataset, const RayQuery& query, unsigned threads,
+                                                const std::stop_token& stop = {});
 
   std::span<const Block> blocks() const { return blocks_; }
   std::span<const Cell> cells() const { return cells_; }

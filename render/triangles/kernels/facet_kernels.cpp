@@ -285,16 +285,18 @@ std::optional<SurfaceBoxes> prepare_facets(const LoadedDataset& dataset, const R
 }
 
 constexpr OccluderSearch occluder_search{
-    .source = [](const LoadedDataset& dataset, const RayQuery& query, const LightPlace&, unsigned threads)
-        -> std::shared_ptr<const void> { return facets_with_occluders(dataset, query, threads); },
+    .source = [](const LoadedDataset& dataset, const RayQuery& query, const LightPlace&, unsigned threads,
+                 const std::stop_token& stop) -> std::shared_ptr<const void> {
+      return facets_with_occluders(dataset, query, threads, stop);
+    },
     .surface = occluding_facets};
 
 }  // namespace
 
 std::shared_ptr<const Facets> facets_with_occluders(const LoadedDataset& dataset, const RayQuery& query,
-                                                    unsigned threads) {
+                                                    unsigned threads, const std::stop_token& stop) {
   if (!is_answerable(query) || !is_fit(dataset) || is_of_triangles(dataset)) return nullptr;
-  return facets_of(dataset, query.isovalue, threads);
+  return facets_of(dataset, query.isovalue, threads, stop);
 }
 
 void use_facets(const LoadedDataset& dataset, const RayQuery& query, Machine machine, Intersectors& found) {

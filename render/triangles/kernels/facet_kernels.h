@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 
 #include "render/query/intersectors.h"
 #include "render/triangles/facets.h"
@@ -17,7 +18,8 @@ void use_facets(const LoadedDataset& dataset, const RayQuery& query, Machine mac
 /// Returns the facets of a mesh's isosurface if only some of them may occlude hits on one of its
 /// sides. Null where that is not known: for triangles, which may have any orientation, and where
 /// scalar kernels are used.
+/// @param stop  ends their preparation (ErrorCode::interrupted)
 std::shared_ptr<const Facets> facets_with_occluders(const LoadedDataset& dataset, const RayQuery& query,
-                                                    unsigned threads);
+                                                    unsigned threads, const std::stop_token& stop = {});
 
 }  // namespace rhoray::render::wide

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/base/stopping.h"
 #include "render/query/compiled_for.h"
 #include "render/triangles/facet_levels.h"
 #include "render/triangles/shadow/front_facing.h"
@@ -103,7 +104,7 @@ class OccludingFacets final : public OccludingSurface {
 }  // namespace
 
 FacetOccluders::FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light,
-                               StartSide side)
+                               StartSide side, const std::stop_token& stop)
     : facets_(std::move(facets)), side_(side) {
   const std::size_t block_count = (std::size_t{facets_->count()} + block_size - 1) / block_size;
   std::vector<std::uint16_t> kept(block_count), sure(block_count);
@@ -115,7 +116,7 @@ FacetOccluders::FacetOccluders(Machine machine, std::shared_ptr<const Facets> fa
   sources_.resize(count), sure_.resize(kept_blocks);
   blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(kept_blocks);
   std::size_t place = 0;
-  for (std::size_t b = 0; b < block_count; ++b) {
+  for_each_until_stopped(0, block_count, 1 << 9, stop, [&](std::uint64_t b) {
     std::uint32_t from[block_size], here = 0;
     for (unsigned bits = kept[b]; bits != 0; bits &= bits - 1) {
       const auto f = static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -132,14 +133,16 @@ FacetOccluders::FacetOccluders(Machine machine, std::shared_ptr<const Facets> fa
           blocks_[(place + i) / block_size].corner[c][a][(place + i) % block_size] = numbers[from[i]];
       }
     place += here;
-  }
+  });
   if (const std::size_t left = count % block_size; left != 0)
     for (auto& corner : blocks_[kept_blocks - 1].corner)
       for (auto& numbers : corner) std::fill(numbers + left, numbers + block_size, numbers[left - 1]);
   levels_ = levels_above(blocks_.get(), kept_blocks);
 }
 
-OccluderHeights FacetOccluders::heights(Machine machine, const LightPlace& light, Shadows shadows) const {
+OccluderHeights FacetOccluders::heights(Machine machine, const LightPlace& light, Shadows shadows,
+                                        const std::stop_token& stop) const {
+  end_if_stopped(stop);
   const SeenFromLight from_light(light.at);
   const OccluderHeights::Frame frame{.anchor = facets_->anchor(), .scale = facets_->scale(), .margin = facet_margin};
   const FrontFacing seen(machine, from_light, facet_margin, blocks_.get(), sources_.size());
@@ -149,32 +152,36 @@ OccluderHeights FacetOccluders::heights(Machine machine, const LightPlace& light
   FacetHeights heights = heights_of_sheets(
       machine, squares, facet_margin,
       {.seen = seen, .sources = sources_.data(), .sure = sure_.data(), .rises = side_ == StartSide::outside},
-      facets_->neighbours());
+      facets_->neighbours(stop), stop);
   return {from_light, frame, squares, std::move(heights.above), std::move(heights.below)};
 }
 
 std::shared_ptr<const LightOccluders> facet_occluders_of(Machine machine, std::shared_ptr<const Facets> facets,
                                                          const LightPlace& light, Shadows shadows) {
-  return std::make_shared<const LightOccluders>([machine, facets = std::move(facets), light, shadows](StartSide side) {
-    Occluders occluders;
-    const auto parts = std::make_shared<const FacetOccluders>(machine, facets, light, side);
-    if (light.is_one_direction()) occluders.heights = parts->heights(machine, light, shadows);
-    occluders.parts = parts;
-    return occluders;
-  });
+  return std::make_shared<const LightOccluders>(
+      [machine, facets = std::move(facets), light, shadows](StartSide side, const std::stop_token& stop) {
+        Occluders occluders;
+        const auto parts = std::make_shared<const FacetOccluders>(machine, facets, light, side, stop);
+        if (light.is_one_direction()) occluders.heights = parts->heights(machine, light, shadows, stop);
+        occluders.parts = parts;
+        return occluders;
+      });
 }
 
 std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_ptr<const LightOccluders> before,
                                                    const LightPlace& light) {
-  return std::make_shared<const LightOccluders>([machine, before = std::move(before), light](StartSide side) {
-    Occluders occluders = before->of(side);
-    if (light.is_one_direction()) occluders.heights = facets_of(occluders).heights(machine, light, Shadows::known);
-    return occluders;
-  });
+  return std::make_shared<const LightOccluders>(
+      [machine, before = std::move(before), light](StartSide side, const std::stop_token& stop) {
+        Occluders occluders = before->of(side, stop);
+        if (light.is_one_direction())
+          occluders.heights = facets_of(occluders).heights(machine, light, Shadows::known, stop);
+        return occluders;
+      });
 }
 
 std::shared_ptr<const OccludingSurface> occluding_facets(const LoadedDataset&, const RayQuery&,
-                                                         std::shared_ptr<const void> facets, unsigned) {
+                                                         std::shared_ptr<const void> facets, unsigned,
+                                                         const std::stop_token&) {
   return std::make_shared<const OccludingFacets>(std::static_pointer_cast<const Facets>(std::move(facets)));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "render/shadow/occluders.h"
@@ -19,7 +20,9 @@ namespace rhoray::render::wide {
 class FacetOccluders {
  public:
   /// @param facets  of an isosurface
-  FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side);
+  /// @param stop    ends it (ErrorCode::interrupted)
+  FacetOccluders(Machine machine, std::shared_ptr<const Facets> facets, const LightPlace& light, StartSide side,
+                 const std::stop_token& stop);
 
   const Facets& facets() const { return *facets_; }
 
@@ -33,7 +36,8 @@ class FacetOccluders {
 
   /// Returns what they cover as seen from a directional light.
   /// @param shadows  known: the facets' neighbours are computed if they are missing
-  OccluderHeights heights(Machine machine, const LightPlace& light, Shadows shadows) const;
+  /// @param stop     ends it (ErrorCode::interrupted)
+  OccluderHeights heights(Machine machine, const LightPlace& light, Shadows shadows, const std::stop_token& stop) const;
 
  private:
   std::shared_ptr<const Facets> facets_;
@@ -61,6 +65,7 @@ std::shared_ptr<const LightOccluders> with_shadows(Machine machine, std::shared_
 
 /// The facets of an isosurface as OccluderSearch::surface returns them.
 std::shared_ptr<const OccludingSurface> occluding_facets(const LoadedDataset& dataset, const RayQuery& query,
-                                                         std::shared_ptr<const void> facets, unsigned threads);
+                                                         std::shared_ptr<const void> facets, unsigned threads,
+                                                         const std::stop_token& stop);
 
 }  // namespace rhoray::render::wide

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "formats/base/stopping.h"
 #include "render/query/compiled_for.h"
 
 namespace rhoray::render::wide {
@@ -191,17 +192,19 @@ std::vector<float> heights_of_facets(Machine machine, const Squares& squares, do
 }
 
 FacetHeights heights_of_sheets(Machine machine, const Squares& squares, double margin, const SheetFacets& facets,
-                               const FacetNeighbours& neighbours) {
+                               const FacetNeighbours& neighbours, const std::stop_token& stop) {
   if (facets.seen.count() == 0) return {};
   const std::size_t count = squares.size();
   std::vector<Heights> heights(count, {-nowhere, -nowhere});
   compiled_for<find_heights>(machine)(squares, margin, facets.seen, facets.sure, heights.data());
+  end_if_stopped(stop);
   std::vector<std::uint8_t> known(count, 0), row(static_cast<std::size_t>(squares.count[0]) + 2);
   std::vector<std::uint8_t> is_part(neighbours.place_count(), 0);
   is_part[FacetNeighbours::place_of(neighbours.no_edge())] = 1;
   const bool is_up_unless_turned = facets.rises == (facets.seen.from_light().sign() > 0);
   compiled_for<find_parts>(machine)(squares, margin, facets, neighbours.turns(), is_up_unless_turned, known.data(),
                                     is_part.data());
+  end_if_stopped(stop);
   note_rims(squares, margin, facets, neighbours, is_part.data(), known.data());
   FacetHeights found{std::vector<float>(count + 1, -nowhere), std::vector<float>(count + 1, -nowhere)};
   compiled_for<finish>(machine)(squares, heights.data(), known.data(), row.data(), found.above.data(),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "render/query/machine.h"
@@ -46,7 +47,8 @@ std::vector<float> heights_of_facets(Machine machine, const Squares& squares, do
 /// takes longer than it saves.
 ///
 /// @param neighbours  of the facets of the surface
+/// @param stop        ends it between its steps (ErrorCode::interrupted)
 FacetHeights heights_of_sheets(Machine machine, const Squares& squares, double margin, const SheetFacets& facets,
-                               const FacetNeighbours& neighbours);
+                               const FacetNeighbours& neighbours, const std::stop_token& stop = {});
 
 }  // namespace rhoray::render::wide

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <stop_token>
 #include <vector>
 
 #include "tests/render/support/rays.h"
+#include "tests/support/expect_error.h"
 
 namespace rhoray::tests {
 namespace {
@@ -101,6 +103,18 @@ TEST(Occupancy, has_boxes_around_all_its_blocks_of_an_edge_that_keeps_them_few) 
 TEST(Occupancy, has_no_boxes_where_there_is_no_surface) {
   const MadeLevels levels({61, 40, 83}, 5);
   for (const double isovalue : {-2.0, 2.0}) EXPECT_TRUE(boxes_in(Occupancy(levels.view, isovalue)).empty());
+}
+
+TEST(Occupancy, is_not_kept_if_its_search_was_stopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  const MadeLevels levels({130, 129, 127}, 5);
+  render::OccupancyCache cache;
+  for (int time = 0; time < 2; ++time)
+    expect_error(ErrorCode::interrupted, "interrupted", [&] { cache.of(levels.view, 0, stop.get_token()); });
+  const auto kept = cache.of(levels.view, 0);
+  EXPECT_EQ(boxes_in(*kept), boxes_in(Occupancy(levels.view, 0)));
+  EXPECT_EQ(cache.of(levels.view, 0, stop.get_token()), kept);
 }
 
 }  // namespace

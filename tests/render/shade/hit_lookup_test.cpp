@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -290,6 +291,24 @@ TEST(PointGradients, are_the_same_bits_for_any_number_of_threads) {
   const auto a = one.of_points(), b = many.of_points();
   ASSERT_EQ(a.size(), 41U * 41 * 41);
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size_bytes()), 0);
+}
+
+TEST(PointGradients, are_not_kept_if_their_computation_was_stopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  TracedDataset traced(box_mesh({.cells = {9, 8, 7}}, waves));
+  const render::LoadedDataset& dataset = traced.dataset().implementation();
+  const auto& view = std::get<render::TetData>(dataset.view);
+  for (const unsigned threads : {1U, 4U})
+    expect_error(ErrorCode::interrupted, "interrupted", [&] {
+      HitLookup(dataset, {.smooth_gradients = true, .field = {}}, threads, Machine::baseline, stop.get_token());
+    });
+  const auto kept = dataset.point_gradients->of(view, 4);
+  const render::PointGradients computed(view, 1);
+  const auto a = kept->of_points(), b = computed.of_points();
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size_bytes()), 0);
+  EXPECT_EQ(dataset.point_gradients->of(view, 4, stop.get_token()), kept);
 }
 
 TEST(PointGradients, are_the_means_of_the_cells_around_by_volume_without_those_that_have_no_data) {

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stop_token>
+#include <vector>
 
 #include "render/query/intersectors.h"
 #include "tests/agreement/pictures.h"
+#include "tests/support/expect_error.h"
 
 namespace rhoray::tests {
 namespace {
@@ -30,13 +33,14 @@ render::Dataset mesh_in(const TemporaryFolder& folder) {
 }
 
 std::shared_ptr<const LightOccluders> occluders_of(OccluderCache& cache, const render::Dataset& dataset,
-                                                   double isovalue, const LightPlace& light) {
+                                                   double isovalue, const LightPlace& light,
+                                                   const std::stop_token& stop = {}) {
   const render::RayQuery query{.isovalue = isovalue, .method = render::method_of(render::Accuracy::float32)};
   const render::LoadedDataset& implementation = dataset.implementation();
   const render::Intersectors chosen = choose_intersectors(implementation, query);
   return chosen.occluders == nullptr
              ? nullptr
-             : cache.of(*chosen.occluders, implementation, query, light, render::chosen_machine(), 1);
+             : cache.of(*chosen.occluders, implementation, query, light, render::chosen_machine(), 1, stop);
 }
 
 TEST(OccluderCache, finds_those_of_an_isovalue_and_a_light_once) {
@@ -83,6 +87,51 @@ TEST(OccluderCache, knows_shadows_from_the_second_time_on_that_a_surface_is_aske
   EXPECT_TRUE(knows_shadows(0.01, and_again));
   EXPECT_TRUE(knows_shadows(0.01, light));
   EXPECT_FALSE(knows_shadows(0.02, light));
+}
+
+/// For rays from a lattice of points, one bit each in words of 64: whether a ray may be occluded,
+/// and whether it certainly is.
+std::vector<std::uint64_t> known_of(const render::Dataset& dataset, const LightOccluders& of_light, StartSide side,
+                                    const LightPlace& light) {
+  const Box3& box = dataset.implementation().bounds_data;
+  std::vector<std::uint64_t> known;
+  for (int z = 0; z < 8; ++z)
+    for (int y = 0; y < 8; ++y) {
+      render::RayBatch rays(64);
+      for (int x = 0; x < 64; ++x)
+        rays.set(static_cast<std::size_t>(x),
+                 {.origin = box.min + Vec3(x / 63.0, y / 7.0, z / 7.0) * box.size(), .direction = light.at});
+      const auto of = of_light.of(side).heights->know(render::Machine::baseline, rays, 0, ~std::uint64_t{0});
+      known.push_back(of.asked), known.push_back(of.in_shadow);
+    }
+  return known;
+}
+
+// The first request computes no certain shadows, the second one does.
+TEST(OccluderCache, keeps_nothing_of_a_search_that_was_stopped) {
+  const TemporaryFolder folder, another;
+  std::stop_source stop;
+  stop.request_stop();
+  const LightPlace light{.at = {0.3, 0.2, 1}};
+  for (const auto& data_in : {grid_in, mesh_in}) {
+    const render::Dataset dataset = data_in(folder), other = data_in(another);
+    OccluderCache memory, of_other;
+    for (int time = 0; time < 2; ++time)
+      expect_error(ErrorCode::interrupted, "interrupted",
+                   [&] { occluders_of(memory, dataset, 0.2, light, stop.get_token()); });
+    for (int request = 0; request < 2; ++request) {
+      const auto of_light = occluders_of(memory, dataset, 0.2, light),
+                 expected = occluders_of(of_other, other, 0.2, light);
+      ASSERT_TRUE(of_light && expected);
+      for (const StartSide side : {StartSide::outside, StartSide::inside}) {
+        const bool is_known = request == 1 && !dataset.is_mesh();
+        for (int time = 0; time < 2 && !is_known; ++time)
+          expect_error(ErrorCode::interrupted, "interrupted", [&] { of_light->of(side, stop.get_token()); });
+        EXPECT_EQ(known_of(dataset, *of_light, side, light), known_of(other, *expected, side, light));
+        EXPECT_EQ(&of_light->of(side, stop.get_token()), &of_light->of(side));
+      }
+    }
+  }
 }
 
 // For a light at a position, or with a size, the facets are known; cells are not.

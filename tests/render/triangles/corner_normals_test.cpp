@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stop_token>
 
 #include "preprocess/pack_surface.h"
 #include "render/cell/triangle_crossing.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/surfaces.h"
 #include "tests/support/temporary_folder.h"
 
@@ -85,6 +87,20 @@ TEST(CornerNormals, of_a_fine_ball_are_radial_and_the_same_for_any_number_of_thr
       EXPECT_EQ(one.of(t, c), many.of(t, c));
     }
   }
+}
+
+TEST(CornerNormals, are_not_kept_if_their_computation_was_stopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Packed packed(round_surface(4));
+  render::CornerNormalsCache cache;
+  for (const unsigned threads : {1U, 4U})
+    expect_error(ErrorCode::interrupted, "interrupted", [&] { cache.of(packed.view, threads, stop.get_token()); });
+  const auto kept = cache.of(packed.view, 4);
+  const CornerNormals computed(packed.view, 1);
+  for (std::uint32_t t = 0; t < packed.view.triangle_count(); ++t)
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(kept->of(t, c), computed.of(t, c));
+  EXPECT_EQ(cache.of(packed.view, 4, stop.get_token()), kept);
 }
 
 TEST(CornerNormals, pass_triangles_without_area) {
