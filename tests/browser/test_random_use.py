@@ -44,7 +44,7 @@ class RandomUse(PageTest):
         seed = int(os.environ.get("RHORAY_RANDOM_SEED", random.randrange(2**32)))
         print(f"\n  {path}, seed {seed}", flush=True)
         self.random = random.Random(seed)
-        viewer = self.view(path)
+        viewer = self.view(path, "--box")  # loads the library that draws annotations
         begin, samples, acts = time.time(), [self.memory_at_rest(viewer)], 0
         while time.time() < begin + 60 * MINUTES:
             self.act()

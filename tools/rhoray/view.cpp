@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -99,6 +100,10 @@ void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_tok
 }
 
 int run(const ViewCommand& command) {
+  // Large blocks get memory of their own. Pictures of many sizes would leave holes between the small
+  // blocks, and the server's memory would grow for hours.
+  constexpr int smallest_large_block = 1 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, smallest_large_block);
   ProgressDisplay display(command.common);
   LineExchange* told = nullptr;
   std::function<void(std::string)> tell_program;  // none without --stdio: pages then share nothing
