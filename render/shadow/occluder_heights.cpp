@@ -43,7 +43,6 @@ OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, 
     : seen_(seen), frame_(frame) {
   if (footprints.empty()) return;
   double last[2] = {-nowhere, -nowhere}, size = 0;
-  const auto& [count, begin, per_length] = squares_;
   squares_.first[0] = squares_.first[1] = nowhere;
   const auto for_each_footprint = [&](const auto& act) {
     for_each_until_stopped(0, footprints.size(), 1 << 14, stop, [&](std::uint64_t f) { act(footprints[f]); });
@@ -58,14 +57,15 @@ OccluderHeights::OccluderHeights(const SeenFromLight& seen, const Frame& frame, 
   // About half as large as the occluders.
   squares_.divide(last, 0.5 * size / static_cast<double>(footprints.size()));
   heights_.assign(squares_.size() + 1, -nowhere);  // the last one: outside all squares
+  const Squares squares = squares_;
   for_each_footprint([&](const Footprint& of) {
     int from[2], to[2];
     for (int i = 0; i < 2; ++i) {
-      from[i] = static_cast<int>((of.low[i] - frame.margin - begin[i]) * per_length);
-      to[i] = static_cast<int>((of.high[i] + frame.margin - begin[i]) * per_length);
+      from[i] = static_cast<int>((of.low[i] - frame.margin - squares.first[i]) * squares.per_length);
+      to[i] = static_cast<int>((of.high[i] + frame.margin - squares.first[i]) * squares.per_length);
     }
     for (int y = from[1]; y <= to[1]; ++y) {
-      float* row = heights_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(count[0]);
+      float* row = heights_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(squares.count[0]);
       for (int x = from[0]; x <= to[0]; ++x) row[x] = std::max(row[x], of.height);
     }
   });
