@@ -31,8 +31,8 @@ struct PackVolumeOptions {
   std::string command{};      ///< stored in the file
   std::string source_name{};  ///< stored in the file
   bool replace_existing = false;
-  /// Writes no samples. PackedFile::from_descriptor then needs them, in the linear order and in their
-  /// own type.
+  /// Writes no samples. PackedFile::from_descriptor then needs them, in the linear order and in
+  /// their own type.
   bool leaves_out_samples = false;
 };
 

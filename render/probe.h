@@ -28,8 +28,8 @@ struct ProbeHit {
   /// Bound on the distance from the exact position, world units (position_error); or not_proven.
   double error = not_proven;
   std::uint64_t cell = 0;
-  /// The isovalue, the largest value, or the field's value on a slice or on coloured triangles. NaN:
-  /// triangles without a field.
+  /// The isovalue, the largest value, or the field's value on a slice or on coloured triangles.
+  /// NaN: triangles without a field.
   double value = std::numeric_limits<double>::quiet_NaN();
   double value_error = not_proven;  ///< bound on the distance from the exact largest value
   std::string unit{};               ///< of the value
@@ -56,8 +56,8 @@ struct ProbeHit {
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                             const PicturePoint& point, std::size_t most, const std::stop_token& stop = {});
 
-/// Bound on the distance of a position in the world from the exact position. It includes the error of
-/// the depth, and the rounding of the arithmetic from a depth to a position.
+/// Bound on the distance of a position in the world from the exact position. It includes the error
+/// of the depth, and the rounding of the arithmetic from a depth to a position.
 /// @param bound  on the error of the depth
 double position_error(double bound, double depth, const Vec3& eye, const Vec3& position);
 

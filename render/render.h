@@ -178,9 +178,9 @@ struct Refinement {
   /// meanwhile. Every other pixel is a copy of its traced neighbour to the left and above.
   /// Returning false ends the frame.
   std::function<bool(int spacing)> pass_done = nullptr;
-  /// Ends the frame within the time of one tile. It also ends the proof of stored ranges and, between
-  /// its steps, the preparation: then nothing is traced. Pixels of an unfinished pass have either
-  /// spacing; those of an unfinished first pass may keep the framebuffer's previous content.
+  /// Ends the frame within the time of one tile. It also ends the proof of stored ranges and,
+  /// between its steps, the preparation: then nothing is traced. Pixels of an unfinished pass have
+  /// either spacing; those of an unfinished first pass may keep the framebuffer's previous content.
   std::stop_token stop{};
 };
 

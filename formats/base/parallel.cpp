@@ -52,9 +52,9 @@ class LowestFailure {
   std::size_t piece_ = 0;
 };
 
-/// A thread of a loop. Its destructor joins it. The thread keeps its stack until it is joined, and
-/// recursive loops join theirs only after a deeper call. Each new thread therefore joins the
-/// threads whose work has ended, and their stacks serve again.
+/// A thread of a loop. The destructor joins it. A thread keeps its stack until it is joined, and a
+/// recursive loop joins its thread only after the deeper calls. Each new thread therefore first
+/// joins the threads whose work has ended, and the system reuses their stacks.
 class Helper {
  public:
   /// Throws if there is no memory for a thread, or the system allows none.

@@ -16,7 +16,8 @@ inline void end_if_stopped(const std::stop_token& stop) {
 
 /// Calls act(index) for first <= index < last, in order. Throws ErrorCode::interrupted at the first
 /// multiple of `piece` after a stop was requested.
-/// @param piece  at least 1; should take much longer than reading the token, and at most a millisecond
+/// @param piece  at least 1; should take much longer than reading the token, and at most a
+///               millisecond
 template <class Act>
 void for_each_until_stopped(std::uint64_t first, std::uint64_t last, std::uint64_t piece, const std::stop_token& stop,
                             Act&& act) {

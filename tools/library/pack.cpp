@@ -235,7 +235,8 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   return volume;
 }
 
-/// Packs ranges and descriptions without the samples, and opens the result with the caller's samples.
+/// Packs ranges and descriptions without the samples, and opens the result with the caller's
+/// samples.
 Dataset wrapped(const std::vector<preprocess::NeutralVolume>& volumes, const PackOptions& options) {
   if (!options.file.empty())
     inside::refuse("PackOptions::file: found ", options.file.string(),

@@ -61,8 +61,8 @@ bool is_choice(const std::string& note) {
   return note.find("; choose another with --") != std::string::npos;
 }
 
-/// Whether data that were opened without names of fields have these. Then open_data would make the same
-/// file for them: it names fields to the packer only if they are missing otherwise.
+/// Whether data that were opened without names of fields have these. Then open_data would make the
+/// same file for them: it names fields to the packer only if they are missing otherwise.
 bool has_fields(const preprocess::OpenedData& opened, const std::vector<std::string>& names) {
   if (opened.file.description().kind == "vdb") return false;  // it holds one of the file's grids
   const render::Dataset dataset = render::Dataset::load(opened.file);

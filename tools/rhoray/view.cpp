@@ -100,9 +100,10 @@ void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_tok
   told = nullptr;
 }
 
-/// Gives large blocks memory of their own. Pictures of many sizes otherwise leave holes between the
-/// small blocks, and the server's memory grows for an hour. Not with meshes: each isovalue prepares
-/// as much memory as a picture has, and fresh memory would add a quarter to that time.
+/// Lets malloc map each large block separately. Otherwise pictures of many sizes leave holes
+/// between small blocks: in an hour of random use the server's memory grew by 25 MiB. Meshes keep
+/// the default, because each isovalue allocates large blocks: its preparation took 30 % longer with
+/// separate mappings.
 void keep_large_blocks_apart(const ViewedScene& viewed) {
   constexpr int smallest_large_block = 1 << 20;
   if (std::ranges::none_of(viewed.plan.datasets, &render::Dataset::is_mesh))

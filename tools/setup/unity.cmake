@@ -78,9 +78,9 @@ endfunction()
 # Makes units of about so many bytes of a target's sources. What a source defines and does not
 # declare in a header that it includes is its own: it is taken to be in an anonymous namespace.
 # Another source that has the same name, of its own or from a header, is never in the same unit: one
-# would hide, overload or redefine the other. Two sources may have functions of one name that differ in
-# the class that they take first. Such a function still hides those of headers. Sources with options or
-# definitions of their own stay apart.
+# would hide, overload or redefine the other. Two sources may have functions of one name that differ
+# in the class that they take first. Such a function still hides those of headers. Sources with
+# options or definitions of their own stay apart.
 function(rhoray_unite_sources target unit_bytes)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(sources ${target} SOURCES)

@@ -376,8 +376,9 @@ Painter::Outcome Painter::run_until_ended(Client& client, Clock::time_point begi
   return Clock::now() >= deadline ? Outcome::took_too_long : Outcome::ended;
 }
 
-/// Proves what certified layers need. Only the end of the program ends a proof, which is made once for
-/// a file: a file whose proof takes long would otherwise never be shown. Returns how long it took.
+/// Proves what certified layers need. Only the end of the program ends a proof, which is made once
+/// for a file: a file whose proof takes long would otherwise never be shown. Returns how long it
+/// took.
 Painter::Clock::duration Painter::prove_ranges(const render::ResolvedScene& plan) const {
   const Clock::time_point begin = Clock::now();
   for (const render::Layer& layer : plan.scene.layers)

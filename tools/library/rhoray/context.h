@@ -131,9 +131,9 @@ class RHORAY_API RenderContext {
   /// stored ranges do not hold.
   RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
 
-  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop` ends
-  /// neither the first pass nor the preparation and the proof before it, so that something of every
-  /// request is shown; it ends a later pass at once.
+  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop`
+  /// ends neither the first pass nor the preparation and the proof before it, so that something of
+  /// every request is shown; it ends a later pass at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
                       std::stop_token stop = {});
 
@@ -144,9 +144,9 @@ class RHORAY_API RenderContext {
   /// there may be more.
   ///
   /// Crossings and largest values are decided by exact arithmetic, whatever the layer's method. The
-  /// first crossing of a layer, rounded to float, is its depth in a picture at Accuracy::exact. Errors
-  /// hold for the pixel's ray in the frame of the data (RayCaster). Hits of triangles are those of
-  /// Accuracy::float64. At equal depths slices come first, then the scene's order.
+  /// first crossing of a layer, rounded to float, is its depth in a picture at Accuracy::exact.
+  /// Errors hold for the pixel's ray in the frame of the data (RayCaster). Hits of triangles are
+  /// those of Accuracy::float64. At equal depths slices come first, then the scene's order.
   ///
   /// Surfaces with opacity 0 and clipped parts are left out. Traces on the calling thread; proving
   /// stored ranges, once per dataset, uses the context's threads.

@@ -82,9 +82,9 @@ class RHORAY_API Dataset {
 
   /// The arrays of the packed file, in the layout that formats/SPEC.md describes.
   std::vector<std::string> array_names() const;
-  /// An array in the mapped file, valid while a handle lives; or the caller's if it is wrapped, valid
-  /// as long as the caller keeps it. It must not be written to. Throws ErrorCode::usage for an unknown
-  /// name.
+  /// An array in the mapped file, valid while a handle lives; or the caller's if it is wrapped,
+  /// valid as long as the caller keeps it. It must not be written to. Throws ErrorCode::usage for
+  /// an unknown name.
   ArrayView array(std::string_view name) const;
 
   /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside
