@@ -13,8 +13,8 @@ namespace rhoray::render {
 template <class Prepared>
 class LastIsovalues {
  public:
-  /// @param prepare  creates it (a shared pointer) where it is not kept; if it throws, nothing
-  ///   changes
+  /// @param prepare  creates it (a shared pointer) where it is not kept; it may use the memory of the
+  ///   oldest, which is dropped first
   template <class Prepare>
   std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
     const std::lock_guard lock(mutex_);
@@ -22,9 +22,8 @@ class LastIsovalues {
     if (found != last_.end()) {
       std::rotate(last_.begin(), found, found + 1);
     } else {
-      Entry added{isovalue, prepare()};
       if (last_.size() == kept) last_.pop_back();
-      last_.insert(last_.begin(), std::move(added));
+      last_.insert(last_.begin(), Entry{isovalue, prepare()});
     }
     return last_.front().prepared;
   }

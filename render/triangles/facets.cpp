@@ -82,8 +82,8 @@ void find_active(const TetData& view, const Candidates& candidates, double isova
 }
 
 /// Returns the cells with data that have values on both sides, in order.
-std::vector<std::uint32_t> active_cells_of(const TetData& view, double isovalue, unsigned threads,
-                                           const std::stop_token& stop) {
+PooledArray<std::uint32_t> active_cells_of(const TetData& view, double isovalue, unsigned threads,
+                                           const std::stop_token& stop, const std::shared_ptr<ArrayPool>& pool) {
   const std::vector<Candidates> candidates = candidates_of(view, isovalue);
   std::vector<std::vector<std::uint32_t>> parts(candidates.size() / candidates_per_part + 1);
   for_each_range(parts.size(), 8, threads, [&](std::uint64_t first_part, std::uint64_t end_part) {
@@ -95,8 +95,11 @@ std::vector<std::uint32_t> active_cells_of(const TetData& view, double isovalue,
       parts[part].assign(active.cells, active.cells + active.count);
     });
   });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  std::size_t count = 0;
+  for (const auto& part : parts) count += part.size();
+  PooledArray<std::uint32_t> all(pool, count);
+  std::uint32_t* next = all.begin();
+  for (const auto& part : parts) next = std::copy(part.begin(), part.end(), next);
   return all;
 }
 
@@ -151,24 +154,23 @@ std::uint32_t morton_code(const std::array<double, 3>& p) {
   return code;
 }
 
-/// Sorts by 30 bits of `code`; the sort is stable.
-template <class Item>
-void sort_by_code(std::vector<Item>& items) {
-  std::vector<Item> other(items.size());
-  for (int shift = 0; shift < 30; shift += 10) {
-    std::array<std::uint32_t, 1024> start{};
-    for (const Item& item : items) ++start[item.code >> shift & 1023];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
-    for (const Item& item : items) other[start[item.code >> shift & 1023]++] = item;
-    items.swap(other);
-  }
-}
-
 /// A cell and its index on the curve.
 struct PlacedCell {
   std::uint32_t cell, code;
 };
+
+/// Sorts by 30 bits of `code`; the sort is stable.
+void sort_by_code(PooledArray<PlacedCell>& cells, const std::shared_ptr<ArrayPool>& pool) {
+  PooledArray<PlacedCell> other(pool, cells.size());
+  for (int shift = 0; shift < 30; shift += 10) {
+    std::array<std::uint32_t, 1024> start{};
+    for (const PlacedCell& cell : cells) ++start[cell.code >> shift & 1023];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
+    for (const PlacedCell& cell : cells) other[start[cell.code >> shift & 1023]++] = cell;
+    std::swap(cells, other);
+  }
+}
 
 /// Cells of a block of facets, with vertices in increasing order; each component has sixteen
 /// numbers side by side.
@@ -339,7 +341,8 @@ Vec3 Facets::in_frame(const std::array<double, 3>& p) const {
 
 Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads, const std::stop_token& stop) {
   set_frame(bounds);
-  std::vector<PlacedCell> placed(view.triangle_count());
+  const std::shared_ptr<ArrayPool> pool;  // none: a surface is prepared once
+  PooledArray<PlacedCell> placed(pool, view.triangle_count());
   for_each_range(placed.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
     for (auto t = static_cast<std::uint32_t>(first); t < end; ++t) {
       const TrianglePoints points = view.points_at(view.vertices(t));
@@ -348,11 +351,11 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads, c
     }
   });
   end_if_stopped(stop);
-  sort_by_code(placed);
+  sort_by_code(placed, pool);
 
   count_ = static_cast<std::uint32_t>(placed.size());
-  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());
-  fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
+  blocks_ = {pool, block_count()};
+  fields_ = {pool, count_};
   const auto prepare_block = [&](std::uint64_t b) {
     for (std::size_t f = b * FacetBlock::size; f < (b + 1) * FacetBlock::size; ++f) {
       const std::uint32_t triangle = placed[std::min<std::size_t>(f, count_ - 1)].cell;
@@ -373,11 +376,11 @@ Facets::Facets(const TriangleData& view, const Box3& bounds, unsigned threads, c
   build_levels();
 }
 
-Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads,
-               const std::stop_token& stop) {
+Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads, const std::stop_token& stop,
+               const std::shared_ptr<ArrayPool>& pool) {
   set_frame(bounds);
-  const std::vector<std::uint32_t> active = active_cells_of(view, isovalue, threads, stop);
-  std::vector<PlacedCell> placed(active.size());
+  const PooledArray<std::uint32_t> active = active_cells_of(view, isovalue, threads, stop, pool);
+  PooledArray<PlacedCell> placed(pool, active.size());
   for_each_range(active.size(), 1 << 14, threads, [&](std::uint64_t first, std::uint64_t end) {
     for (std::uint64_t i = first; i < end; ++i) {
       const auto points = view.points_at(view.vertices(active[i]));
@@ -387,18 +390,18 @@ Facets::Facets(const TetData& view, const Box3& bounds, double isovalue, unsigne
     }
   });
   end_if_stopped(stop);
-  sort_by_code(placed);
+  sort_by_code(placed, pool);
 
   count_ = static_cast<std::uint32_t>(placed.size());
-  blocks_ = std::make_unique_for_overwrite<FacetBlock[]>(block_count());
-  fields_ = std::make_unique_for_overwrite<FacetField[]>(count_);
+  blocks_ = {pool, block_count()};
+  fields_ = {pool, count_};
   for_each_range(block_count(), 256, threads, [&](std::uint64_t first_block, std::uint64_t end_block) {
     BlockCells cells;
     for_each_until_stopped(first_block, end_block, blocks_per_check, stop, [&](std::uint64_t b) {
       const std::size_t first = b * FacetBlock::size;
       const std::size_t in_block = std::min<std::size_t>(FacetBlock::size, placed.size() - first);
-      const std::span<FacetField> fields(fields_.get() + first, in_block);
-      gather(view, std::span(placed).subspan(first, in_block), cells);
+      const std::span<FacetField> fields(fields_.data() + first, in_block);
+      gather(view, placed.subspan(first, in_block), cells);
       find_corners(cells, isovalue, anchor_, scale_, blocks_[b]);
       find_fields(cells, isovalue, anchor_, fields);
       for (std::size_t f = 0; f < in_block; ++f) {
@@ -439,14 +442,14 @@ FloatBox box_of(const BoxLevels& levels) {
 }
 
 void Facets::build_levels() {
-  levels_ = levels_above(blocks_.get(), block_count());
+  levels_ = levels_above(blocks_.data(), block_count());
   const FloatBox box = box_of(levels_);
   low_ = box.low, high_ = box.high;
 }
 
 const FacetNeighbours& Facets::neighbours(const std::stop_token& stop) const {
   const std::lock_guard lock(neighbours_mutex_);
-  if (!neighbours_) neighbours_ = std::make_unique<FacetNeighbours>(blocks_.get(), fields_.get(), count_, stop);
+  if (!neighbours_) neighbours_ = std::make_unique<FacetNeighbours>(blocks_.data(), fields_.data(), count_, stop);
   return *neighbours_;
 }
 

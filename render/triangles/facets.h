@@ -11,6 +11,7 @@
 #include "render/query/last_isovalues.h"
 #include "render/tets/tet_data.h"
 #include "render/traverse/surface_boxes.h"
+#include "render/triangles/array_pool.h"
 #include "render/triangles/facet_block.h"
 #include "render/triangles/facet_neighbours.h"
 #include "render/triangles/triangle_data.h"
@@ -38,14 +39,16 @@ class Facets {
   /// @param bounds   of all points of the mesh, in its frame
   /// @param threads  0 = all cores; the result is the same for any number
   /// @param stop     ends the preparation (ErrorCode::interrupted)
-  Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads, const std::stop_token& stop = {});
+  /// @param pool     gives the memory, if there is one
+  Facets(const TetData& view, const Box3& bounds, double isovalue, unsigned threads, const std::stop_token& stop = {},
+         const std::shared_ptr<ArrayPool>& pool = {});
 
   /// Prepares the triangles of a surface. A point has the same bits in all triangles that share it.
   Facets(const TriangleData& view, const Box3& bounds, unsigned threads, const std::stop_token& stop = {});
 
   std::uint32_t count() const { return count_; }
-  const FacetBlock* blocks() const { return blocks_.get(); }
-  const FacetField* fields() const { return fields_.get(); }  ///< one per facet
+  const FacetBlock* blocks() const { return blocks_.data(); }
+  const FacetField* fields() const { return fields_.data(); }  ///< one per facet
   int level_count() const { return static_cast<int>(levels_.size()); }
   const FacetNode* level(int l) const { return levels_[static_cast<std::size_t>(l)].data(); }
   const BoxLevels& levels() const { return levels_; }
@@ -68,8 +71,8 @@ class Facets {
   void build_levels();
 
   std::uint32_t count_ = 0;
-  std::unique_ptr<FacetBlock[]> blocks_;
-  std::unique_ptr<FacetField[]> fields_;
+  PooledArray<FacetBlock> blocks_;
+  PooledArray<FacetField> fields_;
   BoxLevels levels_;
   Vec3 anchor_;
   double scale_ = 1;
@@ -84,7 +87,8 @@ class FacetsCache {
  public:
   std::shared_ptr<const Facets> of(const TetData& view, const Box3& bounds, double isovalue, unsigned threads,
                                    const std::stop_token& stop = {}) {
-    return last_.of(isovalue, [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads, stop); });
+    return last_.of(isovalue,
+                    [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads, stop, pool_); });
   }
   /// Ignores the isovalue: a surface has none.
   std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads,
@@ -93,6 +97,7 @@ class FacetsCache {
   }
 
  private:
+  const std::shared_ptr<ArrayPool> pool_ = std::make_shared<ArrayPool>();
   LastIsovalues<Facets> last_;
 };
 

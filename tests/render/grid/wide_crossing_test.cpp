@@ -43,7 +43,7 @@ std::vector<Ray> scattered_rays(const Vec3& size, std::size_t count, std::uint64
 
 /// Waves of two lengths and some noise, around 1000.
 template <class T>
-preprocess::NeutralVolume waves(const Index3& samples, std::uint64_t seed, double scale, double offset) {
+preprocess::NeutralVolume random_waves(const Index3& samples, std::uint64_t seed, double scale, double offset) {
   Dice dice(seed);
   return volume_of<T>(samples, [&](const Index3& i) {
     const double x = static_cast<double>(i.x), y = static_cast<double>(i.y), z = static_cast<double>(i.z);
@@ -87,7 +87,7 @@ struct Grid {
 template <class T>
 Grid grid_of_waves(const std::string& name, const Index3& samples, std::uint64_t seed, double scale, double offset,
                    const preprocess::PackVolumeOptions& options = {}) {
-  Grid grid{name, std::make_unique<TracedDataset>(waves<T>(samples, seed, scale, offset), options), {}, {}};
+  Grid grid{name, std::make_unique<TracedDataset>(random_waves<T>(samples, seed, scale, offset), options), {}, {}};
   for (int a = 0; a < 3; ++a) grid.size[a] = static_cast<double>(samples[a] - 1);
   grid.isovalues = {offset + 0.0131 * scale, offset + 0.3077 * scale, offset - 0.7123 * scale};
   return grid;
