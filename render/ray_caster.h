@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,6 +52,13 @@ class RayCaster {
             std::optional<Machine> machine = {}, const std::stop_token& stop = {});
   ~RayCaster();
 
+  /// Prepares what first crossings need: facets, or occupied blocks. Otherwise the first ray does, on
+  /// its own thread.
+  /// @param machine  whose kernels will answer
+  /// @param threads  0 = all cores
+  /// @param stop     ends it (ErrorCode::interrupted); then the next call repeats it
+  void prepare_first_crossings(Machine machine, unsigned threads, const std::stop_token& stop) const;
+
   /// hits[i] belongs to rays[i]. It is the same for any number of threads, and what `render` would
   /// find for that ray. t is in lengths of the ray's direction.
   void first_crossings(std::span<const Ray> rays, std::span<Hit> hits);
@@ -70,7 +78,7 @@ class RayCaster {
   const RangeProof& range_proof() const { return range_proof_; }
 
  private:
-  Intersectors intersectors_for(const Scratch& scratch) const;
+  Intersectors intersectors_for(Machine machine) const;
   void answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> hits, Worker& worker) const;
 
   const LoadedDataset& dataset_;
@@ -85,6 +93,10 @@ class RayCaster {
 /// Returns the rays that `render` sends through the pixel centres, rows from the top; t is a
 /// distance in world units.
 std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height);
+
+/// The same for some pixels, by their indices in the picture.
+std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height,
+                             std::span<const std::uint32_t> pixels);
 
 /// Maps from the frame of these rays to world space.
 const Affine& world_from_ray_frame(const Dataset& dataset);

@@ -89,10 +89,6 @@ const Clip* clip_of(const Scene& scene, const Layer& layer);
 /// Traces rays in the data's frame with a method. An interrupt ends it (ErrorCode::interrupted).
 std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays);
 
-/// The rays of some pixels of a picture, in the data's frame; t is a distance in the world.
-std::vector<Ray> pixel_rays(const Dataset& dataset, const Camera& camera, const PictureSize& size,
-                            std::span<const std::uint32_t> pixels);
-
 /// The lengths of a dataset's cells along rays, to measure distances in cells.
 class CellLengths {
  public:

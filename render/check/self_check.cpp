@@ -103,7 +103,7 @@ std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer&
   for (const Layer& layer : resolved.scene.layers) {
     const Dataset& dataset = resolved.datasets[layer.dataset];
     const CellLengths lengths(dataset);
-    const std::vector<Ray> rays = pixel_rays(dataset, resolved.scene.camera, {picture.width, picture.height}, pixels);
+    const std::vector<Ray> rays = camera_rays(dataset, resolved.scene.camera, picture.width, picture.height, pixels);
     const std::vector<Hit> hits = trace_rays({.dataset = dataset,
                                               .mode = layer.mode,
                                               .isovalue = layer.isovalue,

@@ -16,29 +16,41 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr std::size_t rays_at_a_time = 256;  // a stop request waits for so many
+/// Rays that a thread takes at a time; a stop request waits for them. Kernels answer groups of up to
+/// 64, but a ray in exact arithmetic can take milliseconds.
+std::size_t piece_for(const Method& method) {
+  return method.algorithm == Method::Algorithm::exact ? 4 : 512;
+}
+
+/// Calls act(range) for pieces of the rays.
+template <class Act>
+void for_each_piece(const TraceSpec& spec, std::size_t count, const Act& act) {
+  const auto act_unless_stopped = [&](const IndexRange& part) {
+    if (!spec.stop.stop_requested()) act(part);
+  };
+  parallel_for(count, piece_for(spec.method), act_unless_stopped, spec.threads);
+  end_if_stopped(spec.stop);
+}
 
 void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
-  RayCaster queries(spec.dataset, spec.isovalue, spec.method, spec.threads, spec.machine, spec.stop);
-  for (std::size_t first = 0; first < rays.size(); first += rays_at_a_time) {
-    end_if_stopped(spec.stop);
-    const std::size_t count = std::min(rays_at_a_time, rays.size() - first);
-    queries.first_crossings(rays.subspan(first, count), hits.subspan(first, count));
-  }
+  const Machine machine = spec.machine.value_or(chosen_machine());
+  const RayCaster queries(spec.dataset, spec.isovalue, spec.method, 1, machine, spec.stop);
+  if (!rays.empty()) queries.prepare_first_crossings(machine, spec.threads, spec.stop);
+  PerWorker<RayCaster::Scratch> scratch([&] { return RayCaster::Scratch(machine); });
+  for_each_piece(spec, rays.size(), [&](const IndexRange& part) {
+    queries.first_crossings(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()),
+                            scratch.of(part));
+  });
 }
 
 /// Each thread has its own RayCaster, because the search keeps data from ray to ray. The results do
 /// not depend on them.
 void trace_largest(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
-  constexpr std::size_t piece = 512;
   PerWorker<RayCaster> queries(
       [&] { return RayCaster(spec.dataset, spec.isovalue, spec.method, 1, spec.machine, spec.stop); });
-  const auto answer = [&](const IndexRange& part) {
-    if (spec.stop.stop_requested()) return;
+  for_each_piece(spec, rays.size(), [&](const IndexRange& part) {
     queries.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
-  };
-  parallel_for(rays.size(), piece, answer, spec.threads);
-  end_if_stopped(spec.stop);
+  });
 }
 
 std::vector<Hit> trace_whole(const TraceSpec& spec, std::span<const Ray> rays) {
@@ -126,16 +138,6 @@ std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays) {
   return trace_whole(spec, rays);
 }
 
-std::vector<Ray> pixel_rays(const Dataset& dataset, const Camera& camera, const PictureSize& size,
-                            std::span<const std::uint32_t> pixels) {
-  std::vector<Ray> all = camera_rays(dataset, camera, size.width, size.height);
-  if (pixels.size() == all.size()) return all;
-  std::vector<Ray> rays;
-  rays.reserve(pixels.size());
-  for (const std::uint32_t pixel : pixels) rays.push_back(all[pixel]);
-  return rays;
-}
-
 std::uint64_t Truth::hit_count() const {
   return static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return !hit.is_miss(); }));
@@ -160,27 +162,24 @@ Truth find_truth(const TruthSpec& spec) {
   const auto is_in_time = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < spec.seconds;
   };
-  std::vector<Hit> hits;  // in that order
-  const std::vector<Ray> rays = pixel_rays(spec.dataset, spec.scene.camera, spec.size, order);
-  // Then pixel_rays returns all rays in the picture's order.
-  const bool is_ordered = order.size() == truth.pixel_count();
-  std::size_t done = 0;
-  std::vector<Ray> some;
-  while (done < order.size() && (done == 0 || is_in_time())) {
-    const std::size_t count = std::min(rays_at_a_time, order.size() - done);
-    some.clear();
-    for (std::size_t i = done; i < done + count; ++i) some.push_back(is_ordered ? rays[order[i]] : rays[i]);
+  constexpr std::size_t rays_at_a_time = 256;
+  std::vector<Ray> rays;  // in that order, as the hits
+  std::vector<Hit> hits;
+  while (hits.size() < order.size() && (hits.empty() || is_in_time())) {
+    const std::size_t count = std::min(rays_at_a_time, order.size() - hits.size());
+    const std::vector<Ray> some = camera_rays(spec.dataset, spec.scene.camera, spec.size.width, spec.size.height,
+                                              std::span(order).subspan(hits.size(), count));
     const std::vector<Hit> found = trace_rays(exact, some);
+    rays.insert(rays.end(), some.begin(), some.end());
     hits.insert(hits.end(), found.begin(), found.end());
-    done += count;
   }
   truth.cpu_s = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
-  std::vector<std::size_t> rising(done);
+  std::vector<std::size_t> rising(hits.size());
   std::iota(rising.begin(), rising.end(), std::size_t{0});
   std::sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
   for (const std::size_t i : rising) {
     truth.pixels.push_back(order[i]);
-    truth.rays.push_back(is_ordered ? rays[order[i]] : rays[i]);
+    truth.rays.push_back(rays[i]);
     truth.hits.push_back(hits[i]);
     truth.cells_per_t.push_back(hits[i].is_miss() ? 0 : lengths.cells_per_t(truth.rays.back(), hits[i]));
   }

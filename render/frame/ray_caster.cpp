@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "formats/base/checks.h"
 #include "formats/base/error.h"
@@ -53,8 +54,7 @@ RayCaster::Scratch::~Scratch() = default;
 RayCaster::Scratch::Scratch(Scratch&&) noexcept = default;
 RayCaster::Scratch& RayCaster::Scratch::operator=(Scratch&&) noexcept = default;
 
-Intersectors RayCaster::intersectors_for(const Scratch& scratch) const {
-  const Machine machine = scratch.machine_.value_or(machine_);
+Intersectors RayCaster::intersectors_for(Machine machine) const {
   return machine == machine_ ? intersectors_ : choose_intersectors(dataset_, query_, machine);
 }
 
@@ -65,6 +65,12 @@ void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> 
     kernel(dataset_, query_, worker.rays, worker.hits, worker.scratch);
     for (std::size_t r = 0; r < worker.rays.count; ++r) hits[first + r] = worker.hits[r];
   }
+}
+
+void RayCaster::prepare_first_crossings(Machine machine, unsigned threads, const std::stop_token& stop) const {
+  const DefaultFloatingPoint default_floating_point;
+  const Intersectors intersectors = intersectors_for(machine);
+  if (intersectors.prepare != nullptr) intersectors.prepare(dataset_, query_, threads, stop);
 }
 
 void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {
@@ -99,7 +105,7 @@ void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits) {
 void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
-  const Intersectors intersectors = intersectors_for(scratch);
+  const Intersectors intersectors = intersectors_for(scratch.machine_.value_or(machine_));
   scratch.worker_->scratch.queue.reserve(intersectors.queue_entries);
   answer(intersectors.first_hit, rays, hits, *scratch.worker_);
   formats::require_intact(dataset_.file);
@@ -108,7 +114,7 @@ void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits, 
 void RayCaster::largest_values(std::span<const Ray> rays, std::span<Hit> hits, Scratch& scratch) const {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(rays.size() == hits.size());
-  const Intersectors intersectors = intersectors_for(scratch);
+  const Intersectors intersectors = intersectors_for(scratch.machine_.value_or(machine_));
   scratch.worker_->scratch.queue.reserve(intersectors.queue_entries);
   scratch.worker_->scratch.last_t.reset();
   answer(intersectors.largest, rays, hits, *scratch.worker_);
@@ -122,15 +128,23 @@ KernelCounters RayCaster::counters() const {
 }
 
 std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height) {
+  std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::iota(pixels.begin(), pixels.end(), 0U);
+  return camera_rays(dataset, camera, width, height, pixels);
+}
+
+std::vector<Ray> camera_rays(const Dataset& dataset, const Camera& camera, int width, int height,
+                             std::span<const std::uint32_t> pixels) {
   const DefaultFloatingPoint default_floating_point;
   const CameraRays through(camera, width, height);
   const Affine data_from_world = dataset.implementation().world_from_data.inverse();
+  const auto columns = static_cast<std::uint32_t>(width);
   std::vector<Ray> rays;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const Ray ray = through.through_pixel(x, y);
-      rays.push_back({data_from_world.point(ray.origin), data_from_world.vector(ray.direction)});
-    }
+  rays.reserve(pixels.size());
+  for (const std::uint32_t pixel : pixels) {
+    const Ray ray = through.through_pixel(static_cast<int>(pixel % columns), static_cast<int>(pixel / columns));
+    rays.push_back({data_from_world.point(ray.origin), data_from_world.vector(ray.direction)});
+  }
   return rays;
 }
 

@@ -118,7 +118,7 @@ TEST(Stopping, of_rays_throws) {
   std::vector<std::uint8_t> is_hit(3000);
   RenderContext context;
   const RayCaster caster(grid, Isosurface{0}, Accuracy::float64);
-  const std::string words = "rays were stopped by their caller";
+  const std::string words = "interrupted";
   expect_refused(ErrorCode::interrupted, words,
                  [&] { caster.first_hits(rays.rays(), {.t = t}, context, stop.get_token()); });
   expect_refused(ErrorCode::interrupted, words,

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <stop_token>
+#include <variant>
 
+#include "render/grid/occupancy.h"
 #include "render/ray_caster.h"
 #include "render/render.h"
+#include "render/triangles/facets.h"
 #include "tests/render/support/traced_dataset.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -27,6 +31,10 @@ TEST(RayCaster, answers_the_rays_of_a_camera_as_render_does) {
 
     const auto rays = render::camera_rays(*dataset, scene.camera, 60, 40);
     ASSERT_EQ(rays.size(), picture.pixel_count());
+    const std::vector<std::uint32_t> pixels{2399, 0, 61};
+    const auto some = render::camera_rays(*dataset, scene.camera, 60, 40, pixels);
+    ASSERT_EQ(some.size(), pixels.size());
+    for (std::size_t i = 0; i < some.size(); ++i) EXPECT_EQ(some[i].direction, rays[pixels[i]].direction);
     std::uint64_t visits = 0;
     for (const unsigned threads : {1U, 3U}) {
       std::vector<render::Hit> hits(rays.size());
@@ -44,6 +52,43 @@ TEST(RayCaster, answers_the_rays_of_a_camera_as_render_does) {
     }
   }
   EXPECT_EQ(render::world_from_ray_frame(grid.dataset()), turned);
+}
+
+TEST(RayCaster, prepares_what_first_crossings_need_until_it_is_stopped) {
+  const TracedDataset grid(sampled_volume<float>({9, 8, 7}, {}, distance_field({4, 4, 3})));
+  const TracedDataset mesh(box_mesh({.cells = {3, 3, 3}}, distance_field({0.5, 0.5, 0.5})));
+  std::stop_source stop;
+  stop.request_stop();
+  const std::stop_token stopped = stop.get_token();
+  const auto expect_kept = [&](const auto& of_cache, bool is_kept) {
+    if (is_kept)
+      EXPECT_NE(of_cache(), nullptr);
+    else
+      expect_error(ErrorCode::interrupted, "interrupted", of_cache);
+  };
+  const auto blocks_of_grid = [&] {
+    const render::LoadedDataset& loaded = grid.dataset().implementation();
+    return loaded.occupancies->of(std::get<render::UniformGrid>(loaded.view).ranges(), 2.5, stopped);
+  };
+  const auto facets_of_mesh = [&] {
+    const render::LoadedDataset& loaded = mesh.dataset().implementation();
+    return loaded.facets->of(std::get<render::TetData>(loaded.view), loaded.bounds_data, 0.4, 1, stopped);
+  };
+  const auto expect_both_kept = [&](bool is_kept) {
+    expect_kept(blocks_of_grid, is_kept);
+    expect_kept(facets_of_mesh, is_kept);
+  };
+  const render::RayCaster in_grid(grid.dataset(), 2.5, render::method_of(render::Accuracy::float32));
+  const render::RayCaster in_mesh(mesh.dataset(), 0.4, render::method_of(render::Accuracy::float32));
+  for (const render::RayCaster* caster : {&in_grid, &in_mesh}) {
+    expect_error(ErrorCode::interrupted, "interrupted",
+                 [&] { caster->prepare_first_crossings(render::Machine::baseline, 1, stopped); });
+    caster->prepare_first_crossings(render::Machine::scalar, 1, {});  // which reads the data itself
+  }
+  expect_both_kept(false);
+  for (const render::RayCaster* caster : {&in_grid, &in_mesh})
+    caster->prepare_first_crossings(render::Machine::baseline, 2, {});
+  expect_both_kept(true);
 }
 
 TEST(RayCaster, takes_rays_in_the_frame_of_the_samples_and_of_any_length) {

@@ -104,7 +104,7 @@ Json picked(const render::ResolvedScene& plan, const render::Framebuffer& frameb
   const render::Dataset& dataset = plan.datasets.front();  // every dataset's rays are the same in the world
   const std::vector<std::uint32_t> pixels{static_cast<std::uint32_t>(at)};
   const render::Ray ray =
-      pixel_rays(dataset, plan.scene.camera, {framebuffer.width, framebuffer.height}, pixels).front();
+      camera_rays(dataset, plan.scene.camera, framebuffer.width, framebuffer.height, pixels).front();
   const Affine& world_from_ray = world_from_ray_frame(dataset);
   const Vec3 position = world_from_ray.point(ray.origin + depth * ray.direction);
   json["position"] = rhoray::json_of(position);

@@ -118,7 +118,7 @@ const TruePicture& LayerStudy::compared_with(const Variant& variant, const PassR
 void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResult& result) {
   const render::Layer& layer = scene_.layers[0];
   const std::vector<render::Ray> rays =
-      render::pixel_rays(data.dataset, scene_.camera, result.size, result.truth.pixels);
+      render::camera_rays(data.dataset, scene_.camera, result.size.width, result.size.height, result.truth.pixels);
   std::vector<render::Hit> hits =
       render::trace_rays({.dataset = data.dataset,
                           .mode = layer.mode,

@@ -60,7 +60,7 @@ double ExactView::cell_length() const {
 
 Json ExactView::ray_errors(const Shown& shown) const {
   const std::vector<render::Ray> rays =
-      render::pixel_rays(shown.dataset, setting_.camera, setting_.size, truth_.pixels);
+      render::camera_rays(shown.dataset, setting_.camera, setting_.size.width, setting_.size.height, truth_.pixels);
   const std::vector<render::Hit> hits =
       render::trace_rays({.dataset = shown.dataset, .isovalue = shown.isovalue, .method = shown.method}, rays);
   const render::ErrorList list = tools::errors_on_data(truth_, field_, scene_.layers[0], hits, shown.border);

@@ -109,6 +109,16 @@ auto any_hits_of(const RayCaster::Implementation& caster, const inside::CheckedR
   };
 }
 
+/// Calls act(first, count, scratch) for batches of rays on the threads of a context, when what they
+/// need is prepared.
+template <class Act>
+void answer_on(RenderContext::Implementation& context, render::RenderContext& threads,
+               const RayCaster::Implementation& caster, const inside::CheckedRays& rays, const std::stop_token& stop,
+               const Act& act) {
+  if (rays.count() > 0) caster.caster.prepare_first_crossings(context.machine(), context.threads(), stop);
+  inside::for_each_batch(rays.count(), context, threads, stop, act);
+}
+
 void check_flags(std::span<std::uint8_t> is_hit, std::int64_t count) {
   if (static_cast<std::int64_t>(is_hit.size()) != count)
     inside::refuse("RayCaster::any_hits: room for ", is_hit.size(), " answers; expected ", count);
@@ -139,8 +149,8 @@ void RayCaster::first_hits(const Rays& rays, const Hits& hits, RenderContext& co
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     inside::check(hits, checked.count(), implementation_->proves_errors);
-    inside::for_each_batch(checked.count(), context.implementation(), threads, stop,
-                           first_hits_of(*implementation_, checked, hits));
+    answer_on(context.implementation(), threads, *implementation_, checked, stop,
+              first_hits_of(*implementation_, checked, hits));
   });
 }
 
@@ -157,8 +167,8 @@ void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, Rende
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     check_flags(is_hit, checked.count());
-    inside::for_each_batch(checked.count(), context.implementation(), threads, stop,
-                           any_hits_of(*implementation_, checked, is_hit));
+    answer_on(context.implementation(), threads, *implementation_, checked, stop,
+              any_hits_of(*implementation_, checked, is_hit));
   });
 }
 

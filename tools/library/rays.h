@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/base/stopping.h"
 #include "render/ray_caster.h"
 #include "rhoray/rays.h"
 #include "tools/library/arrays.h"
@@ -60,7 +61,7 @@ void for_each_batch(std::int64_t count, RenderContext::Implementation& context, 
                      const std::int64_t first = static_cast<std::int64_t>(batch) * batch_size;
                      act(first, std::min(batch_size, count - first), scratch[worker].implementation());
                    });
-  if (stop.stop_requested()) throw rhoray::Error(rhoray::ErrorCode::interrupted, "rays were stopped by their caller");
+  end_if_stopped(stop);
 }
 
 /// Refuses spans of wrong lengths, and `error` if the method proves none.

@@ -96,7 +96,7 @@ render::Camera camera_of_pixel(const render::ResolvedScene& plan, const Probe& p
                                           static_cast<std::uint32_t>(probe.x)};
   const render::Dataset& dataset = plan.datasets.front();  // every dataset's rays are the same in the world
   render::Camera camera = plan.scene.camera;
-  const render::Ray ray = pixel_rays(dataset, camera, size, pixels).front();
+  const render::Ray ray = camera_rays(dataset, camera, size.width, size.height, pixels).front();
   const Affine& world_from_ray = world_from_ray_frame(dataset);
   // The target keeps its distance: a nearer one would round the direction where coordinates are large.
   const double distance = (camera.target - camera.position).length();
