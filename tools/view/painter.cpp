@@ -40,6 +40,13 @@ std::string error_text(const std::string& what) {
 
 }  // namespace
 
+/// A picture in motion that was sent.
+struct Painter::UnderWay {
+  std::uint32_t frame;
+  Clock::time_point begun, sent;
+  bool is_alone;  ///< all pictures before it were drawn
+};
+
 struct Painter::Client {
   ClientId id = 0;
   ClientSink sink;
@@ -51,6 +58,8 @@ struct Painter::Client {
   std::optional<Probe> probe{};
   bool has_left = false;
   std::uint32_t sent = 0, acknowledged = 0;  ///< frames
+  std::vector<UnderWay> under_way{};         ///< pictures in motion, oldest first
+  MotionPixels motion{};
 
   // Of the painter's thread.
   std::optional<ChangedScene> scene{};  ///< with `patch`
@@ -61,7 +70,6 @@ struct Painter::Client {
   std::optional<EffectTimes> effect_times{};  ///< being measured, of `plan`
   Clock::time_point finished{};
   double finished_ms = 0;
-  MotionPixels motion{};
   double sent_spacing = 16;  ///< of the picture that was sent last
   Clock::time_point sent_at{};
   render::ResolvedScene plan{};  ///< of `picture`
@@ -147,6 +155,11 @@ void Painter::take(ClientId id, const ClientMessage& message) {
   } else if (const auto* acknowledgement = std::get_if<Acknowledgement>(&message)) {
     // A client that claims what was never sent gains nothing.
     client.acknowledged = std::clamp(acknowledgement->frame, client.acknowledged, client.sent);
+    std::erase_if(client.under_way, [&](const UnderWay& picture) {
+      if (picture.frame == acknowledgement->frame)
+        client.motion.drawn(ms_since(picture.begun), ms_since(picture.sent), picture.is_alone);
+      return picture.frame <= acknowledgement->frame;
+    });
   } else if (const auto* probe = std::get_if<Probe>(&message)) {
     client.probe = *probe;
   } else {
@@ -277,14 +290,21 @@ void Painter::paint(Client& client, const PictureRequest& request) {
     paint_at_rest(client, request, begin);
 }
 
+render::PictureSize Painter::moving_size(const Client& client, const PictureRequest& request) {
+  const std::lock_guard lock(mutex_);
+  return client.motion.size_for({request.width, request.height});
+}
+
 /// A picture with as many pixels as there is time for.
 void Painter::paint_moving(Client& client, const PictureRequest& request, Clock::time_point begin) {
   PictureRequest smaller = request;
-  const render::PictureSize size = client.motion.size_for({request.width, request.height});
+  const render::PictureSize size = moving_size(client, request);
   smaller.width = size.width, smaller.height = size.height;
   render::ResolvedScene plan = with_request(viewed_, *client.scene, smaller);
   render::Framebuffer& picture = client.moving_picture;
-  if (!trace(client, plan, {.first_spacing = 1}, begin, picture)) return;
+  const auto statistics = trace(client, plan, {.first_spacing = 1}, begin, picture);
+  if (!statistics) return;
+  const std::chrono::duration<double> preparation(statistics->preparation_s);
   if (plan.page) draw_heat_map(*plan.page, picture);
   const double traced_ms = ms_since(begin);
   send(client, picture,
@@ -293,8 +313,9 @@ void Painter::paint_moving(Client& client, const PictureRequest& request, Clock:
         .height = request.height,
         .trace_ms = static_cast<float>(traced_ms),
         .spacing = static_cast<float>(request.width) / static_cast<float>(size.width)},
-       moving_quality);
-  client.motion.took(ms_since(begin), size);
+       moving_quality, begin + std::chrono::duration_cast<Clock::duration>(preparation));
+  const std::lock_guard lock(mutex_);
+  client.motion.took(ms_since(begin), 1e3 * statistics->preparation_s, size);
 }
 
 /// The picture of `rhoray render`, refined in passes.
@@ -307,7 +328,7 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
   // After a motion the page shows this view already, though with fewer pixels.
   const double worst_spacing = begin < client.sent_at + rest_before_lossless ? client.sent_spacing : 16;
-  const int across = client.motion.size_for({request.width, request.height}).width;
+  const int across = moving_size(client, request).width;
   int first_spacing = 1;
   while (first_spacing < 16 && first_spacing * across < request.width) first_spacing *= 2;
   Interval<double> heat;
@@ -413,17 +434,23 @@ std::optional<render::FrameStatistics> Painter::trace(Client& client, render::Re
   return statistics;
 }
 
-/// @param header  all but the frame
-void Painter::send(Client& client, const render::Framebuffer& picture, PictureHeader header,
-                   const JpegQuality& quality) {
+/// @param header        all but the frame
+/// @param moving_since  when a picture in motion was begun, and its preparation over
+void Painter::send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality,
+                   std::optional<Clock::time_point> moving_since) {
   {
     const std::lock_guard lock(mutex_);
     header.frame = ++client.sent;
   }
   client.sent_spacing = static_cast<double>(header.spacing);
   client.sent_at = Clock::now();
-  client.sink.send_picture(header.codec == Codec::png ? png_message(header, picture)
-                                                      : jpeg_message(header, picture, quality));
+  std::vector<std::byte> message =
+      header.codec == Codec::png ? png_message(header, picture) : jpeg_message(header, picture, quality);
+  if (moving_since) {
+    const std::lock_guard lock(mutex_);
+    client.under_way.push_back({header.frame, *moving_since, Clock::now(), client.acknowledged + 1 == client.sent});
+  }
+  client.sink.send_picture(std::move(message));
 }
 
 void Painter::send_finished(Client& client, const render::FrameStatistics& statistics) {

@@ -26,11 +26,11 @@ struct ClientSink {
 /// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
 ///
 /// The newest request of a client wins. It ends an older one that is being traced, but not before a
-/// picture of the older one was sent. In motion a picture has as many pixels as can be traced and
-/// encoded in 13 ms. No client has more than two pictures that it has not acknowledged. When it stops
-/// moving, the picture is refined to that of `rhoray render`, and is sent a second time without loss.
-/// In idle time random pixels of it are compared with exact arithmetic, and its effects are timed. A
-/// newer request ends both.
+/// picture of the older one was sent. In motion a picture has as many pixels as there is time for
+/// (motion_pixels.h). No client has more than two pictures that it has not acknowledged. When it
+/// stops moving, the picture is refined to that of `rhoray render`, and is sent a second time without
+/// loss. In idle time random pixels of it are compared with exact arithmetic, and its effects are
+/// timed. A newer request ends both.
 class Painter {
  public:
   using ClientId = std::uint64_t;
@@ -52,6 +52,7 @@ class Painter {
 
  private:
   struct Client;
+  struct UnderWay;
   using Clock = std::chrono::steady_clock;
 
   void run(const std::stop_token& stop);
@@ -70,9 +71,11 @@ class Painter {
                                                render::Refinement refinement, Clock::time_point begin,
                                                render::Framebuffer& picture, bool may_be_ended = false);
   void show_changes(Client& client, const PictureRequest& request);
+  render::PictureSize moving_size(const Client& client, const PictureRequest& request);
   bool may_send(const Client& client);
   bool has_room(const Client& client) const;  ///< with the mutex held
-  void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality);
+  void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality,
+            std::optional<Clock::time_point> moving_since = {});
   void send_finished(Client& client, const render::FrameStatistics& statistics);
   void check(Client& client);
   void time_effects(Client& client);

@@ -11,7 +11,6 @@ const sliceShift = 1e-6;
 const clipOf = (view) => view.document.clip ?? {};
 const planeOf = (view) => clipOf(view).planes?.[0];
 const diagonal = (view) => distance(...view.hello.bounds);
-const pictureSize = ({ canvas }) => [canvas.clientWidth, canvas.clientHeight];
 
 /** Changes keys of the clip region; the slice on the cut follows. */
 function setClip(view, changes, moving = false) {
@@ -117,7 +116,7 @@ function planePart(panel, view, lengthUnit) {
 
 /** Places a small square on each face of the clip box. Dragging it moves the face. */
 export function placeHandles(view) {
-  const { box } = clipOf(view), isShown = box && !view.hidesHandles, size = pictureSize(view);
+  const { box } = clipOf(view), isShown = box && !view.hidesHandles, { size } = view;
   if (!isShown) {
     for (const { element } of view.faceHandles) element.remove();
     view.faceHandles = [];
@@ -174,7 +173,7 @@ function makeHandle(view, end, axis) {
 function wayOf(view, end, axis) {
   const centre = faceCentre(clipOf(view).box, end, axis), step = 1e-3 * diagonal(view);
   const [from, to] = [centre, add(centre, scale(step, axisVector(axis)))]
-    .map((place) => project(view.camera, pictureSize(view), place));
+    .map((place) => project(view.camera, view.size, place));
   if (!from || !to) return null;
   const way = scale(1 / step, subtract(to, from));
   return length(way) * diagonal(view) > 10 ? way : null;

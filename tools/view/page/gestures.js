@@ -56,7 +56,7 @@ export function connectGestures(view, acts) {
 }
 
 function drag(view, pointers, event, before, now) {
-  const [dx, dy] = [0, 1].map((i) => (now[i] - before[i]) / view.canvas.clientHeight);
+  const [dx, dy] = [0, 1].map((i) => (now[i] - before[i]) / view.size[1]);
   if (pointers.size === 2) {
     const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
     const apart = Math.hypot(now[0] - other[0], now[1] - other[1]);

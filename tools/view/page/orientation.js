@@ -39,7 +39,7 @@ export class Orientation {
     overlay.append(this.element);
   }
 
-  place({ camera, canvas }) {
+  place({ camera, size: [width, height] }) {
     const { right, above, back } = frameOf(camera);
     const facing = this.#axes.map(({ axis, sign, element, line, text }) => {
       const [x, y, depth] = [sign * right[axis], -sign * above[axis], sign * back[axis]];
@@ -50,8 +50,8 @@ export class Orientation {
     }).sort((a, b) => a.depth - b.depth);
     const inOrder = facing.map(({ element }) => element);  // the nearest last; moving elements is slow
     if (inOrder.some((element, i) => element !== this.drawing.children[i])) this.drawing.append(...inOrder);
-    const perPixel = extent(camera) / Math.max(1, canvas.clientHeight);
-    const length = roundLength(perPixel * Math.min(widestBar, canvas.clientWidth / 3));
+    const perPixel = extent(camera) / Math.max(1, height);
+    const length = roundLength(perPixel * Math.min(widestBar, width / 3));
     this.bar.style.width = `${length / perPixel}px`;
     const where = camera.ortho_height ? "" : " at the pivot";  // perspective makes the near larger
     this.text.textContent = `${rounded(length, 1)} ${this.unit}`.trim() + where;

@@ -71,7 +71,7 @@ export class Pins {
 
   /** Places a marker for each pin over the picture of a view. */
   place(view) {
-    const { markers } = view, size = [view.canvas.clientWidth, view.canvas.clientHeight];
+    const { markers, size } = view;
     while (markers.length > this.list.length) markers.pop().remove();
     while (markers.length < this.list.length) {
       markers.push(make("span", { class: "marker", "aria-hidden": "true", text: markers.length + 1 }));

@@ -26,6 +26,7 @@ export class View {
   markers = [];         // elements of pinned points
   faceHandles = [];     // {element, end, axis} of faces of the clip box
   layerInfo = new Map();  // by number of a layer: what `resolved` said when it was last drawn
+  size = [1, 1];        // of the canvas, CSS pixels
   requestNumber = 0;
   setNumber = 0;        // of the newest state that the program which started the server has set
   isMoving = false;
@@ -314,6 +315,7 @@ export class View {
   #resize(entry) {
     const { canvas } = this, box = entry.devicePixelContentBoxSize?.[0], isFirst = !this.#hasSize;
     if (canvas.clientWidth === 0) return;
+    this.size = [canvas.clientWidth, canvas.clientHeight];
     const side = (exact, css) => clamp(exact ?? Math.round(css * devicePixelRatio), 1, largestSide);
     const width = side(box?.inlineSize, canvas.clientWidth);
     const height = side(box?.blockSize, canvas.clientHeight);
