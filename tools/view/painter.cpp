@@ -16,6 +16,7 @@
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
 #include "tools/view/motion_pixels.h"
+#include "tools/view/sent_pictures.h"
 
 namespace rhoray::tools {
 
@@ -23,7 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t most_unacknowledged = 2;
 constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 constexpr std::uint64_t checked_pixels = 500;  ///< anywhere, and as many at edges
 constexpr double longest_timed_ms = 4000;      ///< effects of a picture that takes longer are not timed
@@ -40,13 +40,6 @@ std::string error_text(const std::string& what) {
 
 }  // namespace
 
-/// A picture in motion that was sent.
-struct Painter::UnderWay {
-  std::uint32_t frame;
-  Clock::time_point begun, sent;
-  bool is_alone;  ///< all pictures before it were drawn
-};
-
 struct Painter::Client {
   ClientId id = 0;
   ClientSink sink;
@@ -57,8 +50,7 @@ struct Painter::Client {
   bool wants_to_keep = false;
   std::optional<Probe> probe{};
   bool has_left = false;
-  std::uint32_t sent = 0, acknowledged = 0;  ///< frames
-  std::vector<UnderWay> under_way{};         ///< pictures in motion, oldest first
+  SentPictures sent_pictures{};
   MotionPixels motion{};
 
   // Of the painter's thread.
@@ -153,13 +145,7 @@ void Painter::take(ClientId id, const ClientMessage& message) {
     client.is_new = true;
     if (running_ && running_->client == id && running_->may_be_ended) running_->source.request_stop();
   } else if (const auto* acknowledgement = std::get_if<Acknowledgement>(&message)) {
-    // A client that claims what was never sent gains nothing.
-    client.acknowledged = std::clamp(acknowledgement->frame, client.acknowledged, client.sent);
-    std::erase_if(client.under_way, [&](const UnderWay& picture) {
-      if (picture.frame == acknowledgement->frame)
-        client.motion.drawn(ms_since(picture.begun), ms_since(picture.sent), picture.is_alone);
-      return picture.frame <= acknowledgement->frame;
-    });
+    if (const auto delay = client.sent_pictures.draw(acknowledgement->frame, Clock::now())) client.motion.drawn(*delay);
   } else if (const auto* probe = std::get_if<Probe>(&message)) {
     client.probe = *probe;
   } else {
@@ -174,7 +160,7 @@ bool Painter::may_send(const Client& client) {
 }
 
 bool Painter::has_room(const Client& client) const {
-  return client.sent - client.acknowledged < most_unacknowledged;
+  return client.sent_pictures.has_room();
 }
 
 /// The next client, in turn, for which something is to be done now; waits for the lock to be taken by
@@ -440,7 +426,7 @@ void Painter::send(Client& client, const render::Framebuffer& picture, PictureHe
                    std::optional<Clock::time_point> moving_since) {
   {
     const std::lock_guard lock(mutex_);
-    header.frame = ++client.sent;
+    header.frame = client.sent_pictures.next_frame();
   }
   client.sent_spacing = static_cast<double>(header.spacing);
   client.sent_at = Clock::now();
@@ -448,7 +434,7 @@ void Painter::send(Client& client, const render::Framebuffer& picture, PictureHe
       header.codec == Codec::png ? png_message(header, picture) : jpeg_message(header, picture, quality);
   if (moving_since) {
     const std::lock_guard lock(mutex_);
-    client.under_way.push_back({header.frame, *moving_since, Clock::now(), client.acknowledged + 1 == client.sent});
+    client.sent_pictures.send_moving(header.frame, *moving_since, Clock::now());
   }
   client.sink.send_picture(std::move(message));
 }

@@ -52,7 +52,6 @@ class Painter {
 
  private:
   struct Client;
-  struct UnderWay;
   using Clock = std::chrono::steady_clock;
 
   void run(const std::stop_token& stop);

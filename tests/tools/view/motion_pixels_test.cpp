@@ -32,7 +32,7 @@ int width_at(const Pace& pace) {
     const double ms = pace.preparation_ms + 1e-6 * size.width * size.height * pace.ms_per_megapixel;
     const double sent = now + ms, drawn = std::max(sent, client_is_free) + pace.client_ms;
     motion.took(ms, pace.preparation_ms, size);
-    motion.drawn(drawn - now - pace.preparation_ms, drawn - sent, client_is_free <= sent);
+    motion.drawn({drawn - now - pace.preparation_ms, drawn - sent, client_is_free <= sent});
     // No more than two pictures are under way.
     now = std::max({now + pace.display_ms, sent, client_is_free});
     client_is_free = drawn;
@@ -57,7 +57,7 @@ TEST(MotionPixels, do_not_depend_on_how_far_the_client_is_away) {
   MotionPixels motion;
   for (int picture = 0; picture < 100; ++picture) {
     motion.took(13, 0, {316, 316});
-    motion.drawn(113, 100, picture == 0);
+    motion.drawn({113, 100, picture == 0});
   }
   EXPECT_NEAR(motion.size_for(canvas).width, 316, 5);
 }
