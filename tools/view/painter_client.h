@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "render/render.h"
+#include "tools/view/motion_pixels.h"
+#include "tools/view/painter.h"
+#include "tools/view/picture_message.h"
+#include "tools/view/sent_pictures.h"
+#include "tools/view/viewed_scene.h"
+
+namespace rhoray::tools {
+
+inline constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
+
+/// What the painter knows of a client.
+struct Painter::Client {
+  ClientId id = 0;
+  ClientSink sink;
+
+  // Guarded by the painter's mutex.
+  std::optional<PictureRequest> newest{};
+  bool is_new = false;  ///< the newest request was not taken up
+  bool wants_to_keep = false;
+  std::optional<Probe> probe{};
+  bool has_left = false;
+  SentPictures sent_pictures{};
+  MotionPixels motion{};
+
+  // Of the painter's thread.
+  std::optional<ChangedScene> scene{};  ///< with `patch`
+  std::string patch{};
+  bool was_resolved_sent = false;         ///< of this scene
+  std::optional<PictureRequest> drawn{};  ///< whose finished picture `picture` holds
+  bool was_sent = false, was_sent_lossless = false, was_checked = false, was_timed = false;
+  std::optional<EffectTimes> effect_times{};  ///< being measured, of `plan`
+  Clock::time_point finished{};
+  double finished_ms = 0;
+  double sent_spacing = 16;  ///< of the picture that was sent last
+  Clock::time_point sent_at{};
+  render::ResolvedScene plan{};  ///< of `picture`
+  render::Framebuffer picture{}, moving_picture{};
+  render::RenderContext memory{};
+
+  /// Something is to be done for a picture at rest, once its time has come and the client has room.
+  bool waits_at_rest() const { return drawn && (!was_sent_lossless || !was_checked || !was_timed); }
+  bool is_rest_over() const { return waits_at_rest() && Clock::now() >= finished + rest_before_lossless; }
+};
+
+}  // namespace rhoray::tools
