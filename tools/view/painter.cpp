@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "formats/base/json.h"
-#include "tools/view/painter_client.h"
 
 namespace rhoray::tools {
 

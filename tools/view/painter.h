@@ -2,7 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -12,16 +12,11 @@
 #include <vector>
 
 #include "render/render.h"
+#include "tools/view/painter_client.h"
 #include "tools/view/picture_message.h"
 #include "tools/view/viewed_scene.h"
 
 namespace rhoray::tools {
-
-/// Takes the messages to a client. The painter's thread calls it; it must not wait.
-struct ClientSink {
-  std::function<void(std::vector<std::byte>)> send_picture;
-  std::function<void(std::string)> send_text;
-};
 
 /// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
 ///
@@ -51,7 +46,7 @@ class Painter {
   void take(ClientId client, const ClientMessage& message);
 
  private:
-  struct Client;
+  using Client = PainterClient;
   using Clock = std::chrono::steady_clock;
 
   void run(const std::stop_token& stop);

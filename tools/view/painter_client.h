@@ -1,12 +1,15 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "render/render.h"
 #include "tools/view/motion_pixels.h"
-#include "tools/view/painter.h"
 #include "tools/view/picture_message.h"
 #include "tools/view/sent_pictures.h"
 #include "tools/view/viewed_scene.h"
@@ -15,9 +18,17 @@ namespace rhoray::tools {
 
 inline constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 
+/// Takes the messages to a client. The painter's thread calls it; it must not wait.
+struct ClientSink {
+  std::function<void(std::vector<std::byte>)> send_picture;
+  std::function<void(std::string)> send_text;
+};
+
 /// What the painter knows of a client.
-struct Painter::Client {
-  ClientId id = 0;
+struct PainterClient {
+  using Clock = std::chrono::steady_clock;
+
+  std::uint64_t id = 0;
   ClientSink sink;
 
   // Guarded by the painter's mutex.

@@ -12,7 +12,6 @@
 #include "tools/analysis/format_statistics.h"
 #include "tools/pictures/annotations.h"
 #include "tools/view/painter.h"
-#include "tools/view/painter_client.h"
 
 namespace rhoray::tools {
 
