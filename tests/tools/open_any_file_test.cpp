@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "formats/base/error.h"
 #include "tests/tools/workbench.h"
 #include "tools/rhoray/data_choice.h"
 
@@ -67,6 +68,36 @@ TEST(OpenAnyFile, packs_once_for_a_scene_that_later_names_the_field) {
   const std::string field = tools::load_shown(bench / "ball.nrrd", {}, access).field().name;
   EXPECT_EQ(tools::load_shown(bench / "ball.nrrd", field, access).field().name, field);
   EXPECT_EQ(packed, 1);
+}
+
+/// What is prepared for pictures is kept with loaded data, so a viewer must not load them for every
+/// choice of colours.
+TEST(OpenAnyFile, loads_a_field_once_however_its_layers_are_coloured) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = box_mesh({});
+  for (const std::string name : {"x", "y", "z"}) add_point_field(mesh, name, [](const Vec3& p) { return p.length(); });
+  preprocess::export_mesh(mesh, bench / "fields.vtu", true);
+  const tools::DataAccess access{.opened = std::make_shared<tools::DataAccess::Opened>(),
+                                 .loaded = std::make_shared<tools::DataAccess::Loaded>()};
+  ASSERT_EQ(bench.rhoray({"pack", "fields.vtu", "-o", "packed.rho", "-q"}).exit_code, 0);
+  for (const std::string file : {"fields.vtu", "packed.rho"}) {
+    access.opened->clear();
+    access.loaded->clear();
+    for (const std::string field : {"x", "y"})
+      for (const std::string outer : {"", "x", "y", "z"})
+        for (const std::string inner : {"", "x", "y", "z", "none"}) {
+          render::SceneSpec spec{.data = {{.name = "data", .file = bench / file, .field = field}}};
+          for (const auto& [isovalue, color_by] : {std::pair("0.9", outer), std::pair("0.5", inner)})
+            spec.layers.push_back(
+                {.type = render::LayerType::isosurface, .data = "data", .isovalues = {isovalue}, .color_by = color_by});
+          if (inner == "none")
+            EXPECT_THROW(tools::resolve_layers(spec, access), Error);
+          else
+            EXPECT_EQ(tools::resolve_layers(spec, access).datasets[0].field().name, field);
+        }
+    EXPECT_EQ(access.loaded->size(), 2U) << file;
+    EXPECT_EQ(access.opened->size(), 1U) << file;
+  }
 }
 
 TEST(OpenAnyFile, lists_packed_copies_and_removes_them) {

@@ -14,6 +14,7 @@
 #include "formats/tet_mesh.h"
 #include "formats/triangle_mesh.h"
 #include "preprocess/input_file.h"
+#include "preprocess/open_vdb.h"
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
@@ -61,29 +62,29 @@ bool is_choice(const std::string& note) {
   return note.find("; choose another with --") != std::string::npos;
 }
 
-/// Whether data that were opened without names of fields have these. Then open_data would make the
-/// same file for them: it names fields to the packer only if they are missing otherwise.
-bool has_fields(const preprocess::OpenedData& opened, const std::vector<std::string>& names) {
-  if (opened.file.description().kind == "vdb") return false;  // it holds one of the file's grids
-  const render::Dataset dataset = render::Dataset::load(opened.file);
-  return std::all_of(names.begin(), names.end(), [&](const std::string& name) { return dataset.field(name); });
+/// An empty name is no field.
+bool has_fields(const render::Dataset& dataset, const std::vector<std::string>& names) {
+  return std::all_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return name.empty() || dataset.field(name); });
 }
 
 /// @param color  keeps the colours, for a texture
-preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::string> fields,
+preprocess::OpenedData open(const std::filesystem::path& path, const std::vector<std::string>& fields,
                             const DataAccess& access, bool color = false) {
   preprocess::PackOptions pack = pack_options(access.read);
-  pack.fields = std::move(fields);
   pack.color = color;
+  const bool is_of_one_grid = preprocess::is_vdb(path);
+  if (is_of_one_grid && !fields.empty()) pack.fields = {fields.front()};
   const std::pair key(path, preprocess::option_words(pack));
-  if (access.opened) {
-    if (const auto known = access.opened->find(key); known != access.opened->end()) return known->second;
-    preprocess::PackOptions all_fields = pack;
-    all_fields.fields.clear();
-    const auto whole = access.opened->find({path, preprocess::option_words(all_fields)});
-    if (whole != access.opened->end() && has_fields(whole->second, pack.fields))
-      return access.opened->emplace(key, whole->second).first->second;
-  }
+  if (access.opened)
+    if (const auto known = access.opened->find(key); known != access.opened->end()) {
+      const auto& [data, of] = known->second;
+      const bool was_for_these = std::all_of(fields.begin(), fields.end(), [&](const std::string& field) {
+        return std::find(of.begin(), of.end(), field) != of.end();
+      });
+      if (is_of_one_grid || was_for_these || has_fields(render::Dataset::load(data.file), fields)) return data;
+    }
+  pack.fields = fields;
   const Stopwatch watch;
   const preprocess::OpenedData opened = preprocess::open_data(path, {.pack = pack,
                                                                      .use_cache = access.use_cache,
@@ -93,7 +94,7 @@ preprocess::OpenedData open(const std::filesystem::path& path, std::vector<std::
   if (opened.was_packed && access.say) access.say(packing_text(path, opened, watch.seconds()));
   for (const std::string& note : opened.notes)
     if (const auto& print = is_choice(note) ? access.say : access.tell) print(concat("note: ", note));
-  if (access.opened) access.opened->emplace(key, opened);
+  if (access.opened) access.opened->insert_or_assign(key, DataAccess::OpenedFor{opened, fields});
   return opened;
 }
 
@@ -282,9 +283,10 @@ render::ResolvedScene resolve_layers(const render::SceneSpec& scene_spec, const 
     for (const render::LayerSpec& layer : scene_spec.layers)
       if (layer.data == data.name) others.push_back(layer.color_by);
     if (!access.loaded) return load(data, others, world);
-    const std::tuple key(data.name, data.field, others);
-    if (const auto known = access.loaded->find(key); known != access.loaded->end()) return known->second;
-    return access.loaded->emplace(key, load(data, others, world)).first->second;
+    const std::pair key(data.name, data.field);
+    const auto known = access.loaded->find(key);
+    if (known != access.loaded->end() && has_fields(known->second, others)) return known->second;
+    return access.loaded->insert_or_assign(key, load(data, others, world)).first->second;
   };
   return render::resolve_layers(scene_spec, open_data,
                                 [&](const render::DataSpec& data) { return open_colors(data, access); });

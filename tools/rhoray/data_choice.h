@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -29,11 +28,18 @@ struct DataAccess {
   preprocess::Progress progress{};
   std::function<void(const std::string&)> say{};   ///< one line about packing
   std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
-  /// Opened files by path and options of packing; null: files are not kept open.
-  using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, preprocess::OpenedData>;
+  /// An opened file, and the names of fields for which it was opened.
+  struct OpenedFor {
+    preprocess::OpenedData data;
+    std::vector<std::string> fields;
+  };
+  /// Opened files by path and options of packing; of OpenVDB files, which are opened for one grid, also
+  /// by its name. Null: files are not kept open.
+  using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, OpenedFor>;
   std::shared_ptr<Opened> opened{};
-  /// Loaded data of a scene by name, field and fields that colour them; null: each scene loads its own.
-  using Loaded = std::map<std::tuple<std::string, std::string, std::vector<std::string>>, render::Dataset>;
+  /// Loaded data of a scene by name and field. What is prepared for pictures is kept with them. Null:
+  /// each scene loads its own.
+  using Loaded = std::map<std::pair<std::string, std::string>, render::Dataset>;
   std::shared_ptr<Loaded> loaded{};
 };
 /// @param display  must outlive the result
