@@ -41,8 +41,8 @@ struct WatertightTally {
   std::uint64_t rays = 0;
   std::uint64_t redecided = 0;
   std::array<OfMethod, method_count> of_method{};
-  /// Wide kernels that record all crossings of a ray at once. Rays with too many crossings are left
-  /// out.
+  /// Wide kernels that record all crossings of a ray at once. Rays that they leave to other kernels
+  /// are not counted: those with too many crossings, and those through a vertex of the outline.
   OfMethod all{};
   std::vector<std::string> complaints{};  ///< some of the wrongly answered rays, with all digits
 

@@ -37,6 +37,7 @@ void print(const WatertightTally& tally) {
   };
   for (std::size_t m = 0; m < WatertightTally::method_count; ++m)
     print_method(WatertightTally::name(m), tally.of_method[m]);
+  std::cout << "all crossings of " << tally.all.rays << " rays\n";
   print_method("all crossings", tally.all);
 }
 
@@ -76,9 +77,11 @@ TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_pa
   if (render::chosen_machine() != render::Machine::scalar) {
     EXPECT_GT(whole.of_method[0].wide, whole.rays / 2);
     EXPECT_GT(whole.of_method[1].wide, whole.rays / 2);
+    // All but the eighth that goes past the surface, and up to a hundredth that is left to other kernels.
+    EXPECT_GT(whole.all.rays, whole.rays - whole.rays / 8 - whole.rays / 100);
   }
   EXPECT_EQ(whole.all.wrong, 0U);
-  EXPECT_LT(whole.all.ties, whole.all.rays / 200);
+  EXPECT_EQ(whole.all.parity, 0U) << "even ties must leave the ray on the right side";
 }
 
 }  // namespace

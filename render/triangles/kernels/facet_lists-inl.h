@@ -77,26 +77,53 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
   return is_nearer;
 }
 
+/// Returns whether a ray meets a facet at so flat an angle that it may pass it either way, once
+/// positions are rounded (place_error). Also true for the facet of a flat cell, whose gradient is NaN.
+HWY_NOINLINE bool may_pass_either_way(const FacetGroup& group, std::int32_t facet, std::size_t ray) {
+  constexpr double least_cosine = 0x1p-20;
+  const double* gradient = group.surface.fields[facet].gradient;
+  double rise = 0, steepest2 = 0, length2 = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double direction = group.rays.direction[a][ray];
+    rise += gradient[a] * direction, steepest2 += gradient[a] * gradient[a], length2 += direction * direction;
+  }
+  return !(rise * rise > least_cosine * least_cosine * steepest2 * length2);
+}
+
 /// Removes facets from a ray's list that do not change its side: a ray that passes through an edge
 /// hits both facets. Keeps at most as many as a CrossingList holds.
+///
+/// A ray that passes through a vertex hits all facets there, in no order. If it passes them in
+/// different directions, or rounding hides in which, it is left to another kernel.
 HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
   FacetLists& lists = *group.scratch.lists;
   const auto count = static_cast<std::size_t>(lists.count[lane]);
   const std::size_t ray = ray_of(lane);
   double side = 0;
   std::size_t kept = 0;
+  float last_depth = -beyond;
+  std::int32_t last = FacetScratch::no_facet;
   for (std::size_t i = 0; i < count; ++i) {
     const double* gradient = group.surface.fields[lists.facet[i][lane]].gradient;
     double rise = 0;
     for (int a = 0; a < 3; ++a) rise += gradient[a] * group.rays.direction[a][ray];
+    const bool is_same = rise * side > 0;
+    const float depth = lists.depth[i][lane], gap = depth - last_depth;
+    if (HWY_UNLIKELY(gap <= static_cast<float>(facet_margin)) &&
+        (!is_same || may_pass_either_way(group, lists.facet[i][lane], ray) || may_pass_either_way(group, last, ray))) {
+      kept = 0;
+      lists.complete[lists.first + ray] = 0;
+      break;
+    }
+    last_depth = depth, last = lists.facet[i][lane];
     // Written so that the facet of a flat cell, whose gradient is NaN, counts.
-    if (rise * side > 0) continue;
+    if (is_same) continue;
     side = side == 0 ? (rise > 0 ? 1 : -1) : -side;
     if (kept == CrossingList::most) {
       lists.overflowed |= std::uint64_t{1} << lane;
       break;
     }
-    lists.depth[kept][lane] = lists.depth[i][lane], lists.facet[kept][lane] = lists.facet[i][lane];
+    lists.depth[kept][lane] = depth, lists.facet[kept][lane] = last;
     ++kept;
   }
   lists.count[lane] = static_cast<std::int32_t>(kept);
