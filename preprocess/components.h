@@ -44,9 +44,9 @@ std::string scalars_text(std::string_view array, int component_count);
 /// The component or the magnitude that `field` names in an array; nothing when it names neither.
 std::optional<int> component_in(std::string_view field, std::string_view array, int component_count);
 
-/// Names the chosen scalar of these arrays and the alternatives: "using the magnitude of 3 components,
-/// 'flow.mag'; choose another with --field: flow.x, flow.y, flow.z, pressure". Empty when there is
-/// nothing else.
+/// Names the chosen scalar of these arrays and the alternatives: "using the magnitude of 3
+/// components, 'flow.mag'; choose another with --field: flow.x, flow.y, flow.z, pressure". Empty
+/// when there is nothing else.
 std::string note_of_choice(const std::vector<VectorArray>& arrays, std::size_t array, int component);
 
 /// The magnitude of one sample. NaN where a component is NaN or infinite. Components whose squares

@@ -38,9 +38,10 @@ struct ImportVolumeOptions {
   Progress progress{};  ///< phase "reading (bytes)", of formats that are read array by array
 };
 
-/// Reads a volume of any format of foreign_formats (input_file.h), or raw bytes. The reader runs in a separate process;
-/// its crash becomes a refusal. Spacing, origin and direction become world_from_grid; units are kept. Colours are read
-/// from image stacks, NRRD, MetaImage, NIfTI, NumPy and VTK image data.
+/// Reads a volume of any format of foreign_formats (input_file.h), or raw bytes. The reader runs in
+/// a separate process; its crash becomes a refusal. Spacing, origin and direction become
+/// world_from_grid; units are kept. Colours are read from image stacks, NRRD, MetaImage, NIfTI,
+/// NumPy and VTK image data.
 NeutralVolume import_volume(const std::filesystem::path& path, const ImportVolumeOptions& options = {});
 
 }  // namespace rhoray::preprocess

@@ -18,8 +18,8 @@ ForeignKind foreign_kind(const std::filesystem::path& path);
 struct ForeignFormat {
   std::string_view name;  ///< "NRRD"
   ForeignKind kind;
-  /// Extensions in lower case with their dot, or a kind of folder: "dicom/". Of a format for several
-  /// kinds, and of PLOT3D, the content decides too.
+  /// Extensions in lower case with their dot, or a kind of folder: "dicom/". Of a format for
+  /// several kinds, and of PLOT3D, the content decides too.
   std::vector<std::string_view> families;
   std::string_view worker;         ///< the program that reads it
   bool reads_other_files = false;  ///< the file may name others, or others beside it belong to it

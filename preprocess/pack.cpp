@@ -136,8 +136,8 @@ void check_numbers(const PackOptions& options) {
       throw Error(ErrorCode::usage, concat(name, ": found ", value, "; expected a number from ", lo, " to ", hi));
 }
 
-/// The folder for large arrays under a memory cap: that of the packed file, or of temporary files if
-/// it has no name. Empty without a cap.
+/// The folder for large arrays under a memory cap: that of the packed file, or of temporary files
+/// if it has no name. Empty without a cap.
 fs::path scratch_folder(const formats::Destination& output, const PackOptions& options) {
   if (options.memory_limit_bytes == 0) return {};
   if (output.descriptor >= 0) return fs::temp_directory_path();

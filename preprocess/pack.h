@@ -40,7 +40,8 @@ struct PackOptions {
   std::optional<double> leaf_ratio{};        ///< leaf cells per tetrahedron; only for leaf lists
 
   /// Cap on anonymous memory in this process and in the reading process; 0 = none. Larger data use
-  /// nameless files in the output's folder, or that of temporary files. Only one call at a time may have a cap.
+  /// nameless files in the output's folder, or that of temporary files. Only one call at a time may
+  /// have a cap.
   std::uint64_t memory_limit_bytes = 0;
   std::string command{};  ///< stored in the file
   bool replace_existing = false;

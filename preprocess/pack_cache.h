@@ -52,11 +52,12 @@ class PackCache {
   /// counts as none.
   std::optional<Copy> find(const Key& key) const;
 
-  /// Calls `write`, which writes the packed copy, and keeps the copy. Then removes the least recently
-  /// used entries until all fit the limit. The new copy can be used even if it is among them.
+  /// Calls `write`, which writes the packed copy, and keeps the copy. Then removes the least
+  /// recently used entries until all fit the limit. The new copy can be used even if it is among
+  /// them.
   ///
-  /// A copy is not kept if one of its sources changed while packing, or less than 50 ms before. File
-  /// systems have coarse clocks, so a second change could get the same time as the first.
+  /// A copy is not kept if one of its sources changed while packing, or less than 50 ms before.
+  /// File systems have coarse clocks, so a second change could get the same time as the first.
   Copy add(const Key& key, const std::function<PackReport(const formats::Destination&)>& write) const;
 
   std::vector<Entry> entries() const;  ///< last used first

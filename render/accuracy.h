@@ -30,8 +30,8 @@ struct CheckedPixels {
   std::uint64_t beyond_limit = 0;
   /// Number of pixels whose error exceeds the bound in the picture's error channel, if it has one.
   std::uint64_t beyond_bound = 0;
-  /// The error that 99 % of the shown pixels do not exceed: in cells along the ray; for largest values
-  /// in the field's unit.
+  /// The error that 99 % of the shown pixels do not exceed: in cells along the ray; for largest
+  /// values in the field's unit.
   double kept_by_99 = 0;
   double largest = 0;              ///< largest error of pixels that are neither missed nor false
   double largest_value_error = 0;  ///< in the field's unit

@@ -85,8 +85,8 @@ inline constexpr double fitted_share = 0.9;
 /// @param aspect  width of the picture over its height
 Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, double aspect);
 
-/// Width over height of the rectangle around points in a camera's picture; at least 1/1000 and at most
-/// 1000. No point lies behind the eye.
+/// Width over height of the rectangle around points in a camera's picture; at least 1/1000 and at
+/// most 1000. No point lies behind the eye.
 double seen_aspect(std::span<const Vec3> points_world, const Camera& camera);
 
 /// The same for the corners of a box.

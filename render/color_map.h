@@ -19,8 +19,8 @@ struct ColorMap {
     cividis,    ///< dark blue to yellow; looks nearly the same to readers who cannot tell red from green
     gray,       ///< black to white in even steps of the sRGB code
     cubehelix,  ///< black to white through all hues (D. A. Green, Bull. Astr. Soc. India 39, 2011)
-    /// Dark blue over green to dark red, lightest in its middle. Shows more steps than the others, but
-    /// not which of two colours stands for the larger number.
+    /// Dark blue over green to dark red, lightest in its middle. Shows more steps than the others,
+    /// but not which of two colours stands for the larger number.
     turbo,
     /// Blue to red through white, for data with a centre value (K. Moreland, Proc. ISVC 2009).
     coolwarm

@@ -4,8 +4,8 @@ namespace rhoray::render {
 
 // 256 colours each: red, green and blue as two hexadecimal digits of sRGB. From the tables of
 // Matplotlib 3.6 (_cm_listed.py). Viridis, magma, inferno and plasma: S. van der Walt and N. Smith,
-// CC0. Cividis: J. R. Nunez, C. R. Anderton and R. S. Renslow, PLoS ONE 13, 2018. Turbo: A. Mikhailov,
-// Google, Apache License 2.0.
+// CC0. Cividis: J. R. Nunez, C. R. Anderton and R. S. Renslow, PLoS ONE 13, 2018. Turbo: A.
+// Mikhailov, Google, Apache License 2.0.
 
 const char* const viridis_table =
     "44015444025645045745055946075a46085c460a5d460b5e470d60470e61471063471164471365481467481668481769"

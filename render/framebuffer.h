@@ -31,7 +31,8 @@ struct ChannelSet {
 };
 
 /// Memory for pixels, aligned to cache lines. From some size on it stands in large pages, where the
-/// system has them: writing to a new page for the first time takes longer than tracing what it shows.
+/// system has them: writing to a new page for the first time takes longer than tracing what it
+/// shows.
 void* allocate_pixels(std::size_t bytes);
 void free_pixels(void* pixels, std::size_t bytes);  ///< takes the size that was allocated
 

@@ -104,9 +104,9 @@ class Dataset {
   /// isosurface (of a grid: the cells that it passes through) in its part of the data allow.
   std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue) const;
 
-  /// Returns the edges of a surface at which it turns by more than an angle: 0 where its triangles lie
-  /// in one plane. An edge of one triangle, or of more than two, counts as 180 degrees, so that 180
-  /// returns none. Refuses a dataset of another kind (ErrorCode::usage).
+  /// Returns the edges of a surface at which it turns by more than an angle: 0 where its triangles
+  /// lie in one plane. An edge of one triangle, or of more than two, counts as 180 degrees, so that
+  /// 180 returns none. Refuses a dataset of another kind (ErrorCode::usage).
   /// @param threads  0 = all cores
   FeatureEdges feature_edges(double angle_deg, unsigned threads = 0) const;
 

@@ -50,7 +50,8 @@ struct ProbeHit {
 ///
 /// Refuses a point outside the picture and what `render` refuses (ErrorCode::usage); data with an
 /// isosurface or a projection whose stored ranges do not hold (ErrorCode::invalid).
-/// @param options  size of the picture; threads that prove ranges; the machine. Nothing else is read
+/// @param options  size of the picture; threads that prove ranges; the machine. Nothing else is
+///   read
 /// @param most     number of points at most, nearest first
 /// @param stop     ends the proof of ranges (ErrorCode::interrupted)
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,

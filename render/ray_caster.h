@@ -52,8 +52,8 @@ class RayCaster {
             std::optional<Machine> machine = {}, const std::stop_token& stop = {});
   ~RayCaster();
 
-  /// Prepares what first crossings need: facets, or occupied blocks. Otherwise the first ray does, on
-  /// its own thread.
+  /// Prepares what first crossings need: facets, or occupied blocks. Otherwise the first ray does,
+  /// on its own thread.
   /// @param machine  whose kernels will answer
   /// @param threads  0 = all cores
   /// @param stop     ends it (ErrorCode::interrupted); then the next call repeats it

@@ -74,10 +74,11 @@ struct Layer {
   ColorMap map = ColorMap::gray;
   ColorScale scale{};  ///< of MIP
   Material material{};
-  /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by), which
-  /// is trilinear, or linear in the cells of a mesh, in double precision at every level. Nothing is
-  /// shown where there is no data. A slice casts no shadow. Where a slice and a surface have the
-  /// same t, the slice is shown. A slice in a face of the clip region is hit at that face's t.
+  /// The plane of a slice. Slices are coloured by the dataset's own field (Material::color_by),
+  /// which is trilinear, or linear in the cells of a mesh, in double precision at every level.
+  /// Nothing is shown where there is no data. A slice casts no shadow. Where a slice and a surface
+  /// have the same t, the slice is shown. A slice in a face of the clip region is hit at that
+  /// face's t.
   HalfSpace plane{};  ///< its normal may point either way
   /// Only values within are shown.
   Interval<double> threshold{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};

@@ -15,8 +15,9 @@ namespace rhoray::render {
 ///
 /// Between them a number follows the monotone cubic through all of them (F. Fritsch and R. Carlson,
 /// SIAM J. Numer. Anal. 17, 1980): exact at the keys, without a jump of its rate, and never beyond
-/// the two numbers that it lies between. A point follows a cubic through all of them whose direction
-/// at each is that from the key before to the key after (Catmull and Rom, with the keys' own times).
+/// the two numbers that it lies between. A point follows a cubic through all of them whose
+/// direction at each is that from the key before to the key after (Catmull and Rom, with the keys'
+/// own times).
 template <class T>
 class Track {
  public:

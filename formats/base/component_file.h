@@ -7,8 +7,8 @@
 namespace rhoray {
 
 /// The path of a worker program or of the module for pictures. In a build folder these files are
-/// beside the program; `cmake --install` puts them into lib/rhoray of the same prefix. The prefix may
-/// be moved.
+/// beside the program; `cmake --install` puts them into lib/rhoray of the same prefix. The prefix
+/// may be moved.
 class ComponentFile {
  public:
   /// @param name    "rhoray-import-worker"

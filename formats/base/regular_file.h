@@ -17,9 +17,9 @@ int open_regular_file(const std::filesystem::path& path);
 /// Refuses the same files as `open_regular_file`. For a file that a library will open by name.
 void require_regular_file(const std::filesystem::path& path);
 
-/// Refuses a path that is not there, that is neither a regular file nor a folder, or that may not be
-/// read (ErrorCode::unreadable), and names the nearest file. Reading a pipe or a device might never
-/// end.
+/// Refuses a path that is not there, that is neither a regular file nor a folder, or that may not
+/// be read (ErrorCode::unreadable), and names the nearest file. Reading a pipe or a device might
+/// never end.
 void require_readable(const std::filesystem::path& path);
 
 /// Returns up to `count` bytes from the start of a file: fewer if the file is shorter, none if it

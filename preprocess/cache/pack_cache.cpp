@@ -47,8 +47,8 @@ std::int64_t ns_of(Clock::time_point time) {
   throw Error(ErrorCode::resource, concat(folder.string(), ": cannot be used as a cache: ", reason));
 }
 
-/// Makes a file name of sixteen hexadecimal digits. Two keys may share a name; the record tells them
-/// apart.
+/// Makes a file name of sixteen hexadecimal digits. Two keys may share a name; the record tells
+/// them apart.
 std::string name_of(const PackCache::Key& key, const fs::path& input) {
   const std::size_t hash = std::hash<std::string>()(concat(input.string(), '\n', key.options, '\n', key.program));
   std::array<char, 17> digits{};
@@ -109,8 +109,8 @@ bool are_unchanged(const std::vector<SourceFile>& sources) {
                      [](const SourceFile& source) { return source_file(source.path) == source; });
 }
 
-/// Opens a packed copy under the name of its input, for messages; returns nothing if it is missing or
-/// damaged.
+/// Opens a packed copy under the name of its input, for messages; returns nothing if it is missing
+/// or damaged.
 std::optional<formats::PackedFile> open_copy(const fs::path& path, const std::string& name) {
   try {
     const Descriptor file(open_regular_file(path));
@@ -136,8 +136,8 @@ Clock::time_point time_of(const fs::path& path) {
       std::chrono::seconds(facts.st_mtim.tv_sec) + std::chrono::nanoseconds(facts.st_mtim.tv_nsec)));
 }
 
-/// Sets the time at which an entry was used. The kernel's own time stamps would not tell apart two uses
-/// within one tick of its coarse clock.
+/// Sets the time at which an entry was used. The kernel's own time stamps would not tell apart two
+/// uses within one tick of its coarse clock.
 void mark_used(const fs::path& record) {
   timespec now{};
   ::clock_gettime(CLOCK_REALTIME, &now);
@@ -173,8 +173,8 @@ struct Held {
   PackCache::Entry entry;
 };
 
-/// Lists the entries of the folder, last used first. Removes old records without a packed copy; a new
-/// one may belong to a process that is just replacing its copy.
+/// Lists the entries of the folder, last used first. Removes old records without a packed copy; a
+/// new one may belong to a process that is just replacing its copy.
 std::vector<Held> held_in(const fs::path& folder) {
   std::vector<Held> all;
   for (const fs::path& path : files_with(folder, record_extension)) {

@@ -130,8 +130,8 @@ std::string legacy_vtk_dataset(const std::filesystem::path& path) {
   return head.substr(at, head.find_first_of(spaces, at) - at);
 }
 
-/// Returns the kind of a VTKHDF file. The file contains the name of its group and its attribute Type
-/// as text, mostly near the beginning.
+/// Returns the kind of a VTKHDF file. The file contains the name of its group and its attribute
+/// Type as text, mostly near the beginning.
 ForeignKind kind_of_vtkhdf(const std::filesystem::path& path) {
   constexpr std::string_view signature = "\x89HDF\r\n\x1a\n", group = "VTKHDF";
   constexpr std::size_t near_beginning = 1 << 16;

@@ -16,8 +16,8 @@ namespace rhoray::render {
 
 namespace {
 
-/// Rays that a thread takes at a time; a stop request waits for them. Kernels answer groups of up to
-/// 64, but a ray in exact arithmetic can take milliseconds.
+/// Rays that a thread takes at a time; a stop request waits for them. Kernels answer groups of up
+/// to 64, but a ray in exact arithmetic can take milliseconds.
 std::size_t piece_for(const Method& method) {
   return method.algorithm == Method::Algorithm::exact ? 4 : 512;
 }

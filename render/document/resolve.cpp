@@ -23,8 +23,8 @@ namespace {
 /// The colour of a boundary around isosurfaces: a neutral grey.
 constexpr Vec3 context_color{0.5, 0.5, 0.5};
 
-/// From the 1st to the 99.9th percentile: the few values beyond, such as those of metal in a CT, would
-/// leave little of the scale to all others.
+/// From the 1st to the 99.9th percentile: the few values beyond, such as those of metal in a CT,
+/// would leave little of the scale to all others.
 Interval<double> projected_window(const formats::FieldSummary& field) {
   const Interval<double> window{formats::percentile(field, 0.01), formats::percentile(field, 0.999)};
   return window.lo < window.hi ? window : field.range;

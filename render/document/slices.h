@@ -17,8 +17,8 @@ std::vector<Row<LayerSpec>> scale_rows();
 /// The keys of a slice, in addition to those of every layer.
 std::vector<Row<LayerSpec>> slice_rows();
 
-/// Plane, colours and opacity of a slice through this dataset. Refuses one that has no plane or two,
-/// and a field without a finite value: of a document with the place (ErrorCode::invalid).
+/// Plane, colours and opacity of a slice through this dataset. Refuses one that has no plane or
+/// two, and a field without a finite value: of a document with the place (ErrorCode::invalid).
 /// @param place  of the slice in its document; of a command line without a document
 void choose_slice(const LayerSpec& spec, const Dataset& dataset, const Place& place, Layer& layer);
 

@@ -42,8 +42,8 @@ class BoxProjection {
   BoxProjection(const CameraRays& camera, const Affine& data_from_world, const Affine& world_from_data,
                 const Box3& bounds);
 
-  /// False where rounding hides the orientation of the picture to the dataset: then any ray may meet
-  /// anything.
+  /// False where rounding hides the orientation of the picture to the dataset: then any ray may
+  /// meet anything.
   bool is_certain() const { return is_certain_; }
 
   /// Projects boxes of one tree onto one lattice.

@@ -40,8 +40,8 @@ struct FrameLayer {
   std::optional<SurfaceBoxes> boxes{};        ///< nothing is hit outside them; none: not known
   std::shared_ptr<const SlicePlane> slice{};  ///< intersected instead of calling kernels
   bool clipped = false;                       ///< Frame::clip shortens its rays
-  /// For each light, the parts of this layer that may occlude hits on the same dataset; null: all of
-  /// it may. Empty for a clipped layer.
+  /// For each light, the parts of this layer that may occlude hits on the same dataset; null: all
+  /// of it may. Empty for a clipped layer.
   std::vector<std::shared_ptr<const wide::LightOccluders>> occluders{};
 };
 

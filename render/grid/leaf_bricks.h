@@ -20,8 +20,8 @@ class LeafBricks {
 
   LeafBricks(const nanovdb::NanoTree<float>& tree, const Index3& first_voxel, const Index3& voxel_count);
 
-  /// Voxel (i, j, k) of the box is sample (i, j, k). Nothing if the leaf nodes are not contiguous in
-  /// memory, as OpenVDB's own converter places them.
+  /// Voxel (i, j, k) of the box is sample (i, j, k). Nothing if the leaf nodes are not contiguous
+  /// in memory, as OpenVDB's own converter places them.
   std::optional<SampleSource> source() const;
 
  private:

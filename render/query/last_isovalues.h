@@ -8,13 +8,13 @@
 
 namespace rhoray::render {
 
-/// Keeps what was prepared of one dataset for the isovalues used last. Thread-safe; while one thread
-/// prepares, others wait.
+/// Keeps what was prepared of one dataset for the isovalues used last. Thread-safe; while one
+/// thread prepares, others wait.
 template <class Prepared>
 class LastIsovalues {
  public:
-  /// @param prepare  creates it (a shared pointer) where it is not kept; it may use the memory of the
-  ///   oldest, which is dropped first
+  /// @param prepare  creates it (a shared pointer) where it is not kept; it may use the memory of
+  ///   the oldest, which is dropped first
   template <class Prepare>
   std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
     const std::lock_guard lock(mutex_);

@@ -32,7 +32,8 @@ struct PlaceAnswers {
   std::uint32_t cost[size];  ///< cells examined
 };
 
-/// Evaluates a dataset's own field at positions; chosen once per frame. The dataset must outlive it.
+/// Evaluates a dataset's own field at positions; chosen once per frame. The dataset must outlive
+/// it.
 ///
 /// The field is trilinear in the cells of a grid, and linear in those of a mesh. A position on a
 /// face between cells has data if any of these cells has data, up to slack. So neither the border

@@ -2,9 +2,9 @@
 
 #include <hwy/detect_targets.h>
 
-/// The body of a function that returns a kernel: what `__VA_ARGS__` stands for in the namespace that
-/// was compiled for a machine. The baseline is the best that this processor has below AVX2. For
-/// sources that are compiled once per machine, in their part that is compiled once.
+/// The body of a function that returns a kernel: what `__VA_ARGS__` stands for in the namespace
+/// that was compiled for a machine. The baseline is the best that this processor has below AVX2.
+/// For sources that are compiled once per machine, in their part that is compiled once.
 #define RHORAY_RETURN_ON(machine, ...)   \
   RHORAY_IF_AVX512(machine, __VA_ARGS__) \
   RHORAY_IF_AVX2(machine, __VA_ARGS__)   \

@@ -35,7 +35,8 @@ class ArrayPool {
     for (const Memory& memory : unused_) release(memory);
   }
 
-  /// Returns the smallest unused memory of at least `bytes` and at most twice as many, or new memory.
+  /// Returns the smallest unused memory of at least `bytes` and at most twice as many, or new
+  /// memory.
   Memory take(std::size_t bytes) {
     {
       const std::lock_guard lock(mutex_);
@@ -61,8 +62,8 @@ class ArrayPool {
   }
 
  private:
-  /// The arrays of one isovalue: blocks and fields of facets, and three lists of cells (20 bytes per
-  /// facet), which stay here while the facets are in use.
+  /// The arrays of one isovalue: blocks and fields of facets, and three lists of cells (20 bytes
+  /// per facet), which stay here while the facets are in use.
   static constexpr std::size_t most_unused = 5;
 
   std::mutex mutex_;

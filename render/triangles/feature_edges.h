@@ -7,9 +7,9 @@
 
 namespace rhoray::render {
 
-/// The ends of the edges at which a surface turns by more than an angle (Dataset::feature_edges), in
-/// the frame of the triangles. A triangle without area has no angle to others: its edges count as
-/// flat.
+/// The ends of the edges at which a surface turns by more than an angle (Dataset::feature_edges),
+/// in the frame of the triangles. A triangle without area has no angle to others: its edges count
+/// as flat.
 /// @param threads  0 = all cores; the result is the same for any number
 std::vector<std::array<Vec3, 2>> feature_edges(const TriangleData& view, double angle_deg, unsigned threads);
 

@@ -16,7 +16,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 RHORAY = ROOT / "build/release/bin/rhoray"
 PATIENCE_S = 60  # no test waits longer for one thing
 
-# Counts the pixels of the settled canvas that differ from a PNG. Both are read as the browser shows them.
+# Counts the pixels of the settled canvas that differ from a PNG. Both are read as the browser shows
+# them.
 DIFFERENT_PIXELS = """
 const [png, done] = arguments;
 const bytes = Uint8Array.from(atob(png), (letter) => letter.charCodeAt(0));

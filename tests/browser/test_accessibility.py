@@ -25,7 +25,8 @@ class Accessibility(BrowserTest):
                         self.driver.execute_script(state)
                         self.wait("rhoray.views.every((view) => view.drawn)")
                     with self.subTest(f"{words} {scheme} {state}"):
-                        # The protocol's evaluation is not bound by the page's content security policy.
+                        # The protocol's evaluation is not bound by the page's content security
+                        # policy.
                         self.driver.execute_cdp_cmd("Runtime.evaluate",
                                                     {"expression": pathlib.Path(AXE).read_text(encoding="utf-8")})
                         found = self.driver.execute_async_script(

@@ -166,7 +166,8 @@ class Tools(PageTest):
         probe = self.js("rhoray.active.probe")
         self.assertEqual(probe["value"], 0.5)
         self.assertLess(probe["error"], 1e-3)
-        # The samples stand at 0 to 63; the ball's surface for 0.5 is 16 before the middle, give or take the waves.
+        # The samples stand at 0 to 63; the ball's surface for 0.5 is 16 before the middle, give or
+        # take the waves.
         self.assertAlmostEqual(probe["position"][0], 31.5, delta=1)
         self.assertAlmostEqual(probe["position"][1], 31.5 - 15.75, delta=3)
         self.assertIn("0.5", self.find("probe").text)
@@ -316,7 +317,8 @@ class Directions(PageTest):
         self.canvas().send_keys("++++++++++")
         self.settle()
         zoomed_length, zoomed_pixels = self.scale_bar()
-        # In an orthographic picture the bar can be checked against the document: its height in the world is known.
+        # In an orthographic picture the bar can be checked against the document: its height in the
+        # world is known.
         height = self.js("rhoray.active.camera.ortho_height") / self.js("rhoray.active.canvas.clientHeight")
         self.assertAlmostEqual(zoomed_length / zoomed_pixels / height, 1, delta=0.02)  # borders of the bar: 2 pixels
         self.assertGreater(length / pixels, 2 * zoomed_length / zoomed_pixels)

@@ -13,7 +13,8 @@ namespace rhoray::tests {
 namespace {
 
 TEST(MarschnerLobb, has_the_values_that_follow_from_the_paper_by_hand) {
-  // In the middle: cos(12 pi) = 1, so (1 - 0 + 1/4 * 2) / (5/2) = 0.6. At z = 1 and -1 the sine is 1 and -1.
+  // In the middle: cos(12 pi) = 1, so (1 - 0 + 1/4 * 2) / (5/2) = 0.6. At z = 1 and -1 the sine is
+  // 1 and -1.
   EXPECT_NEAR(recipes::marschner_lobb({0, 0, 0}), 0.6, 1e-15);
   EXPECT_NEAR(recipes::marschner_lobb({0, 0, 1}), 0.2, 1e-15);
   EXPECT_NEAR(recipes::marschner_lobb({0, 0, -1}), 1.0, 1e-15);

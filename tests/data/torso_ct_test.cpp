@@ -52,7 +52,8 @@ TEST(TorsoCt, shows_each_tissue_where_the_formulas_put_it) {
 }
 
 TEST(TorsoCt, lies_in_the_world_where_the_formulas_do) {
-  // Along rows from the right, the first crossing of half-way between air and fat against the skin's formula.
+  // Along rows from the right, the first crossing of half-way between air and fat against the
+  // skin's formula.
   const TemporaryFolder folder;
   const Index3 n(86, 60, 68);  // voxels of 5 mm x 5 mm x 10 mm
   recipes::write_torso_ct(folder / "ct.nhdr", n, false);
@@ -85,8 +86,8 @@ TEST(TorsoCt, lies_in_the_world_where_the_formulas_do) {
 }
 
 TEST(TorsoCt, crosses_half_way_at_the_skin) {
-  // Along the line through the body from the front, the voxel whose middle lies on the skin is half air, half fat,
-  // and one and a half voxels off there is nothing of the other.
+  // Along the line through the body from the front, the voxel whose middle lies on the skin is half
+  // air, half fat, and one and a half voxels off there is nothing of the other.
   const Vec3 spacing(1, 1, 1);
   double inside = 0, outside = -140;
   while (inside - outside > 1e-9) {

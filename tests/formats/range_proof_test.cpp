@@ -78,7 +78,8 @@ struct Case {
   std::string file;
   std::vector<std::pair<std::string, IntervalStep>> arrays;
   std::function<std::uint64_t(const std::string&, unsigned, const std::stop_token&)> prove_or_stop;
-  /// Runs the checks of a proof one by one; each must end by a stop request. Returns their findings.
+  /// Runs the checks of a proof one by one; each must end by a stop request. Returns their
+  /// findings.
   std::function<std::vector<std::string>(const std::string&, const details::CheckOptions&)> checks_stopped;
   std::function<std::vector<std::string>(const std::string&)> deep;
 

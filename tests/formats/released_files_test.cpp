@@ -137,8 +137,8 @@ TEST(ReleasedFiles, isosurface_area_and_gradient_of_version_1_8_are_read) {
   const FieldSummary& field = grid.description().fields[0];
   ASSERT_EQ(field.isosurface_area.size(), field.histogram.size());
   ASSERT_EQ(field.mean_gradient.size(), field.histogram.size());
-  // The field is 10 x in a box of 5 x 4 across x. The estimates are for surfaces of every direction:
-  // of one across x they make the area 2/3, and the gradient 3/2.
+  // The field is 10 x in a box of 5 x 4 across x. The estimates are for surfaces of every
+  // direction: of one across x they make the area 2/3, and the gradient 3/2.
   for (const double area : field.isosurface_area) EXPECT_NEAR(area, 20 / 1.5, 0.01);
   for (const double gradient : field.mean_gradient) EXPECT_NEAR(gradient, 10 * 1.5, 0.01);
 }

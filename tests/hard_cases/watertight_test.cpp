@@ -77,7 +77,8 @@ TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_pa
   if (render::chosen_machine() != render::Machine::scalar) {
     EXPECT_GT(whole.of_method[0].wide, whole.rays / 2);
     EXPECT_GT(whole.of_method[1].wide, whole.rays / 2);
-    // All but the eighth that goes past the surface, and up to a hundredth that is left to other kernels.
+    // All but the eighth that goes past the surface, and up to a hundredth that is left to other
+    // kernels.
     EXPECT_GT(whole.all.rays, whole.rays - whole.rays / 8 - whole.rays / 100);
   }
   EXPECT_EQ(whole.all.wrong, 0U);

@@ -58,8 +58,8 @@ TEST(House, links_tetgen_and_cgals_number_types_into_the_worker_only) {
   EXPECT_FALSE(std::regex_search(libraries(RHORAY_PROGRAM), viral));
 }
 
-/// Configures in a folder as on a machine that lacks the libraries of components and tests. Blanks and line ends of
-/// what CMake says become single blanks.
+/// Configures in a folder as on a machine that lacks the libraries of components and tests. Blanks
+/// and line ends of what CMake says become single blanks.
 RunResult configure_without_libraries(const TemporaryFolder& folder, const std::string& definition) {
   std::vector<std::string> words{"cmake",           "--preset", "render-only",          "-S",
                                  RHORAY_SOURCE_DIR, "-B",       folder.path().string(), definition};

@@ -28,8 +28,8 @@ std::vector<Machine> machines_here() {
 constexpr Size size{160, 120};
 constexpr RenderOptions options{.size = size, .channels = all_channels, .max_samples = 4};
 
-/// Layers at the levels whose last bits depend on the instruction set, with every effect that traces
-/// rays.
+/// Layers at the levels whose last bits depend on the instruction set, with every effect that
+/// traces rays.
 Scene scene_of(const Dataset& grid, const Dataset& mesh) {
   Scene scene{.layers = {{.data = grid, .show = Isosurface{0.1234}, .method = Accuracy::float32},
                          {.data = grid, .show = Isosurface{-0.7}, .material = {.opacity = 0.4}},

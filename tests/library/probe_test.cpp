@@ -8,8 +8,8 @@
 namespace rhoray::tests {
 namespace {
 
-/// A picture of 9 x 9 pixels, one unit apart. The ray of pixel (4, 4) is (x, 0.6, 1.4) and goes along
-/// +x from x = -5; columns go along -y, rows along -z.
+/// A picture of 9 x 9 pixels, one unit apart. The ray of pixel (4, 4) is (x, 0.6, 1.4) and goes
+/// along +x from x = -5; columns go along -y, rows along -z.
 constexpr Size size{9, 9};
 constexpr Camera along_x{.position = {-5, 0.6, 1.4}, .target = {0, 0.6, 1.4}, .orthographic_height = 9};
 

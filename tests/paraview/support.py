@@ -27,7 +27,7 @@ vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # the pipeline says there
 BOX = [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]]  # around the diagonal 0 7
 
 
-# ---- Writers ----------------------------------------------------------------------------------------------------
+# ---- Writers -------------------------------------------------------------------------------------
 
 
 def numbered(x, y, z, dtype="f4"):
@@ -97,7 +97,7 @@ def write_ply(path, points, triangles):
         *["3 %d %d %d" % tuple(triangle) for triangle in triangles], ""]))
 
 
-# ---- Readers ----------------------------------------------------------------------------------------------------
+# ---- Readers -------------------------------------------------------------------------------------
 
 
 def run(*words):
@@ -147,7 +147,7 @@ def texts(data):
     return {name: fields.GetAbstractArray(name).GetValue(0) for name in names(fields)}
 
 
-# ---- The bytes of packed files ----------------------------------------------------------------------------------
+# ---- The bytes of packed files -------------------------------------------------------------------
 
 
 def opened(path):

@@ -76,8 +76,9 @@ def test_any_grid_is_sampled_as_by_scipy(seed):
     at[:200, 0] = random.choice(axes[0][1:-1], 200) if len(axes[0]) > 2 else at[:200, 0]  # on faces of cells
     found, _ = rr.sample(data, at)
     linear = scipy.interpolate.RegularGridInterpolator(axes[::-1], samples.astype(float))
-    # A position inside its cell has the rounding of a coordinate, relative to the narrowest cell; the value has it
-    # times the largest step between samples, and the roundings of a sum of eight terms.
+    # A position inside its cell has the rounding of a coordinate, relative to the narrowest cell;
+    # the value has it times the largest step between samples, and the roundings of a sum of eight
+    # terms.
     narrowest = min(numpy.diff(axis).min() for axis in axes)
     position = 4 * 2.0 ** -53 * max(abs(low).max(), abs(high).max()) / narrowest
     scale = numpy.abs(samples.astype(float)).max()
@@ -100,7 +101,8 @@ def test_delaunay_tetrahedra_are_interpolated_as_by_scipy(seed):
     inside = numpy.isfinite(expected) & numpy.isfinite(found)
     # Both agree where the tetrahedra end, but for points within a rounding of the outside.
     assert inside.sum() > 2000 and (numpy.isfinite(expected) != numpy.isfinite(found)).sum() <= 3
-    # Values up to 1, weighted by barycentric coordinates whose roundings grow as tetrahedra get flat.
+    # Values up to 1, weighted by barycentric coordinates whose roundings grow as tetrahedra get
+    # flat.
     flattest = numpy.abs(numpy.linalg.det(numpy.diff(points[delaunay.simplices[cells[inside]]], axis=1))).min()
     assert numpy.abs(found - expected)[inside].max() < 100 * 2.0 ** -53 / flattest
 
@@ -109,9 +111,10 @@ def test_hits_make_a_hull_of_scipy(ball):
     directions = spread(20_000, 1)
     hits = rr.trace(ball, numpy.tile(CENTRE, (20_000, 1)), directions, iso=ISO, accuracy="certified")
     hull = scipy.spatial.ConvexHull(CENTRE + hits.t[:, None] * directions)
-    # Interpolation between samples of a distance, which is convex, adds at most h^2 / 8 times its second derivatives.
-    # They are 2 / r together, and r is at least ISO less a diagonal in the cells of the surface. So the surface is that
-    # much inside the ball at most. The hull of the hits is a little smaller.
+    # Interpolation between samples of a distance, which is convex, adds at most h^2 / 8 times its
+    # second derivatives. They are 2 / r together, and r is at least ISO less a diagonal in the
+    # cells of the surface. So the surface is that much inside the ball at most. The hull of the
+    # hits is a little smaller.
     shrunk = SPACING ** 2 / (4 * (ISO - 3 ** 0.5 * SPACING))
     assert (hits.t <= ISO + hits.error).all() and (hits.t >= ISO - shrunk - hits.error).all()
     assert 0.999 * (1 - shrunk / ISO) ** 3 < hull.volume / (4 / 3 * numpy.pi * ISO ** 3) < 1
@@ -123,8 +126,9 @@ def test_vertices_of_marching_cubes_are_on_the_traced_isosurface(ball):
     measure = pytest.importorskip("skimage.measure")
     index, triangles, _, _ = measure.marching_cubes(samples_of(ball), ISO)
     vertices = SPACING * index[:, ::-1].astype(float)
-    # They are on edges of cells, where the trilinear field is linear, so they are on its isosurface. Coordinates are
-    # below 64 samples and rounded to single precision. The field changes by at most 1 per length.
+    # They are on edges of cells, where the trilinear field is linear, so they are on its
+    # isosurface. Coordinates are below 64 samples and rounded to single precision. The field
+    # changes by at most 1 per length.
     rounding = 64 * SINGLE * SPACING
     assert index.dtype == numpy.float32 and len(vertices) > 1000
     assert numpy.abs(rr.sample(ball, vertices)[0] - ISO).max() < rounding
@@ -133,7 +137,8 @@ def test_vertices_of_marching_cubes_are_on_the_traced_isosurface(ball):
     hits = rr.trace(ball, numpy.tile(CENTRE, (len(vertices), 1)), outwards / length[:, None], iso=ISO,
                     accuracy="certified")
     assert numpy.abs(hits.t - length).max() < 2 * rounding  # along a ray, the field changes by at least 1/2 per length
-    # The triangles are chords. An edge is at most a diagonal of a cell, and leaves the sphere by its sagitta.
+    # The triangles are chords. An edge is at most a diagonal of a cell, and leaves the sphere by
+    # its sagitta.
     surface = rr.surface(vertices, triangles)
     directions = spread(20_000, 2)
     flat, curved = (rr.trace(data, numpy.tile(CENTRE, (20_000, 1)), directions, **iso).t
@@ -148,7 +153,8 @@ def test_a_picture_is_labelled(ball):
     labels, count = measure.label(numpy.isfinite(picture.depth), return_num=True)
     (ball_there,) = measure.regionprops(labels)
     assert count == 1 and ball_there.area == picture.stats["hits"]
-    # The camera looks at the centre of the ball, which is a circle there. Its rim is sampled by pixels.
+    # The camera looks at the centre of the ball, which is a circle there. Its rim is sampled by
+    # pixels.
     assert numpy.allclose(ball_there.centroid, (59.5, 79.5), atol=0.1)
     radius = 60 * numpy.tan(numpy.arcsin(ISO / 40)) / numpy.tan(numpy.radians(10))  # pixels
     assert ball_there.equivalent_diameter == pytest.approx(2 * radius, rel=0.01) and ball_there.eccentricity < 0.1

@@ -28,8 +28,8 @@ void make_labels(const Workbench& bench, const std::string& keys = "") {
   write_file(bench / "labels.nrrd", text);
 }
 
-/// parts.vtu: the unit cube in 4 x 4 x 4 cubes with the cell field 'part', which is 7 in the inner 8
-/// of them, 4 in other cells below x = 1/4, and 0 elsewhere.
+/// parts.vtu: the unit cube in 4 x 4 x 4 cubes with the cell field 'part', which is 7 in the inner
+/// 8 of them, 4 in other cells below x = 1/4, and 0 elsewhere.
 /// @param name  of the cell field
 preprocess::NeutralMesh mesh_of_parts(bool has_point_field, const std::string& name = "part") {
   preprocess::NeutralMesh mesh = box_mesh({});

@@ -1,6 +1,6 @@
-// `rhoray` without the worker programs and the module for pictures, as the preset render-only builds it. The
-// environment variable RHORAY_ALONE names a program of that preset; without it, a copy of `rhoray` is run in a folder
-// of its own.
+// `rhoray` without the worker programs and the module for pictures, as the preset render-only
+// builds it. The environment variable RHORAY_ALONE names a program of that preset; without it, a
+// copy of `rhoray` is run in a folder of its own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -18,8 +18,8 @@ struct WithoutEffect {
 /// effect is the time that the picture without it saves. It can be negative: clipping removes work.
 std::vector<WithoutEffect> without_each_effect(const render::ResolvedScene& plan);
 
-/// Milliseconds that each effect of a scene costs. The caller traces the pictures and tells how long
-/// each took: the whole picture and the pictures without one effect, in turns, each twice. The
+/// Milliseconds that each effect of a scene costs. The caller traces the pictures and tells how
+/// long each took: the whole picture and the pictures without one effect, in turns, each twice. The
 /// smaller time counts, because other work on the machine only adds to it.
 class EffectTimes {
  public:

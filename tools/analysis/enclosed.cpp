@@ -25,8 +25,8 @@ constexpr int most_halvings = 6;
 using Values4 = std::array<double, 4>;
 using Values8 = std::array<double, 8>;  ///< (i, j, k) at index i + 2 j + 4 k
 
-/// Share of a tetrahedron where a linear field with these values at its corners, ascending, is below
-/// a number. Each case is a sum of products of shares, so that nothing cancels.
+/// Share of a tetrahedron where a linear field with these values at its corners, ascending, is
+/// below a number. Each case is a sum of products of shares, so that nothing cancels.
 double share_below(const Values4& v, double t) {
   const auto share = [&](std::size_t a, std::size_t b) { return (t - v[a]) / (v[b] - v[a]); };
   if (t <= v[0]) return 0;

@@ -28,8 +28,8 @@ struct EnclosedOptions {
   preprocess::Progress progress{};
 };
 
-/// Measures a packed grid or mesh. Refuses other kinds (ErrorCode::unsupported) and an unknown field
-/// (ErrorCode::usage).
+/// Measures a packed grid or mesh. Refuses other kinds (ErrorCode::unsupported) and an unknown
+/// field (ErrorCode::usage).
 ///
 /// In a tetrahedron the field is linear, and the volume above an isovalue is a sum of products. A
 /// cell of a grid is cut into six tetrahedra with a linear field each, which differs from the

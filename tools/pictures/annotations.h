@@ -12,8 +12,8 @@ Annotations annotations_of(const render::ResolvedScene& plan, const Interval<dou
 /// The space of all layers; unknown if a file does not name its own.
 formats::Space space_of(const render::ResolvedScene& plan);
 
-/// True for a scene with annotations that contain text. They need a font and the module for pictures
-/// (tools/pictures/pictures.h).
+/// True for a scene with annotations that contain text. They need a font and the module for
+/// pictures (tools/pictures/pictures.h).
 bool has_texts(const render::ResolvedScene& plan);
 
 /// The channels of the picture that draw_annotations reads.

@@ -63,8 +63,8 @@ class Canvas {
 
   /// A line with round ends.
   void line(const Spot& a, const Spot& b, double width, const Vec3& color, const IsSeen& is_seen = nullptr);
-  /// Lines without rims. Where several meet or overlap, the one that covers most of a pixel counts, so
-  /// that a curve of short lines is as thin as one line.
+  /// Lines without rims. Where several meet or overlap, the one that covers most of a pixel counts,
+  /// so that a curve of short lines is as thin as one line.
   /// @param is_seen  called as above, with the index of the line first
   void lines(std::span<const std::array<Spot, 2>> ends, double width, const Vec3& color,
              const std::function<bool(std::size_t line, int x, int y, double share)>& is_seen);

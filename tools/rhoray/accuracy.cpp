@@ -100,7 +100,8 @@ std::string date_now() {
   return text;
 }
 
-/// The name of a dataset in the report. Data in the memory of another process have a number as file name.
+/// The name of a dataset in the report. Data in the memory of another process have a number as file
+/// name.
 std::string input_name(const std::filesystem::path& file) {
   return file.string().starts_with("/proc/") ? "data in memory" : file.filename().string();
 }

@@ -17,8 +17,8 @@
 
 namespace rhoray::tools {
 
-/// Refuses a file that is not packed and whose name does not end in .rho, and names the command that
-/// packs it (ErrorCode::unsupported).
+/// Refuses a file that is not packed and whose name does not end in .rho, and names the command
+/// that packs it (ErrorCode::unsupported).
 void require_packed(const std::filesystem::path& path);
 
 /// How files that are not packed are opened, and who is told of it.
@@ -33,12 +33,12 @@ struct DataAccess {
     preprocess::OpenedData data;
     std::vector<std::string> fields;
   };
-  /// Opened files by path and options of packing; of OpenVDB files, which are opened for one grid, also
-  /// by its name. Null: files are not kept open.
+  /// Opened files by path and options of packing; of OpenVDB files, which are opened for one grid,
+  /// also by its name. Null: files are not kept open.
   using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, OpenedFor>;
   std::shared_ptr<Opened> opened{};
-  /// Loaded data of a scene by name and field. What is prepared for pictures is kept with them. Null:
-  /// each scene loads its own.
+  /// Loaded data of a scene by name and field. What is prepared for pictures is kept with them.
+  /// Null: each scene loads its own.
   using Loaded = std::map<std::pair<std::string, std::string>, render::Dataset>;
   std::shared_ptr<Loaded> loaded{};
 };

@@ -79,8 +79,8 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   return viewed;
 }
 
-/// Serves until the token is told to stop, and exchanges the state of the view with the program that
-/// started this one (PROTOCOL.md), until that closes its pipe.
+/// Serves until the token is told to stop, and exchanges the state of the view with the program
+/// that started this one (PROTOCOL.md), until that closes its pipe.
 /// @param told  where the server's messages go meanwhile
 void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_token& interrupt) {
   std::stop_source stop;

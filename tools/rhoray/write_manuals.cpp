@@ -1,4 +1,5 @@
-// Writes the manual pages into a folder: write_manuals FOLDER DATE. Part of the build, not installed.
+// Writes the manual pages into a folder: write_manuals FOLDER DATE. Part of the build, not
+// installed.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,5 @@
-# Rules of `cmake --install`. The install components have the names of the Debian packages (tools/setup/debian).
+# Rules of `cmake --install`. The install components have the names of the Debian packages
+# (tools/setup/debian).
 
 # The documentation, where its targets were built.
 foreach(documentation guide reference)
@@ -21,7 +22,8 @@ install(FILES ${completions}/rhoray.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fi
 install(FILES ${PROJECT_SOURCE_DIR}/tools/paraview/rho_file.py ${PROJECT_SOURCE_DIR}/tools/paraview/rhoray_reader.py
         DESTINATION ${CMAKE_INSTALL_DATADIR}/rhoray/paraview COMPONENT rhoray)
 
-# rhoray_install_component(PACKAGE TARGET...): worker programs and modules; those that are not built are skipped.
+# rhoray_install_component(PACKAGE TARGET...): worker programs and modules; those that are not built
+# are skipped.
 function(rhoray_install_component package)
   foreach(target ${ARGN})
     if(TARGET ${target})

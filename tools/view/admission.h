@@ -8,8 +8,8 @@
 namespace rhoray::tools {
 
 /// Decides which requests the server answers. Pages of other sites in the user's browser can send
-/// requests to the loopback interface, and their own host names can be made to mean this machine (DNS
-/// rebinding).
+/// requests to the loopback interface, and their own host names can be made to mean this machine
+/// (DNS rebinding).
 struct Admission {
   std::uint16_t port = 0;
   std::vector<std::string> proxies{};  ///< host names of proxies in front of the server
@@ -17,8 +17,8 @@ struct Admission {
 
   /// For a request's Host: 127.0.0.1 or localhost with the port, or a proxy with any port or none.
   bool is_own_host(std::string_view host) const;
-  /// For the Origin of a WebSocket's request: it must name the same host as Host. With proxies it may
-  /// be https.
+  /// For the Origin of a WebSocket's request: it must name the same host as Host. With proxies it
+  /// may be https.
   bool is_own_origin(std::string_view origin, std::string_view host) const;
   /// For a list of WebSocket subprotocols, in which the page sends the token.
   bool has_token(std::string_view subprotocols) const;

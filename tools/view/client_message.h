@@ -56,8 +56,8 @@ struct ViewState {
 };
 
 /// Reads a client's message (PROTOCOL.md). Refuses everything else (ErrorCode::invalid): unknown
-/// keys, values of another type, numbers that are not finite or out of range, sizes beyond the limits.
-/// The patch of the scene must be an object; changed_scene examines it.
+/// keys, values of another type, numbers that are not finite or out of range, sizes beyond the
+/// limits. The patch of the scene must be an object; changed_scene examines it.
 ClientMessage parse_client_message(std::string_view text);
 
 /// Reads a message of the program that started the server, with the same limits.

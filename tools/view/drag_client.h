@@ -17,15 +17,15 @@ struct DragFigures {
   std::size_t late_pictures = 0;  ///< that came after a stall and show requests from before its end
 };
 
-/// A client that behaves as the page does: at most one request for each frame of a display at 60 Hz, and
-/// an acknowledgement for each picture. It does not decode pictures.
+/// A client that behaves as the page does: at most one request for each frame of a display at 60
+/// Hz, and an acknowledgement for each picture. It does not decode pictures.
 class DragClient {
  public:
   /// The part of a request between its number and its end, as JSON members: "size": [..], ...
   using RequestAt = std::function<std::string(double second)>;
 
-  /// Connects to a server (Server::url) and takes its hello. Refuses a server that does not let it in
-  /// (ErrorCode::resource).
+  /// Connects to a server (Server::url) and takes its hello. Refuses a server that does not let it
+  /// in (ErrorCode::resource).
   /// @param port  of the loopback interface: the server's own, or that of a line to it
   DragClient(const std::string& url, std::uint16_t port);
   DragClient(const DragClient&) = delete;

@@ -1,5 +1,5 @@
-# Writes OUTPUT: the files of the page as constants. A string literal of C++ holds at most 64 KiB, so
-# each file is a list of bytes.
+# Writes OUTPUT: the files of the page as constants. A string literal of C++ holds at most 64 KiB,
+# so each file is a list of bytes.
 #   cmake -D FOLDER=... -D OUTPUT=... -P embed.cmake
 set(text "#include \"tools/view/page.h\"\n\nnamespace rhoray::tools {\n\nnamespace {\n\n")
 set(rows "")

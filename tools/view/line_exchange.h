@@ -12,13 +12,13 @@
 
 namespace rhoray::tools {
 
-/// Exchanges lines with the program that started this one, over two pipes. Nobody waits for a program
-/// that does not read.
+/// Exchanges lines with the program that started this one, over two pipes. Nobody waits for a
+/// program that does not read.
 class LineExchange {
  public:
   struct Listener {
-    /// Takes a line without its end; one that is too long is cut. What it returns is written, unless
-    /// it is empty.
+    /// Takes a line without its end; one that is too long is cut. What it returns is written,
+    /// unless it is empty.
     std::function<std::string(std::string_view)> answer;
     std::function<void()> ended;  ///< the other side has closed its pipe
   };

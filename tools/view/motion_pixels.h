@@ -8,13 +8,15 @@
 
 namespace rhoray::tools {
 
-/// Chooses the number of pixels of pictures in motion, so that a user soon sees the effect of a move.
+/// Chooses the number of pixels of pictures in motion, so that a user soon sees the effect of a
+/// move.
 ///
-/// The painter has at most 13 ms to trace and encode a picture: a request waits for half a picture on
-/// average, and then for its own. If the client draws more slowly than pictures come, they wait there.
-/// Then the painter gets less time, but at least 5 ms, until a picture takes at most 14 ms for work
-/// and waiting. These times gave drags of 15 to 32 ms at the median in Chromium on two cores, which
-/// took 57 to 60 ms with 13 ms of work alone. Preparing an isovalue uses up to two thirds of the time.
+/// The painter has at most 13 ms to trace and encode a picture: a request waits for half a picture
+/// on average, and then for its own. If the client draws more slowly than pictures come, they wait
+/// there. Then the painter gets less time, but at least 5 ms, until a picture takes at most 14 ms
+/// for work and waiting. These times gave drags of 15 to 32 ms at the median in Chromium on two
+/// cores, which took 57 to 60 ms with 13 ms of work alone. Preparing an isovalue uses up to two
+/// thirds of the time.
 class MotionPixels {
  public:
   /// The size of a picture of the same shape; at least a 16th of the width and height.
@@ -29,8 +31,9 @@ class MotionPixels {
   /// @param preparation_ms  part of `ms` that does not depend on the number of pixels
   void took(double ms, double preparation_ms, const render::PictureSize& size) {
     const double left_ms = std::max(time_ms_ - preparation_ms, time_ms_ / 3);
-    // Time grows more slowly than the number of pixels: for 256 times as many it grew 31 times on a CT.
-    // The square root therefore goes about half of the way to the right number, and does not oscillate.
+    // Time grows more slowly than the number of pixels: for 256 times as many it grew 31 times on a
+    // CT. The square root therefore goes about half of the way to the right number, and does not
+    // oscillate.
     const double factor = std::sqrt(left_ms / std::max(ms - preparation_ms, least_measured_ms));
     pixels_ = static_cast<double>(size.width) * size.height * std::clamp(factor, 0.7, 1.3);
   }

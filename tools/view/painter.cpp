@@ -110,8 +110,8 @@ bool Painter::has_room(const Client& client) const {
   return client.sent_pictures.has_room();
 }
 
-/// The next client, in turn, for which something is to be done now; waits for the lock to be taken by
-/// the caller.
+/// The next client, in turn, for which something is to be done now; waits for the lock to be taken
+/// by the caller.
 std::shared_ptr<Painter::Client> Painter::next_with_work() {
   const auto has_work = [&](const Client& client) {
     if (client.wants_to_keep || client.probe) return true;

@@ -23,9 +23,9 @@ namespace rhoray::tools {
 /// The newest request of a client wins. It ends an older one that is being traced, but not before a
 /// picture of the older one was sent. In motion a picture has as many pixels as there is time for
 /// (motion_pixels.h). No client has more than two pictures that it has not acknowledged. When it
-/// stops moving, the picture is refined to that of `rhoray render`, and is sent a second time without
-/// loss. In idle time random pixels of it are compared with exact arithmetic, and its effects are
-/// timed. A newer request ends both.
+/// stops moving, the picture is refined to that of `rhoray render`, and is sent a second time
+/// without loss. In idle time random pixels of it are compared with exact arithmetic, and its
+/// effects are timed. A newer request ends both.
 class Painter {
  public:
   using ClientId = std::uint64_t;

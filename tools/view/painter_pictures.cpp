@@ -157,8 +157,8 @@ Painter::Clock::duration Painter::prove_ranges(const render::ResolvedScene& plan
   return Clock::now() - begin;
 }
 
-/// Traces a picture, in passes; a newer request may end it as soon as pass_done or the caller says so.
-/// Nothing if it was ended before it was finished. Refuses a picture that takes too long
+/// Traces a picture, in passes; a newer request may end it as soon as pass_done or the caller says
+/// so. Nothing if it was ended before it was finished. Refuses a picture that takes too long
 /// (ErrorCode::resource).
 std::optional<render::FrameStatistics> Painter::trace(Client& client, render::ResolvedScene& plan,
                                                       render::Refinement refinement, Clock::time_point begin,
@@ -230,8 +230,8 @@ void Painter::time_effects(Client& client) {
   client.sink.send_text(dump(Json{{"effects", json}}));
 }
 
-/// Compares random pixels of the picture, and pixels at edges, with exact arithmetic. A newer request
-/// ends it.
+/// Compares random pixels of the picture, and pixels at edges, with exact arithmetic. A newer
+/// request ends it.
 void Painter::check(Client& client) {
   client.was_checked = true;  // also if it fails
   Json json{{"n", client.drawn->number}};

@@ -46,8 +46,8 @@ std::vector<std::byte> started(const PictureHeader& header) {
   throw Error(ErrorCode::internal, concat("libjpeg: ", text));
 }
 
-/// 8-bit sRGB for JPEG, which loses more. It is faster than render::srgb_byte; some values within 2^-11
-/// of the next level get one level less.
+/// 8-bit sRGB for JPEG, which loses more. It is faster than render::srgb_byte; some values within
+/// 2^-11 of the next level get one level less.
 class QuickSrgb {
  public:
   QuickSrgb() {

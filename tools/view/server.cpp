@@ -50,7 +50,8 @@ Response plain(http::status status, const std::string& text) {
   return response;
 }
 
-/// Only the page itself, its style, its program and the pictures that it made may be loaded or shown.
+/// Only the page itself, its style, its program and the pictures that it made may be loaded or
+/// shown.
 void add_safety(Response& response) {
   response.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "

@@ -22,12 +22,12 @@ struct ServerOptions {
   std::function<void(std::string)> tell_program{};
 };
 
-/// Serves one scene to browsers: a page that is compiled in, and pictures over a WebSocket. It reads
-/// no file that a client names and writes none.
+/// Serves one scene to browsers: a page that is compiled in, and pictures over a WebSocket. It
+/// reads no file that a client names and writes none.
 ///
-/// A request must name this server in Host, a WebSocket's also in Origin, and bring the token of the
-/// URL. At most 8 clients, 64 connections, 8 KiB of headers, 64 KiB a message; a connection that says
-/// nothing for 10 s, and a client that does not answer pings, is closed.
+/// A request must name this server in Host, a WebSocket's also in Origin, and bring the token of
+/// the URL. At most 8 clients, 64 connections, 8 KiB of headers, 64 KiB a message; a connection
+/// that says nothing for 10 s, and a client that does not answer pings, is closed.
 class Server {
  public:
   /// Listens. Refuses an address that is taken (ErrorCode::resource).

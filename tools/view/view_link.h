@@ -27,7 +27,8 @@ class ViewLink {
 
   /// The program has changed the state.
   void set(const ViewState& state);
-  /// A client has: the program is told, unless it has made a newer change that the client does not know.
+  /// A client has: the program is told, unless it has made a newer change that the client does not
+  /// know.
   void show(const PictureRequest& request);
   /// Tells the program a message to a client that says why a request is refused.
   void report(const std::string& error);

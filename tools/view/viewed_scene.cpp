@@ -98,7 +98,8 @@ render::Camera camera_of_pixel(const render::ResolvedScene& plan, const Probe& p
   render::Camera camera = plan.scene.camera;
   const render::Ray ray = camera_rays(dataset, camera, size.width, size.height, pixels).front();
   const Affine& world_from_ray = world_from_ray_frame(dataset);
-  // The target keeps its distance: a nearer one would round the direction where coordinates are large.
+  // The target keeps its distance: a nearer one would round the direction where coordinates are
+  // large.
   const double distance = (camera.target - camera.position).length();
   const Vec3 eye = world_from_ray.point(ray.origin);
   if (camera.orthographic) camera.position = eye;

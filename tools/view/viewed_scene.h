@@ -18,7 +18,8 @@ struct ViewedScene {
   std::string program;           ///< "rhoray 0.1.0"
   render::SceneSpec scene_spec;  ///< what was asked for
   render::ResolvedScene plan{};  ///< resolved from it, with a camera
-  /// Resolves the layers of a changed scene (render::resolve_layers). The painter's thread calls it.
+  /// Resolves the layers of a changed scene (render::resolve_layers). The painter's thread calls
+  /// it.
   std::function<render::ResolvedScene(const render::SceneSpec&)> resolve{};
   /// The command that draws a scene.
   std::function<std::string(const render::ResolvedScene&)> command_of{};
@@ -30,12 +31,12 @@ struct ChangedScene {
   render::ResolvedScene plan;  ///< without a camera of its own
 };
 
-/// The scene that clients change, as a document (PROTOCOL.md). It contains every choice about layers
-/// except those that the style makes, so that another style can change them.
+/// The scene that clients change, as a document (PROTOCOL.md). It contains every choice about
+/// layers except those that the style makes, so that another style can change them.
 std::string document_to_change(const ViewedScene& viewed);
 
-/// The scene after a client's changes. Refuses what a document refuses, keys that are not known, and
-/// what no client may choose: files, cameras, sizes, and more samples than the limit
+/// The scene after a client's changes. Refuses what a document refuses, keys that are not known,
+/// and what no client may choose: files, cameras, sizes, and more samples than the limit
 /// (ErrorCode::invalid).
 /// @param document  document_to_change
 /// @param patch     JSON Merge Patch (RFC 7386) of it, an object; empty: nothing is changed
@@ -45,8 +46,8 @@ ChangedScene changed_scene(const ViewedScene& viewed, const std::string& documen
 /// annotations and no antialiasing.
 render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request);
 
-/// What a pixel of a request's picture shows, by one ray at the level `certified` where layers have it
-/// (tools/analysis/pick.h). Refuses a pixel outside the picture (ErrorCode::invalid).
+/// What a pixel of a request's picture shows, by one ray at the level `certified` where layers have
+/// it (tools/analysis/pick.h). Refuses a pixel outside the picture (ErrorCode::invalid).
 /// @param plan  the scene with the request
 std::string probe_text(render::ResolvedScene plan, const Probe& probe);
 

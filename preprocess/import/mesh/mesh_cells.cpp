@@ -80,7 +80,8 @@ const ForeignKindOfCell* kind_numbered(std::uint8_t number) {
   return row < 0 ? nullptr : &kinds_of_cells[row];
 }
 
-/// "triangle" for "triangles", "quadratic pyramid of 14 nodes" for "quadratic pyramids of 14 nodes".
+/// "triangle" for "triangles", "quadratic pyramid of 14 nodes" for "quadratic pyramids of 14
+/// nodes".
 std::string singular_of(std::string_view plural) {
   const std::size_t end = std::min(plural.find(" of "), plural.size());
   std::string name(plural.substr(0, end));

@@ -1,6 +1,5 @@
-// Numeric arrays in MATLAB's MAT-files of version 5, plain or compressed by zlib (-v6, -v7). The first
-// axis of an array is x.
-// Source: MathWorks, "MAT-File Format", R2006b and later.
+// Numeric arrays in MATLAB's MAT-files of version 5, plain or compressed by zlib (-v6, -v7). The
+// first axis of an array is x. Source: MathWorks, "MAT-File Format", R2006b and later.
 
 #include <algorithm>
 #include <bit>

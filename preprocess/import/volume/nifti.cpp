@@ -197,7 +197,8 @@ Place choose_volume(const Header& header, const std::string& time, std::vector<s
 }
 
 /// Takes the numbers of one volume: leaves them in the file, or copies or decompresses them.
-/// @param groups  of numbers of all samples, each of `bytes` bytes; they lie behind those of all times
+/// @param groups  of numbers of all samples, each of `bytes` bytes; they lie behind those of all
+///   times
 void take_samples(NeutralVolume& volume, const Place& place, std::uint64_t groups, std::uint64_t bytes,
                   const Header& header, const ForeignFile& file, ByteStream& stream) {
   const double offset = header.real(vox_offset);

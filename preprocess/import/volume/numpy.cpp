@@ -1,6 +1,5 @@
-// NumPy's files of one array (.npy) and its archives of several (.npz). The last axis of an array is
-// x, as in a[z, y, x].
-// Source: NumPy, numpy/lib/format.py.
+// NumPy's files of one array (.npy) and its archives of several (.npz). The last axis of an array
+// is x, as in a[z, y, x]. Source: NumPy, numpy/lib/format.py.
 
 #include <algorithm>
 #include <array>

@@ -9,8 +9,8 @@
 
 namespace rhoray::preprocess {
 
-/// The files that a VTK XML file of pieces names, in its order. Refuses a file without pieces, and a
-/// piece that is missing or named twice.
+/// The files that a VTK XML file of pieces names, in its order. Refuses a file without pieces, and
+/// a piece that is missing or named twice.
 std::vector<std::filesystem::path> piece_paths(const VtkXmlStream& whole, const std::filesystem::path& path);
 
 /// The same files, opened.

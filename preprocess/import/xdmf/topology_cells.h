@@ -10,8 +10,8 @@
 namespace rhoray::preprocess {
 
 /// The cells of a topology without structure, in VTK's node order. Of cells that do not fill space,
-/// only the count may be kept. Refuses kinds that are not known here, and counts that do not fit the
-/// numbers. Nodes are not checked.
+/// only the count may be kept. Refuses kinds that are not known here, and counts that do not fit
+/// the numbers. Nodes are not checked.
 ForeignCells cells_of_topology(const XdmfDocument& document, XdmfData& data, const XmlElement& topology,
                                std::uint64_t point_count);
 

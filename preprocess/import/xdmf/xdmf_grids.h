@@ -52,8 +52,8 @@ struct XdmfAttribute {
   int component_count(std::uint64_t owners) const;
 };
 
-/// The attributes of a grid at points and in cells. Others, those that functions compute, and second
-/// ones of the same name are left out with a note.
+/// The attributes of a grid at points and in cells. Others, those that functions compute, and
+/// second ones of the same name are left out with a note.
 std::vector<XdmfAttribute> attributes_of(const XdmfDocument& document, XdmfData& data, const XdmfGrid& grid,
                                          std::vector<std::string>& notes);
 

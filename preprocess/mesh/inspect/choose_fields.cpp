@@ -255,7 +255,8 @@ ScalarField field_of(const Selection& selection, Array<double> values, bool is_m
   return field;
 }
 
-/// True for the names under which programs keep ids and masks: "vtkOriginalCellIds", "GlobalNodeId".
+/// True for the names under which programs keep ids and masks: "vtkOriginalCellIds",
+/// "GlobalNodeId".
 bool is_bookkeeping(std::string_view name) {
   static constexpr std::string_view names[] = {"avtghostnodes",          "avtghostzones",    "avtoriginalcellnumbers",
                                                "avtoriginalnodenumbers", "iblank",           "vtkghostlevels",

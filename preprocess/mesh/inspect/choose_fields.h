@@ -38,8 +38,9 @@ struct ChosenFields {
 /// its name, with a note.
 ///
 /// Refuses with ErrorCode::usage: an unknown name (the message gives the existing names and the
-/// nearest one), a name given twice, an array of several components without a choice. Refuses with ErrorCode::invalid:
-/// a mesh without usable fields at points, or a field with too few or too many values.
+/// nearest one), a name given twice, an array of several components without a choice. Refuses with
+/// ErrorCode::invalid: a mesh without usable fields at points, or a field with too few or too many
+/// values.
 ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
                            bool cells_to_points, const std::string& source_name, std::vector<std::string>& notes);
 

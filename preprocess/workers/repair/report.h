@@ -12,7 +12,8 @@ namespace rhoray::preprocess::repair {
 std::vector<std::string> arguments_of(const RepairOptions& options);
 RepairOptions options_from(std::span<const char* const> arguments);
 
-/// The report as one text, for the way back from the worker (it travels as the last note of the surface), and back.
+/// The report as one text, for the way back from the worker (it travels as the last note of the
+/// surface), and back.
 std::string text_of(const RepairReport& report);
 RepairReport report_from(const std::string& text);
 

@@ -17,7 +17,8 @@ Soup soup_of(const NeutralSurface& surface, RepairReport& report);
 /// Merges points and drops facets that are there twice or have no area.
 void clean_soup(Soup& soup, RepairReport& report);
 
-/// Orients and connects the facets; where more than two meet in an edge or sheets meet in a point, points are doubled.
+/// Orients and connects the facets; where more than two meet in an edge or sheets meet in a point,
+/// points are doubled.
 TriangleMesh mesh_of(Soup soup, RepairReport& report);
 
 /// Joins open edges that lie on each other, pairwise.
@@ -29,8 +30,8 @@ bool remove_flat_facets(TriangleMesh& mesh);
 /// Closes every ring of open edges by triangles about as large as those around it.
 void fill_holes(TriangleMesh& mesh, RepairReport& report);
 
-/// Collapses edges up to a length and flips others to be rid of needles and caps, unless that makes facets cross; the
-/// mesh is then as it came.
+/// Collapses edges up to a length and flips others to be rid of needles and caps, unless that makes
+/// facets cross; the mesh is then as it came.
 void remove_needles(TriangleMesh& mesh, double longest_collapsed);
 
 /// Pairs of facets of one mesh that cross.
@@ -46,7 +47,8 @@ std::optional<TriangleMesh> with_facets_cut(TriangleMesh mesh);
 std::vector<TriangleMesh> parts_of(const TriangleMesh& mesh);
 double area_of(const TriangleMesh& mesh);
 
-/// Makes one solid of every group of closed parts that cross each other. Parts that lie inside others stay.
+/// Makes one solid of every group of closed parts that cross each other. Parts that lie inside
+/// others stay.
 void unite_crossing_parts(std::vector<TriangleMesh>& parts, RepairReport& report);
 
 /// A closed surface around everything.

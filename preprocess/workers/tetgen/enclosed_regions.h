@@ -7,8 +7,8 @@
 
 namespace rhoray::preprocess {
 
-/// A mesh as TetGen gives it: four corners of each cell, the number of the region it lies in, and its neighbours
-/// across the four faces (-1 = outside).
+/// A mesh as TetGen gives it: four corners of each cell, the number of the region it lies in, and
+/// its neighbours across the four faces (-1 = outside).
 struct MeshWithRegions {
   std::span<const double> coordinates;  ///< three for each point
   std::span<const int> corners;         ///< corners_per_cell for each cell, of which four count

@@ -22,9 +22,10 @@
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/sizes.h"
 
-// libtet 1.5.0 calls the weak function terminatetetgen(), which frees the mesh and throws; the destructor that
-// unwinding runs then frees it again. A definition that only throws, in the file that calls TetGen, takes its place.
-// tetgen.h also leaks a macro REAL: it is included nowhere else.
+// libtet 1.5.0 calls the weak function terminatetetgen(), which frees the mesh and throws; the
+// destructor that unwinding runs then frees it again. A definition that only throws, in the file
+// that calls TetGen, takes its place. tetgen.h also leaks a macro REAL: it is included nowhere
+// else.
 #define terminatetetgen rhoray_unused_terminatetetgen
 #include <tetgen.h>
 #undef terminatetetgen
@@ -35,7 +36,8 @@ void terminatetetgen(tetgenmesh*, int code) {
 }
 
 #ifdef __SANITIZE_ADDRESS__
-// What TetGen had allocated when it gave up stays behind; the process ends next, and its last line is for our refusal.
+// What TetGen had allocated when it gave up stays behind; the process ends next, and its last line
+// is for our refusal.
 extern "C" const char* __lsan_default_options();
 extern "C" const char* __lsan_default_options() {
   return "print_suppressions=0";
@@ -127,8 +129,8 @@ void give_facets(const NeutralSurface& surface, tetgenio& in) {
   }
 }
 
-/// Regions are numbered 1, 2, ... for TetGen, which makes up numbers for the other regions; the wanted attributes come
-/// back in `region_field`.
+/// Regions are numbered 1, 2, ... for TetGen, which makes up numbers for the other regions; the
+/// wanted attributes come back in `region_field`.
 void give_seeds(const NeutralSurface& surface, tetgenio& in) {
   if (!surface.holes.empty()) {
     in.numberofholes = static_cast<int>(surface.holes.size());
@@ -148,7 +150,8 @@ void give_seeds(const NeutralSurface& surface, tetgenio& in) {
   }
 }
 
-/// The first few facets that TetGen names in its complaint, each with its centre. It writes "#12" for the twelfth face.
+/// The first few facets that TetGen names in its complaint, each with its centre. It writes "#12"
+/// for the twelfth face.
 std::string named_facets(const NeutralSurface& surface, std::string_view printed) {
   const std::size_t ring_count = surface.facet_offsets.size() - 1;
   std::set<std::size_t> faces;
@@ -204,7 +207,8 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
   }
 }
 
-/// What TetGen asks about each tetrahedron. It takes a plain function, hence the one place that remembers.
+/// What TetGen asks about each tetrahedron. It takes a plain function, hence the one place that
+/// remembers.
 class SizeCriterion {
  public:
   explicit SizeCriterion(SizeAt size_at) : size_at_(std::move(size_at)) { current_ = this; }
@@ -227,8 +231,8 @@ class SizeCriterion {
   }
 
  private:
-  /// Refinement leaves edges between about half the longest that is allowed and that length: with this factor half of
-  /// them are shorter than wanted.
+  /// Refinement leaves edges between about half the longest that is allowed and that length: with
+  /// this factor half of them are shorter than wanted.
   static constexpr double allowed = 1.6;
 
   bool judge(const std::array<const double*, 4>& corners) {
@@ -333,8 +337,8 @@ std::optional<double> region_at(const tetgenio& mesh, const std::array<double, 3
   return std::nullopt;
 }
 
-/// TetGen 1.5.0 crashes on a seed that lies outside and drops all seeds of a region but one: a first filling, with
-/// neither seeds nor new points, tells where they lie.
+/// TetGen 1.5.0 crashes on a seed that lies outside and drops all seeds of a region but one: a
+/// first filling, with neither seeds nor new points, tells where they lie.
 void check_seeds(const NeutralSurface& surface) {
   tetgenio enclosed_regions;
   run_tetgen(surface, {.switches = "pA"}, enclosed_regions);
@@ -368,8 +372,8 @@ std::vector<EnclosedRegion> regions_in(const tetgenio& mesh) {
                      .neighbours = {mesh.neighborlist, 4 * cells}});
 }
 
-/// Seeds for all regions, so that each can have a limit of its own or be left empty. A first filling without new
-/// points tells where they lie.
+/// Seeds for all regions, so that each can have a limit of its own or be left empty. A first
+/// filling without new points tells where they lie.
 void seed_regions(NeutralSurface& surface, bool empty_cavities) {
   tetgenio filled;
   run_tetgen(surface, {.switches = "pAn"}, filled);
@@ -399,8 +403,8 @@ void limit_regions(NeutralSurface& surface, const std::vector<TetrahedralizeOpti
   }
 }
 
-/// TetGen's number of a region -> ours: the seeds' attributes, and on from the largest of them for regions without a
-/// seed; without any seed 1, 2, ... from outside in.
+/// TetGen's number of a region -> ours: the seeds' attributes, and on from the largest of them for
+/// regions without a seed; without any seed 1, 2, ... from outside in.
 std::map<double, double> region_numbers(const NeutralSurface& surface, const tetgenio& out) {
   std::map<double, double> numbers;
   double largest = 0;

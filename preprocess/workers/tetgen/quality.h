@@ -10,7 +10,8 @@ struct BadShare {
   double of_volume = 0;
 };
 
-/// The share of the cells whose circumradius is more than `ratio` times their shortest edge, flat cells among them.
+/// The share of the cells whose circumradius is more than `ratio` times their shortest edge, flat
+/// cells among them.
 BadShare share_above(const NeutralMesh& mesh, double ratio);
 
 }  // namespace rhoray::preprocess

@@ -11,8 +11,8 @@ namespace rhoray::preprocess {
 /// The wanted edge length at a point, or nothing where none is wanted.
 using SizeAt = std::function<std::optional<double>(const std::array<double, 3>&)>;
 
-/// Answers from the field, which must live as long. From a volume by trilinear interpolation, from a mesh by
-/// barycentric interpolation in the tetrahedron that holds the point.
+/// Answers from the field, which must live as long. From a volume by trilinear interpolation, from
+/// a mesh by barycentric interpolation in the tetrahedron that holds the point.
 SizeAt size_at(const SizeField& field);
 
 /// By the exact nearest point of a surface of triangles (rounded to doubles).

@@ -20,8 +20,8 @@ struct Crossings {
   std::vector<Crossing> first_pairs;     ///< in rising order, at most as many as asked for
 };
 
-/// Every pair of triangles that cross, decided by exact arithmetic. Triangles must have three corners that are not
-/// collinear, and no two of them the same three corners; points are finite.
+/// Every pair of triangles that cross, decided by exact arithmetic. Triangles must have three
+/// corners that are not collinear, and no two of them the same three corners; points are finite.
 Crossings find_crossings(std::span<const std::array<double, 3>> points,
                          std::span<const std::array<std::uint64_t, 3>> triangles, std::size_t most_places);
 

@@ -7,7 +7,8 @@
 #include "preprocess/workers/tetgen/job.h"
 #include "preprocess/workers/tetgen/surface_checks.h"
 
-/// Reads a surface; refuses what TetGen could not survive and fills the rest with tetrahedra, or lists its faults.
+/// Reads a surface; refuses what TetGen could not survive and fills the rest with tetrahedra, or
+/// lists its faults.
 int main(int argc, char** argv) {
   using namespace rhoray::preprocess;
   return worker_main([&](int input, int output) {

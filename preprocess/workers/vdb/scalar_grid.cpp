@@ -63,8 +63,8 @@ void set_active_values(const Source& source, Target& target, auto&& value_of) {
   }
 }
 
-/// A grid of another value type: the same active voxels, each with its value as `value_of` has it, and so the
-/// background.
+/// A grid of another value type: the same active voxels, each with its value as `value_of` has it,
+/// and so the background.
 template <class Target, class Source>
 typename Target::Ptr converted(const Source& source, auto&& value_of) {
   const auto background = static_cast<typename Target::ValueType>(value_of(source.background()));
@@ -93,7 +93,8 @@ double exact_double(std::int64_t value, const std::filesystem::path& path, const
   return static_cast<double>(value);
 }
 
-/// OpenVDB reads on behind the end of a file and makes up values, so the ends of all grids are compared with it first.
+/// OpenVDB reads on behind the end of a file and makes up values, so the ends of all grids are
+/// compared with it first.
 class EndCheck : public openvdb::io::Archive {
  public:
   static void check(const std::filesystem::path& path) { EndCheck().check_grids(path); }

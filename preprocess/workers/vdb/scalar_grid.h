@@ -13,14 +13,14 @@
 
 namespace rhoray::preprocess {
 
-/// Metadata of our own: a grid that has `sample_count_key` is a box of samples from voxel (0, 0, 0) on, in which
-/// voxels that are not active have no data.
+/// Metadata of our own: a grid that has `sample_count_key` is a box of samples from voxel (0, 0, 0)
+/// on, in which voxels that are not active have no data.
 inline constexpr const char* sample_count_key = "rhoray_sample_count";
 inline constexpr const char* length_unit_key = "rhoray_length_unit";
 inline constexpr const char* field_unit_key = "rhoray_field_unit";
 
-/// One scalar grid of a file, each value held exactly: float grids as they are, all others in double precision.
-/// Voxels without data are NaN, active or not.
+/// One scalar grid of a file, each value held exactly: float grids as they are, all others in
+/// double precision. Voxels without data are NaN, active or not.
 struct ScalarGrid {
   std::string name;  ///< as --field takes it: "density", "velocity.x", "velocity.mag"
   std::variant<openvdb::FloatGrid::Ptr, openvdb::DoubleGrid::Ptr> grid;
@@ -63,14 +63,16 @@ class VdbFile {
   openvdb::io::File file_;
 };
 
-/// Names of the scalars in a grid: its own, or those of a vector grid (components.h); empty for grids of other kinds.
+/// Names of the scalars in a grid: its own, or those of a vector grid (components.h); empty for
+/// grids of other kinds.
 std::vector<std::string> scalars_of(const VdbFile::Entry& entry);
 
 /// "float", "vec3s", "ptdataidx32" and so on, as OpenVDB names the type of a grid's values.
 std::string value_type_of(const VdbFile::Entry& entry);
 
-/// Reads the scalar of this name; empty takes the first scalar grid by name, else the magnitude of the first vector
-/// grid, with a note. Refuses points and other grids without a scalar, frustums, and grids without an active voxel.
+/// Reads the scalar of this name; empty takes the first scalar grid by name, else the magnitude of
+/// the first vector grid, with a note. Refuses points and other grids without a scalar, frustums,
+/// and grids without an active voxel.
 ScalarGrid read_scalar_grid(const std::filesystem::path& path, const std::string& field);
 
 /// The map of a grid, if it is affine.

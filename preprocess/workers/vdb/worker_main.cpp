@@ -17,7 +17,8 @@ namespace {
 using namespace rhoray;
 using namespace rhoray::preprocess;
 
-/// How large a grid may become when dense: half of the memory that this process may have, beside the sparse one.
+/// How large a grid may become when dense: half of the memory that this process may have, beside
+/// the sparse one.
 std::uint64_t dense_limit() {
   constexpr std::uint64_t usual_limit = std::uint64_t{4} << 30;
   rlimit memory{};

@@ -90,8 +90,8 @@ std::optional<SurfaceBoxes> prepare_occupancy(const LoadedDataset& dataset, cons
   const auto occupancy = dataset.occupancies->of(view.ranges(), query.isovalue, stop);
   const Index3 cells = view.lattice().leaf_count;
   SurfaceBoxes boxes = boxes_of(occupancy, occupancy->boxes());
-  // Far above what rounding exchanges at edges between cells, plus the rounding of the last cells to
-  // single precision.
+  // Far above what rounding exchanges at edges between cells, plus the rounding of the last cells
+  // to single precision.
   boxes.margin = 1.0 / 64 + 0x1p-24 * static_cast<double>(std::max({cells.x, cells.y, cells.z}));
   return boxes;
 }

@@ -54,7 +54,8 @@ RHORAY_INLINE void look_into(const View& view, const RayQuery& query, std::uint3
   look_into(view, query, tet, counters, look, [](std::uint32_t) { return true; });
 }
 
-/// Visits the leaf cells along the ray, front to back, in macrocells whose range satisfies may_hold.
+/// Visits the leaf cells along the ray, front to back, in macrocells whose range satisfies
+/// may_hold.
 /// @param leaf  (visit): returns true to go on
 template <class View, class MayHold, class Leaf>
 void walk_leaves(const View& view, const RayQuery& query, const Ray& ray, KernelCounters& counters, MayHold&& may_hold,

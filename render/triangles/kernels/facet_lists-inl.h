@@ -78,7 +78,8 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
 }
 
 /// Returns whether a ray meets a facet at so flat an angle that it may pass it either way, once
-/// positions are rounded (place_error). Also true for the facet of a flat cell, whose gradient is NaN.
+/// positions are rounded (place_error). Also true for the facet of a flat cell, whose gradient is
+/// NaN.
 HWY_NOINLINE bool may_pass_either_way(const FacetGroup& group, std::int32_t facet, std::size_t ray) {
   constexpr double least_cosine = 0x1p-20;
   const double* gradient = group.surface.fields[facet].gradient;

@@ -28,7 +28,8 @@ Vec3 point(const NeutralSurface& surface, std::uint64_t corner) {
   return {p[0], p[1], p[2]};
 }
 
-/// How often each edge runs one way more than the other: nothing is left of a closed surface whose fronts agree.
+/// How often each edge runs one way more than the other: nothing is left of a closed surface whose
+/// fronts agree.
 std::size_t open_edges(const NeutralSurface& surface) {
   std::map<std::pair<std::uint64_t, std::uint64_t>, int> runs;
   for (std::size_t f = 0; f + 1 < surface.facet_offsets.size(); ++f)

@@ -146,7 +146,8 @@ double seconds_of(const std::function<void()>& act) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// A reader that waits for what never comes: a pipe, or a server that is gone; also one that has nothing more to say.
+/// A reader that waits for what never comes: a pipe, or a server that is gone; also one that has
+/// nothing more to say.
 TEST_F(Worker, is_stopped_when_it_does_nothing) {
   for (const char* verb : {"sleep", "read-a-pipe", "close-and-sleep"}) {
     WorkerRequest idle = request(verb);

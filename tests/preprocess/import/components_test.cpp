@@ -12,8 +12,8 @@
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/support.h"
 
-// One rule for arrays with several numbers for each sample, whatever the format: the same numbers give the same fields
-// under the same names.
+// One rule for arrays with several numbers for each sample, whatever the format: the same numbers
+// give the same fields under the same names.
 
 namespace rhoray::preprocess {
 namespace {

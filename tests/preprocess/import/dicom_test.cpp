@@ -70,7 +70,8 @@ std::string dicom(const ImageFacts& facts) {
          element(0x28, 0x1053, "DS", facts.slope) + element(0x7fe0, 0x10, facts.bits == 8 ? "OB" : "OW", samples);
 }
 
-/// Five slices, numbered so that neither their names nor their order in the folder is that in space.
+/// Five slices, numbered so that neither their names nor their order in the folder is that in
+/// space.
 void write_series(const std::filesystem::path& folder, const std::function<void(ImageFacts&)>& change = {}) {
   for (int k = 0; k < size_z; ++k) {
     ImageFacts facts;

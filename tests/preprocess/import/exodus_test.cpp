@@ -297,7 +297,8 @@ TEST(Exodus, reads_every_format_of_netcdf) {
     }
 }
 
-/// What VTK's own reader makes of a file: its cells as kinds and corner positions, block after block.
+/// What VTK's own reader makes of a file: its cells as kinds and corner positions, block after
+/// block.
 struct VtkCell {
   int kind;
   std::vector<std::array<double, 3>> corners;
@@ -360,8 +361,8 @@ TEST(Exodus, orders_the_nodes_of_each_kind_as_vtks_reader_does) {
   }
 }
 
-/// VTK 9.1 reads these as wedges of 6 nodes. Middle nodes of the triangle below, then of the one above, as VTK has
-/// them.
+/// VTK 9.1 reads these as wedges of 6 nodes. Middle nodes of the triangle below, then of the one
+/// above, as VTK has them.
 TEST(Exodus, keeps_the_nodes_of_a_wedge_with_straight_uprights_in_their_order) {
   TemporaryFolder folder;
   ExodusFile file;

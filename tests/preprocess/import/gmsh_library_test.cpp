@@ -46,7 +46,8 @@ class GmshLibrary : public testing::Test {
     return result;
   }
 
-  /// A model of one element in the volume 7, whose nodes stand in their places of the reference cell.
+  /// A model of one element in the volume 7, whose nodes stand in their places of the reference
+  /// cell.
   static void make_model(int type, const Properties& of) {
     gmsh::clear();
     gmsh::model::addDiscreteEntity(3, 7);

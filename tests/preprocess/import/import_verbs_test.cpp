@@ -140,7 +140,8 @@ TEST_F(Import, gives_no_advice_on_what_it_reads) {
     EXPECT_EQ(foreign_kind(name), ForeignKind::unknown) << name;
 }
 
-/// The table that answers what a file holds and the table that reads it must name the same extensions.
+/// The table that answers what a file holds and the table that reads it must name the same
+/// extensions.
 TEST_F(Import, reads_every_extension_whose_kind_it_knows) {
   const auto knows = [](const std::function<void()>& read) {
     try {

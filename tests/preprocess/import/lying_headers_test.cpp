@@ -1,5 +1,6 @@
-// Every number of every header, ours and foreign, set to numbers that break sizes: the reader reads the file or refuses
-// it, in at most 1 s and with at most 64 MiB more than it takes for the file as it was.
+// Every number of every header, ours and foreign, set to numbers that break sizes: the reader reads
+// the file or refuses it, in at most 1 s and with at most 64 MiB more than it takes for the file as
+// it was.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -60,7 +61,8 @@ struct Cost {
   std::int64_t peak_kib = 0;
 };
 
-/// Reads the file in a child. CPU time is counted, not time: on a busy machine a child waits, but computes no longer.
+/// Reads the file in a child. CPU time is counted, not time: on a busy machine a child waits, but
+/// computes no longer.
 Cost cost_of(const Sample& sample, const std::filesystem::path& path) {
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
@@ -107,7 +109,8 @@ std::vector<std::string> lies_about(const std::string& number) {
   return lies;
 }
 
-/// Lies about each integer in the first `header_bytes` bytes of a text. Parts of names and of decimal fractions stay.
+/// Lies about each integer in the first `header_bytes` bytes of a text. Parts of names and of
+/// decimal fractions stay.
 std::vector<Lie> lies_in_text(const std::string& content, std::size_t header_bytes) {
   std::vector<Lie> lies;
   const auto is_digit = [&](std::size_t i) { return std::isdigit(static_cast<unsigned char>(content[i])) != 0; };
@@ -259,8 +262,8 @@ void archive(const std::filesystem::path& path) {
   read_zip(path, [](const std::string&, std::string_view) {});
 }
 
-/// A format with seeds of the fuzz harness `import`: small valid files in its variants, each with the file that stands
-/// beside it, if any, behind a line.
+/// A format with seeds of the fuzz harness `import`: small valid files in its variants, each with
+/// the file that stands beside it, if any, behind a line.
 struct SeedFormat {
   const char* name;
   const char* extension;
@@ -314,8 +317,8 @@ void read_parts(const std::filesystem::path& path, const SeedFormat& format) {
   format.read(file);
 }
 
-/// Lies about the words of four bytes, in either order of bytes, behind the last line before what is not text, and
-/// behind the underscore with which appended data of VTK begin.
+/// Lies about the words of four bytes, in either order of bytes, behind the last line before what
+/// is not text, and behind the underscore with which appended data of VTK begin.
 std::vector<Lie> lies_in_words(const std::string& content) {
   const auto is_text = [](char c) {
     const auto code = static_cast<unsigned char>(c);
@@ -387,7 +390,8 @@ TEST(LyingHeaders, of_packed_files_are_read_or_refused_at_little_cost) {
     const std::string json = parts.json;
     std::vector<Lie> lies_in_json = lies_in_text(json, json.size());
     std::erase_if(lies_in_json, [&](const Lie& lie) {
-      // Bins of histograms are many, and nothing is sized by them: the first one stands for all. Arrays of padding too.
+      // Bins of histograms are many, and nothing is sized by them: the first one stands for all.
+      // Arrays of padding too.
       const std::size_t at = std::stoul(lie.description.substr(5));
       const std::size_t list = json.rfind('[', at), name_end = json.rfind("\":{", at);
       const bool in_list = list != std::string::npos && json.find(']', list) > at;

@@ -58,7 +58,8 @@ TEST(MergePoints, keeps_the_first_piece_s_values_and_says_where_others_differed)
 }
 
 TEST(MergePoints, takes_equal_values_as_the_guide_where_a_piece_has_several_points) {
-  // A cut: both pieces have two points at 0, with values 1 and 2, in another order; a third value belongs to nobody.
+  // A cut: both pieces have two points at 0, with values 1 and 2, in another order; a third value
+  // belongs to nobody.
   CellMesh mesh = on_a_line({0, 0, 0, 0, 0}, {1, 2, 2, 1, 3});
   add_cell(mesh, CellKind::tetrahedron, {0, 1, 2, 3});
   add_cell(mesh, CellKind::tetrahedron, {4, 3, 2, 1});

@@ -1,5 +1,5 @@
-// Small files of every family that can be written by hand here, each changed at random in many ways, read as programs
-// read them: by a worker, whose end is an error of the caller at worst.
+// Small files of every family that can be written by hand here, each changed at random in many
+// ways, read as programs read them: by a worker, whose end is an error of the caller at worst.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -374,8 +374,8 @@ void take_what_was_read(const Seed& seed, const std::filesystem::path& path, con
   }
 }
 
-/// The same without starting a program, which takes most of the time: a copy of this process reads under the limits of
-/// a worker, and this process takes what it hands over.
+/// The same without starting a program, which takes most of the time: a copy of this process reads
+/// under the limits of a worker, and this process takes what it hands over.
 void read_in_copy(const Seed& seed, const std::filesystem::path& path, Counts& counts) {
   const MemoryFile output;
   WorkerRequest request;

@@ -10,8 +10,9 @@
 
 namespace rhoray::tests {
 
-/// Between which corners each further node of a quadratic cell stands, in VTK's order (the drawings of
-/// vtkQuadraticTetra and its neighbours); the 14-node kinds as preprocess/neutral.h describes them.
+/// Between which corners each further node of a quadratic cell stands, in VTK's order (the drawings
+/// of vtkQuadraticTetra and its neighbours); the 14-node kinds as preprocess/neutral.h describes
+/// them.
 inline const std::map<preprocess::CellKind, std::vector<std::vector<int>>>& corners_between() {
   using preprocess::CellKind;
   using Rows = std::vector<std::vector<int>>;
@@ -50,8 +51,8 @@ inline int corner_count(preprocess::CellKind kind) {
   return count;
 }
 
-/// Every further node of every cell lies where its kind says, within `tolerance` of the cell's longest first edge.
-/// Returns how many nodes were looked at.
+/// Every further node of every cell lies where its kind says, within `tolerance` of the cell's
+/// longest first edge. Returns how many nodes were looked at.
 inline std::size_t expect_nodes_in_their_places(const preprocess::CellMesh& mesh, double tolerance) {
   std::size_t looked_at = 0;
   for (std::size_t c = 0; c < mesh.kinds.size(); ++c) {

@@ -12,7 +12,8 @@ using namespace tests;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// How a pair of files is written here. Blocks of 3 x 2 x 2 points, bent, one behind the other along x.
+/// How a pair of files is written here. Blocks of 3 x 2 x 2 points, bent, one behind the other
+/// along x.
 struct Style {
   bool is_text = false, is_big_endian = false, has_records = false, has_block_count = false, has_iblank = false;
   bool is_double = false;
@@ -140,7 +141,8 @@ std::vector<Style> styles() {
 }
 
 void expect_blocks(const CellMesh& mesh, const Style& style, bool has_solution = true) {
-  // Two blocks have the four points of a face in common, once without field and once with equal values.
+  // Two blocks have the four points of a face in common, once without field and once with equal
+  // values.
   ASSERT_EQ(mesh.points.size(), style.blocks * points_per_block - (style.blocks - 1) * 4);
   for (std::size_t i = 0; i < points_per_block; ++i)
     EXPECT_EQ(mesh.points[i], (std::array{place(0, i, 0), place(0, i, 1), place(0, i, 2)}));
@@ -221,7 +223,8 @@ TEST(Plot3d, counts_cells_with_blanked_corners) {
 
 TEST(Plot3d, refuses_every_beginning_and_what_is_longer) {
   TemporaryFolder folder;
-  // Without records a grid with IBLANK that is cut right before it is a grid without: nobody can notice.
+  // Without records a grid with IBLANK that is cut right before it is a grid without: nobody can
+  // notice.
   for (const Style& style : {Style{}, Style{.has_records = true, .has_iblank = true}}) {
     const std::string content = grid_file(style);
     EXPECT_EQ(check_every_beginning(folder / "a.xyz", content,
@@ -296,8 +299,8 @@ TEST(Plot3d, reads_fortran_s_repetitions_and_exponents) {
   EXPECT_EQ(mesh.points[4], (std::array{0.0, 0.0, -2.5}));
 }
 
-/// One block of 2 x 2 x 7 points with IBLANK takes 12 + 28 * 16 bytes, two of 2 x 7 x 2 and 2 x 2 x 2 without it
-/// 28 + 36 * 12: as many, and the sizes can be read in both ways.
+/// One block of 2 x 2 x 7 points with IBLANK takes 12 + 28 * 16 bytes, two of 2 x 7 x 2 and 2 x 2 x
+/// 2 without it 28 + 36 * 12: as many, and the sizes can be read in both ways.
 TEST(Plot3d, names_the_candidates_where_several_layouts_fit) {
   TemporaryFolder folder;
   const std::string sizes = bytes_of_values(std::vector<std::int32_t>{2, 2, 7, 2, 2, 2, 2});

@@ -13,7 +13,8 @@ using testing::HasSubstr;
 
 class Pvtu : public testing::Test {
  protected:
-  /// Two tetrahedra and a polyhedron on 14 points; the first ones are at first_place, first_place + 1/4, ...
+  /// Two tetrahedra and a polyhedron on 14 points; the first ones are at first_place, first_place +
+  /// 1/4, ...
   static vtkSmartPointer<vtkUnstructuredGrid> piece(double first_place, double first_value) {
     const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
     vtkNew<vtkPoints> points;

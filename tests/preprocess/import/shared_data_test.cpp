@@ -1,5 +1,6 @@
-// Real files made by others. Sizes and ranges were measured with other programs (VTK, meshio, nibabel, numpy) and stand
-// in the README beside the files. Runs where RHORAY_SHARED_DATA names their folder.
+// Real files made by others. Sizes and ranges were measured with other programs (VTK, meshio,
+// nibabel, numpy) and stand in the README beside the files. Runs where RHORAY_SHARED_DATA names
+// their folder.
 
 #include <cstdlib>
 #include <map>
@@ -159,7 +160,8 @@ TEST_F(SharedData, keeps_vectors_cell_fields_and_notes) {
   EXPECT_EQ(cables.cell_fields[0].values.size(), 1298U);
 }
 
-/// How often each face of the linear cells of a mesh is there, by its sorted corners: the outside has those met once.
+/// How often each face of the linear cells of a mesh is there, by its sorted corners: the outside
+/// has those met once.
 std::size_t outer_triangles_of(const CellMesh& mesh) {
   std::map<std::vector<std::uint64_t>, std::pair<int, std::size_t>> faces;
   for (std::size_t c = 0; c < mesh.kinds.size(); ++c)
@@ -207,8 +209,9 @@ TEST_F(SharedData, holds_meshes_of_other_cells_whose_tetrahedra_agree_on_their_f
   }
 }
 
-/// Six times the volume of a hexahedron whose faces are the bilinear patches through their corners: the mean over the
-/// two ways to cut each face by a diagonal, as seen from a point (Davies and Salmond, AIAA J. 23, 1985).
+/// Six times the volume of a hexahedron whose faces are the bilinear patches through their corners:
+/// the mean over the two ways to cut each face by a diagonal, as seen from a point (Davies and
+/// Salmond, AIAA J. 23, 1985).
 double hexahedron_volume6(const CellMesh& mesh, std::size_t cell) {
   constexpr std::size_t faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                        {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
@@ -223,8 +226,8 @@ double hexahedron_volume6(const CellMesh& mesh, std::size_t cell) {
   return sum;
 }
 
-/// The classic curvilinear meshes: their tetrahedra share every inner face two by two, from its two sides, and together
-/// are as large as the hexahedra.
+/// The classic curvilinear meshes: their tetrahedra share every inner face two by two, from its two
+/// sides, and together are as large as the hexahedra.
 TEST_F(SharedData, holds_curvilinear_meshes_whose_tetrahedra_fill_their_hexahedra) {
   struct Row {
     const char* path;
@@ -242,8 +245,8 @@ TEST_F(SharedData, holds_curvilinear_meshes_whose_tetrahedra_fill_their_hexahedr
     EXPECT_EQ(census.outer.size(), outer_triangles_of(cells));
     EXPECT_EQ(census.one_side, 0U);
     EXPECT_EQ(2 * census.inner + census.outer.size(), 4 * mesh.cells.size());
-    // Sums of 100,000 terms in double; faces of the boundary are flat enough that two triangles take as much as a
-    // patch.
+    // Sums of 100,000 terms in double; faces of the boundary are flat enough that two triangles
+    // take as much as a patch.
     EXPECT_NEAR(std::abs(of_hexahedra / mesh_volume(mesh)), 1, 1e-9);
   }
 }

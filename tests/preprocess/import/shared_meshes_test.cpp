@@ -1,5 +1,5 @@
-// Real meshes made by others, in the formats whose readers are our own or Gmsh's. Counts stand in the README beside the
-// files. Runs where RHORAY_SHARED_DATA names their folder.
+// Real meshes made by others, in the formats whose readers are our own or Gmsh's. Counts stand in
+// the README beside the files. Runs where RHORAY_SHARED_DATA names their folder.
 
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// Real meshes of the VTK family and of PLOT3D, made by others; their sizes stand in the README beside the files. Runs
-// where RHORAY_SHARED_DATA names their folder.
+// Real meshes of the VTK family and of PLOT3D, made by others; their sizes stand in the README
+// beside the files. Runs where RHORAY_SHARED_DATA names their folder.
 
 #include <cstdlib>
 #include <map>
@@ -75,7 +75,8 @@ TEST_F(SharedVtkMeshes, keep_the_fields_that_other_programs_measured) {
   expect_range(field_named(read("office.binary.vtk").point_fields, "scalars"), -3.87, 0.72, 0.006);
 }
 
-/// 4 pieces of 48,823 points together; whatever coincides exactly across them is one point afterwards.
+/// 4 pieces of 48,823 points together; whatever coincides exactly across them is one point
+/// afterwards.
 TEST_F(SharedVtkMeshes, merge_the_interfaces_of_the_blood_vessels) {
   const CellMesh mesh = read("blood_vessels/T0000000500.pvtu");
   EXPECT_EQ(mesh.kinds.size(), 39353U);
@@ -93,7 +94,8 @@ TEST_F(SharedVtkMeshes, merge_the_interfaces_of_the_blood_vessels) {
   EXPECT_EQ(points, 48823U);
 }
 
-/// Every hexahedron is made of five of the tetrahedra: each of these spans one step along each axis.
+/// Every hexahedron is made of five of the tetrahedra: each of these spans one step along each
+/// axis.
 void expect_five_tetrahedra_in_each(const CellMesh& hexahedra, const CellMesh& tetrahedra, const Index3& sizes) {
   std::map<std::uint64_t, int> tetrahedra_at;  ///< by the number of the lowest corner of the step
   const auto nx = static_cast<std::uint64_t>(sizes[0]), ny = static_cast<std::uint64_t>(sizes[1]);
@@ -114,7 +116,8 @@ void expect_five_tetrahedra_in_each(const CellMesh& hexahedra, const CellMesh& t
     ASSERT_EQ(tetrahedra_at[nodes_of(hexahedra, cell)[0]], 5) << "hexahedron " << cell;
 }
 
-/// The derived meshes were made by another program from the same PLOT3D files, with the points in the same order.
+/// The derived meshes were made by another program from the same PLOT3D files, with the points in
+/// the same order.
 TEST_F(SharedVtkMeshes, of_plot3d_agree_with_what_vtk_made_of_them) {
   struct Row {
     std::string plot3d, derived;

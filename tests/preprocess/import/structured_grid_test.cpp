@@ -15,8 +15,8 @@ using namespace tests;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// The lattice of support.h, bent: points (i, j, k) at (i, j + i/4, 2 k), v = value_at(i, j, k), c = number of the
-/// cell.
+/// The lattice of support.h, bent: points (i, j, k) at (i, j + i/4, 2 k), v = value_at(i, j, k), c
+/// = number of the cell.
 vtkSmartPointer<vtkStructuredGrid> bent_lattice() {
   const auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
   vtkNew<vtkPoints> points;

@@ -18,7 +18,8 @@
 
 namespace rhoray::tests {
 
-/// A lattice whose sizes differ and whose values say where they stand, so that any swap of axes is seen.
+/// A lattice whose sizes differ and whose values say where they stand, so that any swap of axes is
+/// seen.
 inline constexpr std::int64_t size_x = 3, size_y = 4, size_z = 5;
 inline constexpr std::size_t value_count = size_x * size_y * size_z;
 
@@ -113,8 +114,8 @@ struct Beginnings {
   bool is_text = false;    ///< cuts inside a number are left out: a number without its last digits is still a number
 };
 
-/// Puts every proper beginning of the content into a file of this name; each must be refused as an Error that names the
-/// file, or pass `is_complete`. Returns how many passed.
+/// Puts every proper beginning of the content into a file of this name; each must be refused as an
+/// Error that names the file, or pass `is_complete`. Returns how many passed.
 inline int check_every_beginning(const std::filesystem::path& path, const std::string& content,
                                  const std::function<bool()>& is_complete, const Beginnings& which = {}) {
   int passed = 0;

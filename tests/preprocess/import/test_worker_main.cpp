@@ -1,4 +1,5 @@
-// A worker that ends in the way its first argument names, so that run_worker can be held to its promises.
+// A worker that ends in the way its first argument names, so that run_worker can be held to its
+// promises.
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -53,7 +53,8 @@ TEST(Vti, keeps_direction_and_an_extent_that_does_not_begin_at_zero) {
   write_file(folder / "a.vti", by_hand("10 12 0 3 -1 3", known_array));
   const NeutralVolume volume = read(folder / "a.vti");
   expect_known_values(volume, ElementType::I16);
-  // Column x of the direction is (0, 1, 0): the first sample lies 10 steps of 2 along it, and one of 4 back along z.
+  // Column x of the direction is (0, 1, 0): the first sample lies 10 steps of 2 along it, and one
+  // of 4 back along z.
   expect_map(volume.world_from_grid, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 4}, {1, 22, -1}});
 }
 

@@ -19,8 +19,8 @@ namespace rhoray::tests {
 using preprocess::CellKind;
 using preprocess::CellMesh;
 
-/// Cells of every kind that VTK 9.1 can hold, on 30 points, with nodes that mean nothing: what counts is that they come
-/// back as they were. `nodes` of polyhedra are streams of faces.
+/// Cells of every kind that VTK 9.1 can hold, on 30 points, with nodes that mean nothing: what
+/// counts is that they come back as they were. `nodes` of polyhedra are streams of faces.
 struct EveryKind {
   std::vector<CellKind> kinds;
   std::vector<std::vector<std::uint64_t>> nodes;

@@ -1,4 +1,5 @@
-// Cells of every kind through VTU and legacy VTK files, written by VTK itself, and what is refused in them.
+// Cells of every kind through VTU and legacy VTK files, written by VTK itself, and what is refused
+// in them.
 
 #include <vtkDataSetWriter.h>
 #include <vtkNew.h>
@@ -198,7 +199,8 @@ TEST(VtuCells, refuse_polyhedra_whose_faces_are_missing_or_damaged) {
   refuses("3 4 0 3 2 1 4 4 5 6 7 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7", "31", ErrorCode::invalid, {"a.vtu"});
 }
 
-/// A cube as a polyhedron and a tetrahedron, whose arrays of faces are laid out as VTK 9.4 and later have them.
+/// A cube as a polyhedron and a tetrahedron, whose arrays of faces are laid out as VTK 9.4 and
+/// later have them.
 std::string new_polyhedron_vtu(const std::map<std::string, std::string>& arrays) {
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"2.3\" byte_order=\"LittleEndian\">\n"

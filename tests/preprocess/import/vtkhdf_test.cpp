@@ -132,8 +132,8 @@ TEST(VtkHdf, reads_image_data_as_vtk_does) {
   expect_refusal([&] { read_volume(path, {.field = "flow"}); }, ErrorCode::usage, {"flow.mag, flow.x"});
 }
 
-/// VTK 9.1 cannot read these: it takes the extent for a place in the array, and cells for points, and drops the
-/// direction.
+/// VTK 9.1 cannot read these: it takes the extent for a place in the array, and cells for points,
+/// and drops the direction.
 TEST(VtkHdf, reads_a_direction_values_of_cells_and_an_extent_that_does_not_begin_at_zero) {
   TemporaryFolder folder;
   write_image(folder / "a.vtkhdf", 5);

@@ -218,7 +218,8 @@ TEST_F(VtuStream, refuses_damage_naming_the_array) {
     write_file(path, damaged);
     expect_refusal([&] { read_vtu(path); }, ErrorCode::invalid, words);
   };
-  // The first array in the file is the first of the points: blocks, bytes of a block, bytes of the last, packed sizes.
+  // The first array in the file is the first of the points: blocks, bytes of a block, bytes of the
+  // last, packed sizes.
   refused(first, 0, {"a.vtu", "array 'pressure 1'", "0 blocks"});
   refused(first + 15, 0x7f, {"array 'pressure 1'", "blocks of"});
   refused(first + 24 + 5, 1, {"array 'pressure 1'"});

@@ -75,7 +75,8 @@ class Hdf5Writer {
 
   hid_t id() const { return file_; }
 
-  /// Writes numbers as `type`, below groups that are made. `chunk` and deflate when it is not empty.
+  /// Writes numbers as `type`, below groups that are made. `chunk` and deflate when it is not
+  /// empty.
   void array(const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const std::vector<double>& numbers,
              const std::vector<hsize_t>& chunk = {}) const {
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);

@@ -1,6 +1,6 @@
-// Meshes in XDMF files. Text is written here, HDF5 by its library. The expected meshes are those that the same numbers
-// give as VTU and VTS, written by VTK. Documents as FEniCS, dolfinx, meshio and XDMF's own library write them are made
-// by hand after files of these programs.
+// Meshes in XDMF files. Text is written here, HDF5 by its library. The expected meshes are those
+// that the same numbers give as VTU and VTS, written by VTK. Documents as FEniCS, dolfinx, meshio
+// and XDMF's own library write them are made by hand after files of these programs.
 #include <vtkNew.h>
 #include <vtkStructuredGrid.h>
 #include <vtkXMLStructuredGridWriter.h>

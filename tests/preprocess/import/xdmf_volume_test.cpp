@@ -117,7 +117,8 @@ TEST_F(XdmfVolume, has_time_steps_and_takes_the_first_by_default) {
   EXPECT_EQ(values_of(read(content, "", "2"))[0], 20);
 }
 
-/// Blocks of 2 x 2 x 2 cells of a grid of 4 x 4 x 2, as Athena writes them; a value tells its place.
+/// Blocks of 2 x 2 x 2 cells of a grid of 4 x 4 x 2, as Athena writes them; a value tells its
+/// place.
 std::string block(int x, int y, bool even, const std::string& name = "a") {
   std::string points, cells;
   for (int k = 0; k < 3; ++k)

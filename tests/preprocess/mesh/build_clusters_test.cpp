@@ -50,7 +50,8 @@ TEST(BuildClusters, takes_seven_tenths_of_a_vertex_for_a_cell) {
   EXPECT_LT(static_cast<double>(clusters.tables.size()), 0.71 * static_cast<double>(mesh.cells.size()));
 }
 
-/// Boxes as small as floats allow: the coordinates of one lie on, or between floats beside, a vertex's.
+/// Boxes as small as floats allow: the coordinates of one lie on, or between floats beside, a
+/// vertex's.
 void expect_tight_boxes(const CleanMesh& mesh, std::uint64_t size) {
   const Clusters clusters = build_clusters(mesh.points, mesh.cells, size);
   int exponent = 0;

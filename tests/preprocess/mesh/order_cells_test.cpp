@@ -116,8 +116,8 @@ TEST(OrderCells, parts_blocks_of_a_power_of_two_by_planes_across_their_longest_a
       Box3 box;
       for (std::size_t cell = first; cell < end; ++cell)
         box.extendBy(Vec3(center(cell, 0), center(cell, 1), center(cell, 2)));
-      // Centres are compared as floats in the mesh's longest edge, which is 3: axes or places that are as near count as
-      // equal.
+      // Centres are compared as floats in the mesh's longest edge, which is 3: axes or places that
+      // are as near count as equal.
       constexpr double rounding = 3 * 0x1p-22;
       bool is_parted = false;
       for (int axis = 0; axis < 3; ++axis) {

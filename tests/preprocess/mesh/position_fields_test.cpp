@@ -67,7 +67,8 @@ TEST(PositionFields, leave_no_cell_without_a_point_inside_and_keep_volumes_and_f
   EXPECT_THAT(mesh.notes[1], testing::HasSubstr("split in four"));
 }
 
-/// By another road than the regions of a triangle: the smallest distance over a fine net of its points, from above.
+/// By another road than the regions of a triangle: the smallest distance over a fine net of its
+/// points, from above.
 double distance_by_net(const std::array<double, 3>& p, const std::array<std::array<double, 3>, 3>& t) {
   constexpr int steps = 200;
   double nearest = 1e300;

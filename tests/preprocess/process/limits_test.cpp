@@ -18,7 +18,8 @@
 
 namespace {
 
-// In the place of the C library's, so that they can fail. The thread sanitizer calls them before it is ready itself.
+// In the place of the C library's, so that they can fail. The thread sanitizer calls them before it
+// is ready itself.
 #define RHORAY_CALLED_EARLY __attribute__((no_sanitize("thread")))
 bool getting_fails = false, setting_fails = false;
 

@@ -20,8 +20,8 @@ struct Pace {
   double display_ms = 1e3 / 60;  ///< between requests
 };
 
-/// Width of the pictures after some seconds of motion, in which a picture that the client cannot draw
-/// yet waits there.
+/// Width of the pictures after some seconds of motion, in which a picture that the client cannot
+/// draw yet waits there.
 int width_at(const Pace& pace) {
   MotionPixels motion;
   int width = 0;

@@ -352,8 +352,8 @@ TEST(Painter, probes_the_pixel_with_a_proven_error) {
     painter.take(client, request);
     painter.take(client, Probe{.id = is_orthographic ? 2U : 1U, .x = 50, .y = 50});
     const Json probe = message(inbox, "probe", is_orthographic ? 2U : 1U);
-    // The distance from the corner is linear in each cell: where it is 0.8, so is the exact distance
-    // but for what linear interpolation is off in cells of 1/8.
+    // The distance from the corner is linear in each cell: where it is 0.8, so is the exact
+    // distance but for what linear interpolation is off in cells of 1/8.
     EXPECT_EQ(probe["pixel"], Json({50, 50}));
     EXPECT_NEAR(probe["position"][0].get<double>(), 0.5, 1e-9);
     EXPECT_NEAR(probe["position"][2].get<double>(), 0.5, 1e-9);

@@ -40,7 +40,8 @@ inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
   return viewed;
 }
 
-/// The number of malformed messages that a test sends; RHORAY_VIEW_MESSAGES, for runs that take hours.
+/// The number of malformed messages that a test sends; RHORAY_VIEW_MESSAGES, for runs that take
+/// hours.
 inline int message_count(int usual) {
   const char* const asked = std::getenv("RHORAY_VIEW_MESSAGES");
   return asked == nullptr ? usual : std::stoi(asked);

@@ -138,10 +138,10 @@ class RHORAY_API RenderContext {
                       std::stop_token stop = {});
 
   /// Finds what the ray through a point of a picture meets, nearest first: all crossings of
-  /// isosurfaces, all hits of triangles, a point on each slice, and the place of the largest value of
-  /// each projection. Surfaces behind an opaque one are listed, too; a projection ends at the nearest
-  /// opaque surface. The list is empty where the ray meets nothing. If it has max_hits elements,
-  /// there may be more.
+  /// isosurfaces, all hits of triangles, a point on each slice, and the place of the largest value
+  /// of each projection. Surfaces behind an opaque one are listed, too; a projection ends at the
+  /// nearest opaque surface. The list is empty where the ray meets nothing. If it has max_hits
+  /// elements, there may be more.
   ///
   /// Crossings and largest values are decided by exact arithmetic, whatever the layer's method. The
   /// first crossing of a layer, rounded to float, is its depth in a picture at Accuracy::exact.

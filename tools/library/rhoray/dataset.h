@@ -93,9 +93,9 @@ class RHORAY_API Dataset {
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
 
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
-  /// the bytes that `pack` writes to a file.
-  /// Throws ErrorCode::usage for an existing file without `replace_existing`, for wrapped arrays, and
-  /// for data that are not in memory; ErrorCode::resource for a full disk.
+  /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without
+  /// `replace_existing`, for wrapped arrays, and for data that are not in memory;
+  /// ErrorCode::resource for a full disk.
   void save(const std::filesystem::path& path, bool replace_existing = false) const;
 
   class RHORAY_INSIDE Implementation;

@@ -70,13 +70,13 @@ struct SurfaceArrays {
 /// Whose memory holds the samples of a dataset.
 enum class Memory {
   copy,  ///< the dataset's: the arrays may be freed after `pack`
-  /// The caller's: rays read the arrays themselves. Only for grids whose samples are contiguous with
-  /// x fastest, aligned, of any type but U64 and I64. Others are refused with the reason; nothing is
-  /// copied instead. The ranges of macrocells take 3 % more memory.
+  /// The caller's: rays read the arrays themselves. Only for grids whose samples are contiguous
+  /// with x fastest, aligned, of any type but U64 and I64. Others are refused with the reason;
+  /// nothing is copied instead. The ranges of macrocells take 3 % more memory.
   ///
   /// The arrays must live, and must not change, as long as the dataset or anything that holds it:
-  /// the ranges would no longer hold, and neither would proven errors. Answers have the same bits as
-  /// of a copy, but for the channel `cost`. Rays took 0 to 23 % more CPU time (medians of our
+  /// the ranges would no longer hold, and neither would proven errors. Answers have the same bits
+  /// as of a copy, but for the channel `cost`. Rays took 0 to 23 % more CPU time (medians of our
   /// measurements), because neighbours are further apart in memory than in bricks.
   wrap
 };
@@ -91,15 +91,15 @@ struct PackOptions {
   std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)> progress{};
   std::stop_token stop{};  ///< ends the call with ErrorCode::interrupted; no file is left behind
   Memory memory = Memory::copy;
-  /// With Memory::wrap: an object that keeps the arrays alive. It is released with the last handle of
-  /// the dataset, on any thread. Empty: the caller keeps them alive.
+  /// With Memory::wrap: an object that keeps the arrays alive. It is released with the last handle
+  /// of the dataset, on any thread. Empty: the caller keeps them alive.
   std::shared_ptr<const void> owner{};
 };
 
 /// Packs arrays into the format that rays are traced through, and opens the result. `rhoray pack`
-/// writes the same bytes, apart from the stored command. The arrays may be freed afterwards, and must
-/// not change meanwhile. Work runs on all cores. Samples that are contiguous with x fastest are read
-/// while packing; other arrays are copied first.
+/// writes the same bytes, apart from the stored command. The arrays may be freed afterwards, and
+/// must not change meanwhile. Work runs on all cores. Samples that are contiguous with x fastest
+/// are read while packing; other arrays are copied first.
 ///
 /// With Memory::wrap nothing is copied (see there).
 ///

@@ -80,11 +80,11 @@ class RHORAY_API RayScratch {
 /// index, before anything is written.
 class RHORAY_API RayCaster {
  public:
-  /// Proves the stored ranges of the data, once per dataset, if the method proves errors.
-  /// Throws ErrorCode::usage for an isovalue that is not finite and an unknown field;
+  /// Proves the stored ranges of the data, once per dataset, if the method proves errors. Throws
+  /// ErrorCode::usage for an isovalue that is not finite and an unknown field;
   /// ErrorCode::unsupported for a surface with a method other than float32 and float64;
-  /// ErrorCode::invalid for data whose ranges do not hold.
-  /// A proof that was stopped (ErrorCode::interrupted) is made again by the next call that needs it.
+  /// ErrorCode::invalid for data whose ranges do not hold. A proof that was stopped
+  /// (ErrorCode::interrupted) is made again by the next call that needs it.
   /// @param field  empty: the first that is not constant
   /// @param stop   ends the proof
   RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,

@@ -82,7 +82,8 @@ def run(command, files, words, progress=None, *, accept=None, keeps_results=Fals
         words = [*_ends_with_python(), path(), command, "--json", "--progress=json" if show else "--quiet", *words,
                  "--", *files]
         try:
-            # In a process group of its own, which a terminal does not interrupt: this function does.
+            # In a process group of its own, which a terminal does not interrupt: this function
+            # does.
             process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.PIPE,
                                        process_group=0)
         except OSError as error:

@@ -24,8 +24,8 @@ Table isovalue_table(const BenchOptions& options, const Step& step);
 Table memory_table(const BenchOptions& options, const Step& step);
 /// Opening a packed file, with and without reading its checksums. The page cache is warm.
 Table open_table(const BenchOptions& options, const Step& step);
-/// The viewer: the time from a client's request to its picture while the camera and the isovalue are
-/// dragged, on this machine and over a slow line.
+/// The viewer: the time from a client's request to its picture while the camera and the isovalue
+/// are dragged, on this machine and over a slow line.
 Table viewer_table(const BenchOptions& options, const Step& step);
 /// Packing a volume or a mesh, compared with reading and writing the bytes once.
 Table pack_table(const BenchOptions& options, const Step& step);

@@ -28,7 +28,8 @@ std::size_t help_width();
 /// group.
 std::string help_text(const Subcommand& subcommand, HelpLevel level, std::size_t width);
 
-/// The help of the program in sections: subcommands by group, options, limits, exit codes, environment.
+/// The help of the program in sections: subcommands by group, options, limits, exit codes,
+/// environment.
 std::vector<HelpSection> sections_of_program(std::span<const Subcommand> subcommands);
 
 /// The help of the program.

@@ -8,8 +8,8 @@
 
 namespace rhoray::tools {
 
-/// The scene that inputs and options ask for: a document, alone or in a picture, with the options on
-/// top; or files and options alone. Says the document's warnings.
+/// The scene that inputs and options ask for: a document, alone or in a picture, with the options
+/// on top; or files and options alone. Says the document's warnings.
 render::SceneSpec asked_scene(const PictureOptions& picture, const std::vector<std::filesystem::path>& inputs,
                               const CommonOptions& common);
 

@@ -49,7 +49,9 @@ export function lookAt(camera, target) {
   return { ...camera, target, position: add(target, subtract(camera.position, camera.target)) };
 }
 
-/** Orthographic or with a field of view in degrees, with what is at the target as large as before. */
+/**
+ * Orthographic or with a field of view in degrees, with what is at the target as large as before.
+ */
 export function withProjection(camera, isOrthographic, fov = 30) {
   const { position, target, up } = camera, height = extent(camera);
   if (isOrthographic) return { position, target, up, ortho_height: height };
@@ -64,7 +66,9 @@ export function standardViews({ up, ahead }) {
           ["right", right, up], ["top", up, ahead], ["bottom", scale(-1, up), scale(-1, ahead)]];
 }
 
-/** Azimuth and elevation in degrees: 0 and 0 look from the front, azimuth 90 looks from the right. */
+/**
+ * Azimuth and elevation in degrees: 0 and 0 look from the front, azimuth 90 looks from the right.
+ */
 export function anglesOf(camera, { up, ahead }) {
   const { back, above } = frameOf(camera), right = cross(ahead, up), height = clamp(dot(back, up), -1, 1);
   // At the poles the picture's upper side tells the azimuth.
@@ -80,7 +84,10 @@ export function fromAngles(az, el, { up, ahead }) {
   return { direction, up: Math.abs(el) > 89.99 ? scale(-Math.sign(el), side) : up };
 }
 
-/** Where a point appears, in pixels of a picture of this size from its upper left; null behind the eye. */
+/**
+ * Where a point appears, in pixels of a picture of this size from its upper left; null behind the
+ * eye.
+ */
 export function project(camera, [width, height], point) {
   const { right, above, back } = frameOf(camera), offset = subtract(point, camera.position);
   const depth = -dot(offset, back);

@@ -169,7 +169,10 @@ function makeHandle(view, end, axis) {
   return { element, end, axis };
 }
 
-/** How many pixels a face moves in the picture for each world unit; null if it moves straight to the eye. */
+/**
+ * How many pixels a face moves in the picture for each world unit; null if it moves straight to the
+ * eye.
+ */
 function wayOf(view, end, axis) {
   const centre = faceCentre(clipOf(view).box, end, axis), step = 1e-3 * diagonal(view);
   const [from, to] = [centre, add(centre, scale(step, axisVector(axis)))]

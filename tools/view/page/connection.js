@@ -1,7 +1,9 @@
 // The WebSocket to the server: it connects again by itself, and hands over messages.
 const firstRetryMs = 250, longestRetryMs = 8000;
 
-/** Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab. */
+/**
+ * Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab.
+ */
 export function takeToken() {
   const items = location.hash.slice(1).split("&");
   const given = items.find((item) => item.startsWith("token="));
@@ -12,7 +14,10 @@ export function takeToken() {
 }
 
 export class Connection {
-  /** @param listeners  onOpen(), onMessage(object), onPicture(buffer, socket), onLost(ms to the next try) */
+  /**
+   * @param listeners  onOpen(), onMessage(object), onPicture(buffer, socket), onLost(ms to the next
+   * try)
+   */
   constructor(listeners) {
     Object.assign(this, listeners, { retryMs: firstRetryMs, isClosed: false });
     this.connect();

@@ -3,7 +3,9 @@ import { clamp, rounded } from "./vectors.js";
 
 const attributes = /^(role|for|aria-|data-)/;
 
-/** An element. Properties that begin with "on" are listeners, "class" and "text" are what they say. */
+/**
+ * An element. Properties that begin with "on" are listeners, "class" and "text" are what they say.
+ */
 export function make(tag, properties = {}, ...children) {
   const element = document.createElement(tag);
   for (const [key, value] of Object.entries(properties)) {
@@ -22,7 +24,10 @@ export function button(text, onclick, properties = {}) {
   return make("button", { type: "button", text, onclick, ...properties });
 }
 
-/** A numbered list of items with buttons: Go, if onGo is given, and Remove, which calls onChange after it. */
+/**
+ * A numbered list of items with buttons: Go, if onGo is given, and Remove, which calls onChange
+ * after it.
+ */
 export function listOf(name, items, textOf, onChange, onGo) {
   return make("ol", { id: `${name}s`, class: "items" }, items.map((item, i) => {
     const act = (text, onclick) => button(text, onclick, { id: `${name}-${i}-${text.toLowerCase()}`,
@@ -65,11 +70,11 @@ export function hexColor(color, otherwise = "#c7bdad") {
 }
 
 /**
- * A part of the page with controls. They are built again only if a signature changes, and never while
- * a pointer holds one of them. The focus stays on the control with the same id.
+ * A part of the page with controls. They are built again only if a signature changes, and never
+ * while a pointer holds one of them. The focus stays on the control with the same id.
  *
- * Every control takes {id, label, get, set}: get() returns the value to show, or undefined if there is
- * none; set(value, moving) is called when the user changes it.
+ * Every control takes {id, label, get, set}: get() returns the value to show, or undefined if there
+ * is none; set(value, moving) is called when the user changes it.
  */
 export class Panel {
   #refreshers = [];

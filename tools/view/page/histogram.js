@@ -6,8 +6,8 @@ import { clamp, rounded } from "./vectors.js";
 const fineSteps = 1000, doubleClickMs = 500;
 
 /**
- * field() returns {name, unit, range, histogram}; marks() returns the isovalues as {id, label, color,
- * value, set(value, moving)}; onAdd takes the isovalue of a layer to add.
+ * field() returns {name, unit, range, histogram}; marks() returns the isovalues as {id, label,
+ * color, value, set(value, moving)}; onAdd takes the isovalue of a layer to add.
  */
 export class Histogram {
   #handles = new Map();

@@ -36,7 +36,10 @@ export function toFragment(hello, camera, patch) {
   return Object.entries(items).map(([key, text]) => `${key}=${encoded(text)}`).join("&");
 }
 
-/** The camera and the patch that a fragment tells. Throws an Error with a sentence if it cannot be read. */
+/**
+ * The camera and the patch that a fragment tells. Throws an Error with a sentence if it cannot be
+ * read.
+ */
 export function fromFragment(hello, fragment) {
   const items = Object.fromEntries(fragment.split("&").map((item) => item.split("=")));
   const read = (key, act) => {

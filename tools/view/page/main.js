@@ -25,7 +25,10 @@ const app = {
   views: [],
   active: null,
 
-  /** Sends changes at once, unless it has just done so, and updates the panels in the next animation frame. */
+  /**
+   * Sends changes at once, unless it has just done so, and updates the panels in the next animation
+   * frame.
+   */
   schedule() {
     if (isScheduled) return;
     isScheduled = true;
@@ -271,9 +274,9 @@ app.activate(app.views[0]);
 comparison.arrange();
 
 /**
- * For tests and for curious users: `views` and `active` are View objects (view.js) with name, canvas,
- * camera, patch, resolved, drawn ({request, spacing, isLossless}), isAtRest, state, probe, finished and
- * check; `pins` are the pinned probes; `fragment` is the state as in a link.
+ * For tests and for curious users: `views` and `active` are View objects (view.js) with name,
+ * canvas, camera, patch, resolved, drawn ({request, spacing, isLossless}), isAtRest, state, probe,
+ * finished and check; `pins` are the pinned probes; `fragment` is the state as in a link.
  */
 window.rhoray = {
   views: app.views,

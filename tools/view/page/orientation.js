@@ -1,5 +1,5 @@
-// The directions of the axes and a scale bar, in the upper right corner of a view. They follow the camera at once and
-// are not part of the picture, whose own annotations stand elsewhere by default.
+// The directions of the axes and a scale bar, in the upper right corner of a view. They follow the
+// camera at once and are not part of the picture, whose own annotations stand elsewhere by default.
 import { extent, frameOf } from "./camera.js";
 import { make } from "./controls.js";
 import { rounded } from "./vectors.js";

@@ -30,7 +30,10 @@ export function at(object, path) {
   return path.reduce((value, key) => value?.[key], object);
 }
 
-/** Sets the value at a path of keys. Undefined deletes the key, and objects that become empty by that. */
+/**
+ * Sets the value at a path of keys. Undefined deletes the key, and objects that become empty by
+ * that.
+ */
 export function put(object, path, value) {
   const [key, ...rest] = path;
   if (rest.length === 0) {

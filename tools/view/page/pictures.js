@@ -1,4 +1,5 @@
-// Pictures that the server sends: a header of 24 bytes in little-endian order, then a JPEG or PNG file.
+// Pictures that the server sends: a header of 24 bytes in little-endian order, then a JPEG or PNG
+// file.
 const headerBytes = 24, codecPng = 2;
 
 export function readPicture(buffer) {

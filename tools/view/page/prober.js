@@ -1,4 +1,5 @@
-// Probes of pixels: at most one is under way, and of those of a moving pointer only the newest waits.
+// Probes of pixels: at most one is under way, and of those of a moving pointer only the newest
+// waits.
 const patienceMs = 3000;
 
 export class Prober {

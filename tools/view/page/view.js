@@ -99,7 +99,10 @@ export class View {
     this.edit((patch) => put(patch, path, value), moving);
   }
 
-  /** Calls a function that changes the patch; what equals the document of the server is then left out. */
+  /**
+   * Calls a function that changes the patch; what equals the document of the server is then left
+   * out.
+   */
   edit(act, moving = false) {
     const before = this.document;
     act(this.patch);
@@ -134,7 +137,10 @@ export class View {
     });
   }
 
-  /** Removes a layer that the user added; those behind it get new numbers, because there may be no gap. */
+  /**
+   * Removes a layer that the user added; those behind it get new numbers, because there may be no
+   * gap.
+   */
   removeLayer(number) {
     const added = this.layers.filter((layer) => layer.isAdded);
     const first = added[0]?.number, kept = added.filter((layer) => layer.number !== number);

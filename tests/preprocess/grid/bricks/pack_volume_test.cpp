@@ -400,7 +400,7 @@ TEST(PackVolume, adds_at_most_a_tenth_to_the_raw_bytes_of_a_volume_of_common_siz
   }
 }
 
-// ---- several fields, positions along axes, bricks with data ---------------------------------------------------------
+// ---- several fields, positions along axes, bricks with data -------------------------------------
 
 TEST(PackGrid, keeps_every_sample_of_every_field) {
   std::vector<NeutralVolume> fields;

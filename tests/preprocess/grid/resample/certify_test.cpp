@@ -112,8 +112,8 @@ TEST(Certify, is_at_rounding_for_a_linear_field) {
 }
 
 TEST(Certify, finds_a_quarter_of_the_error_at_half_the_spacing_until_the_cells_are_larger_than_the_steps) {
-  // Steps of 1/3, 1/6, 1/12 on cells of 1/24 see the field's own curvature: second order. Steps far below the
-  // cells see kinks, a jump in the gradient times the step: first order.
+  // Steps of 1/3, 1/6, 1/12 on cells of 1/24 see the field's own curvature: second order. Steps far
+  // below the cells see kinks, a jump in the gradient times the step: first order.
   const tests::Field field = [](const Vec3& p) { return std::sin(3 * p.x) * std::cos(2 * p.y + 1) * std::exp(p.z); };
   const auto error_with = [&](std::int64_t cells, std::int64_t samples) {
     const NeutralMesh mesh = tests::box_mesh({.cells = {cells, cells, cells}}, field);

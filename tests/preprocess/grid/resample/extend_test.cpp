@@ -6,8 +6,8 @@
 
 #include "tests/preprocess/grid/resample/support.h"
 
-// A leaf cell has a trilinear field only where all of its eight samples have values. Samples beside a thin mesh had
-// none: 98 % of a plate was lost, and --max-error called this a success.
+// A leaf cell has a trilinear field only where all of its eight samples have values. Samples beside
+// a thin mesh had none: 98 % of a plate was lost, and --max-error called this a success.
 namespace rhoray::preprocess {
 namespace {
 
@@ -39,7 +39,8 @@ NeutralMesh shell(double radius, double thickness, const tests::Field& field) {
       field);
 }
 
-/// Expects that every point of the mesh has a value and that what is found there is below the bounds of all bricks.
+/// Expects that every point of the mesh has a value and that what is found there is below the
+/// bounds of all bricks.
 /// @return  the largest difference that was found
 double expect_covered_and_bounded(const Sampled& sampled, int order) {
   const FieldErrors& errors = sampled.certificates.fields[0];

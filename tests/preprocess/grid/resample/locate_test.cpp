@@ -20,7 +20,8 @@ using Vertex = CGAL::Triangulation_vertex_base_with_info_3<std::uint64_t, Kernel
 using Cell = CGAL::Triangulation_cell_base_with_info_3<std::uint32_t, Kernel>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<Vertex, Cell>>;
 
-/// Points of the cube from 0 to 1, its corners among them, on multiples of 1 / steps; anywhere when steps is 0.
+/// Points of the cube from 0 to 1, its corners among them, on multiples of 1 / steps; anywhere when
+/// steps is 0.
 std::vector<Kernel::Point_3> random_points(std::size_t count, int steps, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -88,7 +89,8 @@ Judged judge(const Delaunay& delaunay, const std::array<double, 3>& p) {
   return judged;
 }
 
-/// How many samples CGAL found in cells, on faces, edges and vertices, and outside; all must be where it says.
+/// How many samples CGAL found in cells, on faces, edges and vertices, and outside; all must be
+/// where it says.
 std::map<Delaunay::Locate_type, int> compare_with_cgal(std::size_t point_count, int steps,
                                                        const LatticeRequest& request, std::uint64_t seed) {
   const std::vector<Kernel::Point_3> points = random_points(point_count, steps, seed);
@@ -120,7 +122,8 @@ TEST(Locate, agrees_with_cgal_on_faces_edges_and_vertices) {
 }
 
 TEST(Locate, agrees_with_cgal_on_faces_that_only_exact_arithmetic_finds) {
-  // Thirds and sevenths are rounded: samples lie next to faces, by less than a double's determinant can tell.
+  // Thirds and sevenths are rounded: samples lie next to faces, by less than a double's determinant
+  // can tell.
   auto types = compare_with_cgal(200, 21, {.sample_count = {22, 43, 8}}, 3);
   EXPECT_GT(types[Delaunay::FACET] + types[Delaunay::EDGE] + types[Delaunay::VERTEX], 100);
 }
@@ -186,7 +189,8 @@ TEST(Locate, is_exact_far_from_the_origin) {
 }
 
 TEST(Locate, weighs_a_sample_in_a_sliver_as_it_lies) {
-  // So flat that plane equations in double have few digits left; the value is the height over a base of 1e-9.
+  // So flat that plane equations in double have few digits left; the value is the height over a
+  // base of 1e-9.
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0x1p-44}};
   mesh.cells = {{0, 1, 2, 3}};

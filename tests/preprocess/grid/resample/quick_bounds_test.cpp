@@ -71,7 +71,8 @@ class QuickAndFound {
 };
 
 TEST(QuickBounds, need_the_gradients_on_both_sides_of_a_fold) {
-  // Falls by half from x = 3 to 3.5 and rises again to 4, between two samples that see neither; flat elsewhere.
+  // Falls by half from x = 3 to 3.5 and rises again to 4, between two samples that see neither;
+  // flat elsewhere.
   const tests::Field notch = [](const Vec3& p) { return std::min(0.0, std::abs(p.x - 3.5) - 0.5); };
   const Sampled sampled(tests::box_mesh({.cells = {16, 4, 4}, .box = Box3({0, 0, 0}, {8, 8, 8})}, notch),
                         {.sample_count = {9, 9, 9}});
@@ -83,13 +84,14 @@ TEST(QuickBounds, need_the_gradients_on_both_sides_of_a_fold) {
       EXPECT_LE(bounds.quick({3, j, k}), 0.5001) << "a quarter of the range from -1 to 1, no more";
       EXPECT_LE(bounds.quick({6, j, k}), 1e-9);
     }
-  // The slopes on one side of the flat part alone, or what the worst single face bends by less one side, do not reach.
+  // The slopes on one side of the flat part alone, or what the worst single face bends by less one
+  // side, do not reach.
   const double one_side = 0.25 * (1 - 0);
   EXPECT_LT(one_side, bounds.found({3, 4, 4}));
 }
 
-/// Counts leaf cells whose bounds are infinite; all others must hold, and the mean of bound / found not exceed a
-/// factor.
+/// Counts leaf cells whose bounds are infinite; all others must hold, and the mean of bound / found
+/// not exceed a factor.
 std::size_t count_infinite(const Sampled& sampled, int order, double factor) {
   const QuickAndFound bounds(sampled, order);
   std::size_t infinite = 0, compared = 0;

@@ -239,8 +239,8 @@ TEST_F(Resample, calls_an_error_reached_only_when_it_holds_in_all_of_the_mesh) {
 }
 
 TEST_F(Resample, stores_bricks_that_hold_only_values_beside_the_mesh) {
-  // The mesh ends between the samples 7 and 8 of every axis but x: what leaf cell 7 needs of samples 8 is in other
-  // bricks.
+  // The mesh ends between the samples 7 and 8 of every axis but x: what leaf cell 7 needs of
+  // samples 8 is in other bricks.
   NeutralMesh mesh = tests::box_mesh({.cells = {16, 4, 4}, .box = Box3({0, 0, 0}, {16, 7.5, 7.25})}, wave);
   const NeutralMesh beyond = tests::box_mesh({.cells = {1, 1, 1}, .box = Box3({0, 0, 20}, {1, 16, 21})}, wave);
   const std::size_t count = mesh.points.size();

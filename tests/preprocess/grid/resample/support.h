@@ -70,9 +70,10 @@ struct Sampled {
         for (std::int64_t i = 0; i < lattice.count.x; ++i) act(i, j, k);
   }
 
-  /// Calls act(leaf cell, |trilinear - linear|) at points strewn densely over every tetrahedron, its faces and edges
-  /// too; on a side of a leaf cell for that beyond it, or before it where that has no trilinear field. Points in leaf
-  /// cells without a trilinear field are only counted (bare_point_count).
+  /// Calls act(leaf cell, |trilinear - linear|) at points strewn densely over every tetrahedron,
+  /// its faces and edges too; on a side of a leaf cell for that beyond it, or before it where that
+  /// has no trilinear field. Points in leaf cells without a trilinear field are only counted
+  /// (bare_point_count).
   /// @param order  a tetrahedron's edge is cut into as many parts
   template <class Act>
   void for_each_difference(int order, Act&& act) const {

@@ -23,7 +23,8 @@ using ::testing::IsEmpty;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Two cells on the face 0, 1, 2: apex 3 at height 1, apex 4 at height -3 (three times the volume); point 5 is unused.
+/// Two cells on the face 0, 1, 2: apex 3 at height 1, apex 4 at height -3 (three times the volume);
+/// point 5 is unused.
 NeutralMesh two_cells() {
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -3}, {7, 7, 7}};

@@ -30,8 +30,8 @@ std::string refusal(const NeutralMesh& mesh) {
   return "accepted";
 }
 
-/// One cell of each kind, in the order: good, vertex twice, not finite, flipped, flat, good. Points 1 and 8 belong to
-/// none.
+/// One cell of each kind, in the order: good, vertex twice, not finite, flipped, flat, good. Points
+/// 1 and 8 belong to none.
 NeutralMesh mixed_mesh() {
   NeutralMesh mesh;
   mesh.points = {{0, 0, 0}, {9, 9, 9}, {1, 0, 0},        {0, 1, 0}, {0, 0, 1},

@@ -82,8 +82,8 @@ TEST(InspectMesh, counts_what_is_wrong_with_shapes_by_the_ids_of_the_source) {
 
 TEST(InspectMesh, a_regular_tetrahedron_is_no_sliver_and_the_limit_is_one_hundredth) {
   NeutralMesh mesh;
-  // Four points on a circle of radius 1, one diagonal lifted by h: R = 1 up to h^2, and r = 3 V / S with V = 2 h / 3
-  // and S = 4, the square seen from both sides.
+  // Four points on a circle of radius 1, one diagonal lifted by h: R = 1 up to h^2, and r = 3 V / S
+  // with V = 2 h / 3 and S = 4, the square seen from both sides.
   const auto with_height = [&](double h) {
     mesh.points = {{1, 0, 0}, {0, 1, h}, {-1, 0, 0}, {0, -1, h}};
     mesh.cells = {{0, 1, 2, 3}};

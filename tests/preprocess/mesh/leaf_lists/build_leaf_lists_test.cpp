@@ -20,8 +20,9 @@ using Real = long double;
 using Point = std::array<Real, 3>;
 using Polygon = std::vector<Point>;
 
-/// A second road: a tetrahedron touches a box when something is left of one of its faces after clipping it to the box,
-/// or when it holds the box's centre (then the box may lie wholly inside). In units of leaf cells, long double.
+/// A second road: a tetrahedron touches a box when something is left of one of its faces after
+/// clipping it to the box, or when it holds the box's centre (then the box may lie wholly inside).
+/// In units of leaf cells, long double.
 class Clipping {
  public:
   Clipping(const formats::LeafLattice& lattice, const std::array<std::array<double, 3>, 4>& points) {
@@ -154,7 +155,8 @@ std::vector<Case> cases() {
   std::vector<Case> made;
   made.push_back({"jittered", tests::box_mesh({.cells = {8, 7, 6}, .jitter = 0.15}), 8 * 7 * 6 * 6});
   made.push_back({"graded", tests::box_mesh({.cells = {8, 8, 8}, .grading = 40}), 3000});
-  // Vertices, edges and faces on the planes between leaf cells, up to the lattice's small margin and exactly.
+  // Vertices, edges and faces on the planes between leaf cells, up to the lattice's small margin
+  // and exactly.
   made.push_back({"lattice-aligned", tests::box_mesh({.cells = {8, 8, 8}}), 512});
   made.push_back({"one leaf cell", tests::box_mesh({.cells = {2, 2, 2}, .jitter = 0.1}), 1});
   made.push_back({"one layer", tests::box_mesh({.cells = {9, 9, 1}, .box = {{0, 0, 0}, {9, 9, 0.1}}}), 400});

@@ -72,8 +72,8 @@ inline std::vector<Ids> hexahedron_faces(const Ids& h) {
           {h[3], h[7], h[6], h[2]}, {h[0], h[3], h[2], h[1]}, {h[4], h[5], h[6], h[7]}};
 }
 
-/// The box (0,0,0)-(n,n,n) filled with linear cells of every kind, glued face to face, under random ids. Points inside
-/// are moved by up to `jitter`.
+/// The box (0,0,0)-(n,n,n) filled with linear cells of every kind, glued face to face, under random
+/// ids. Points inside are moved by up to `jitter`.
 class MixedMesh {
  public:
   MixedMesh(std::uint64_t size, double jitter, std::uint64_t seed) : n_(size), random_(seed) {

@@ -115,7 +115,8 @@ Member member(Family family, std::size_t corner_count) {
   }
 }
 
-/// The box (0,0,0)-(n,n,n): cubes, columns of wedges, cubes of pyramids with tetrahedra in place of some.
+/// The box (0,0,0)-(n,n,n): cubes, columns of wedges, cubes of pyramids with tetrahedra in place of
+/// some.
 CellMesh mixed_curved_mesh(Family family, std::uint64_t n, const Bend& bend, std::uint64_t seed) {
   CurvedMeshMaker maker(bend);
   std::mt19937_64 random(seed);
@@ -279,7 +280,8 @@ double squared(const Point& a) {
   return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
-/// The distance from a point to a triangle, by a fine net of the triangle's points: so a little too large.
+/// The distance from a point to a triangle, by a fine net of the triangle's points: so a little too
+/// large.
 double distance_to_triangle(const Point& p, const Point& a, const Point& b, const Point& c, int steps) {
   double best = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= steps; ++i)
@@ -294,7 +296,8 @@ double distance_to_triangle(const Point& p, const Point& a, const Point& b, cons
 }
 
 TEST(CurvedCells, keep_the_promised_error_of_their_shape) {
-  // One hexahedron with a round top: points of its curved top against the triangles of the result's surface.
+  // One hexahedron with a round top: points of its curved top against the triangles of the result's
+  // surface.
   for (const auto& [kind, count] :
        {std::pair{CellKind::quadratic_hexahedron, 20U}, std::pair{CellKind::triquadratic_hexahedron, 27U},
         std::pair{CellKind::lagrange_hexahedron, 64U}}) {
@@ -377,7 +380,8 @@ TEST(CurvedCells, in_a_mesh_of_quadratic_tetrahedra_agree_and_report_their_error
 }
 
 TEST(CurvedCells, that_are_collapsed_agree_too) {
-  // A quarter of a cylinder: quadratic hexahedra around the axis, their inner side collapsed onto it.
+  // A quarter of a cylinder: quadratic hexahedra around the axis, their inner side collapsed onto
+  // it.
   CellMesh mesh;
   const auto add_point = [&](double radius, double angle, double z) {
     mesh.points.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
@@ -508,8 +512,8 @@ TEST(CurvedCells, of_order_one_are_linear_cells) {
   EXPECT_THAT(tets.notes, testing::ElementsAre("1 Lagrange hexahedron became 6 tetrahedra"));
 }
 
-/// Found by fuzzing: one tetrahedron of a damaged file, with the middle of an edge at one of its ends, was cut until
-/// memory was full.
+/// Found by fuzzing: one tetrahedron of a damaged file, with the middle of an edge at one of its
+/// ends, was cut until memory was full.
 TEST(CurvedCells, that_would_be_cut_without_end_are_refused) {
   CellMesh mesh;
   mesh.points = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};

@@ -106,7 +106,8 @@ TEST(LinearCells, would_not_agree_if_a_diagonal_went_by_the_corner_order) {
   EXPECT_TRUE(conforms(tets, nowhere));
 }
 
-/// A quarter of a cylinder about z in three rings; the innermost hexahedra are collapsed onto the axis.
+/// A quarter of a cylinder about z in three rings; the innermost hexahedra are collapsed onto the
+/// axis.
 CellMesh quarter_cylinder(bool axis_has_one_id) {
   CellMesh mesh;
   constexpr std::uint64_t around = 6, outward = 3, upward = 3;

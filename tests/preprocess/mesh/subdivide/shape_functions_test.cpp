@@ -32,7 +32,8 @@ std::vector<double> weights_at(const ShapeFunctions& shape, const CellPlace& pla
   return weights;
 }
 
-/// A place inside the unit tetrahedron, hexahedron or wedge, or anything between the corners of a pyramid.
+/// A place inside the unit tetrahedron, hexahedron or wedge, or anything between the corners of a
+/// pyramid.
 CellPlace random_place(std::mt19937_64& random, CellKind kind) {
   std::uniform_real_distribution<double> unit(0, 1);
   double r = unit(random), s = unit(random), t = unit(random);
@@ -156,8 +157,9 @@ TEST(ShapeFunctions, reproduce_linear_functions_of_their_places) {
   }
 }
 
-/// In the face of a pyramid with corners a, b and the apex, nodes of the edges ab, b-apex, a-apex: the functions there
-/// must be those of a tetrahedron's face 0-1-2, and those of all other nodes nothing.
+/// In the face of a pyramid with corners a, b and the apex, nodes of the edges ab, b-apex, a-apex:
+/// the functions there must be those of a tetrahedron's face 0-1-2, and those of all other nodes
+/// nothing.
 TEST(ShapeFunctions, of_pyramids_agree_with_tetrahedra_at_their_triangular_faces_and_with_hexahedra_below) {
   using enum CellKind;
   const ShapeFunctions tetrahedron_10(quadratic_tetrahedron, 10), tetrahedron_14(quadratic_tetrahedron_14, 14);

@@ -13,8 +13,8 @@ using preprocess::tetrahedralize;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// A sphere whose first triangles each have a point a millionth of their size beside the middle of an edge: needles, as
-/// in a scanned surface.
+/// A sphere whose first triangles each have a point a millionth of their size beside the middle of
+/// an edge: needles, as in a scanned surface.
 NeutralSurface sphere_with_needles(std::size_t needles) {
   NeutralSurface sphere, result;
   add_sphere(sphere, 1, 3);
@@ -59,7 +59,8 @@ TEST(Quality, needles_of_a_scanned_surface_are_kept_and_the_inside_is_made_well_
   EXPECT_THAT(mesh.notes, Contains(HasSubstr("the surface's triangles were kept as they are; ")));
   EXPECT_LT(share_above(mesh, preprocess::usual_quality).of_volume, 0.1);
   EXPECT_LT(mesh.points.size(), 4 * surface.points.size());
-  // Asked for it, TetGen splits them; these needles alone then take several times the surface's points.
+  // Asked for it, TetGen splits them; these needles alone then take several times the surface's
+  // points.
   const NeutralMesh split = tetrahedralize(surface, {.quality = preprocess::usual_quality, .tetgen = "S5000"});
   EXPECT_GT(split.points.size(), 2 * mesh.points.size());
   const NeutralMesh again = tetrahedralize(surface, {.time_limit_s = 60});

@@ -185,7 +185,8 @@ TEST(WorkerDeath, is_reported_with_what_it_was_doing) {
 }
 
 TEST(RepairSurface, refuses_to_move_the_surface_farther_than_allowed) {
-  // A cube whose bottom is drawn up to a point above its top: being rid of the crossings costs that tip.
+  // A cube whose bottom is drawn up to a point above its top: being rid of the crossings costs that
+  // tip.
   NeutralSurface pierced = box({0, 0, 0}, {1, 1, 1});
   const std::uint64_t tip = pierced.points.size();
   pierced.points.push_back({0.5, 0.5, 1.4});

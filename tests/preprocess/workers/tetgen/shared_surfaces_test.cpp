@@ -99,7 +99,8 @@ TEST_F(SharedSurfaces, are_filled_with_at_most_20_cells_for_each_triangle) {
   EXPECT_GE(filled, 7U);
 }
 
-// CGAL's own search on the mesh (PMP::self_intersections) counts the same pairs here and in the gears.
+// CGAL's own search on the mesh (PMP::self_intersections) counts the same pairs here and in the
+// gears.
 TEST_F(SharedSurfaces, five_crossings_of_the_lung_lobe_are_named) {
   EXPECT_THAT(refusal_with_places("lungs/lul.stl"), testing::HasSubstr("surface: 5 pairs of facets intersect"));
 }

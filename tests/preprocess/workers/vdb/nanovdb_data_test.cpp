@@ -17,7 +17,8 @@ namespace {
 
 using namespace tests;
 
-/// The same hits, depths to 1e-6 of themselves, the same values; cells too, where the grids begin at the same sample.
+/// The same hits, depths to 1e-6 of themselves, the same values; cells too, where the grids begin
+/// at the same sample.
 void expect_same_picture(const render::Framebuffer& a, const render::Framebuffer& b) {
   EXPECT_EQ(a.cell, b.cell);
   ASSERT_EQ(a.depth.size(), b.depth.size());
@@ -182,7 +183,8 @@ TEST_F(NanoVdbData, draws_a_level_set_where_its_distance_is_zero) {
     EXPECT_NEAR(box.min[axis], static_cast<double>(center[axis]) - radius, 9 * voxel);
     EXPECT_NEAR(box.max[axis], static_cast<double>(center[axis]) + radius, 9 * voxel);
   }
-  // Between samples of the distance the surface lies inside by at most a cell's sagitta, 3 (voxel / 2)^2 / (2 radius).
+  // Between samples of the distance the surface lies inside by at most a cell's sagitta, 3 (voxel /
+  // 2)^2 / (2 radius).
   const double sagitta = 3 * (voxel / 2) * (voxel / 2) / (2 * radius) + 1e-4;
   const Vec3 forward = (scene.camera.target - scene.camera.position).normalized();
   std::size_t hits = 0, missed = 0;
@@ -211,8 +213,8 @@ TEST_F(NanoVdbData, draws_a_level_set_where_its_distance_is_zero) {
   EXPECT_GT(hits, 1000U);
 }
 
-// Leaf nodes begin at multiples of 8 voxels, the box of active voxels and so the blocks of cells do not; and some leaf
-// nodes are tiles of one value.
+// Leaf nodes begin at multiples of 8 voxels, the box of active voxels and so the blocks of cells do
+// not; and some leaf nodes are tiles of one value.
 TEST_F(NanoVdbData, is_answered_wide_where_its_box_begins_anywhere) {
   const auto grid = named_grid<openvdb::FloatGrid>("f", 2);
   std::mt19937 random(5);
@@ -271,7 +273,8 @@ TEST_F(NanoVdbData, refuses_a_buffer_whose_nodes_lie_outside) {
   const auto short_one = std::vector<std::uint8_t>(buffer.begin(), buffer.end() - 64);
   expect_error(ErrorCode::invalid, "memory", [&] { load(short_one); });
   expect_error(ErrorCode::invalid, "memory", [&] { load(std::vector<std::uint8_t>(100)); });
-  // Wherever eight bytes may be an offset, a wild one is refused or was no offset; nothing reads outside.
+  // Wherever eight bytes may be an offset, a wild one is refused or was no offset; nothing reads
+  // outside.
   int refused = 0;
   for (std::size_t at = 0; at + 8 <= buffer.size(); at += 8 * (at < 2000 ? 1 : 997)) {
     std::vector<std::uint8_t> changed = buffer;

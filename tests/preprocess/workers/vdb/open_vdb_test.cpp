@@ -15,7 +15,8 @@ using formats::ElementType;
 using openvdb::Coord;
 using testing::ElementsAre;
 
-/// Values at a few voxels below and above zero, a tile, and a map that turns, stretches and mirrors.
+/// Values at a few voxels below and above zero, a tile, and a map that turns, stretches and
+/// mirrors.
 openvdb::FloatGrid::Ptr sparse_grid() {
   const auto grid = named_grid<openvdb::FloatGrid>("density", 0.25F);
   grid->tree().setValueOn(Coord(-3, 4, 5), 1.5F);

@@ -1,5 +1,5 @@
-// Real files made by others; their facts stand in the README beside them. Runs where RHORAY_SHARED_DATA names their
-// folder.
+// Real files made by others; their facts stand in the README beside them. Runs where
+// RHORAY_SHARED_DATA names their folder.
 
 #include <cstdlib>
 
