@@ -104,6 +104,10 @@ Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Go
   return candidate;
 }
 
+std::string time_text(double ms) {
+  return ms < 1000 ? concat(rounded(ms, 2), " ms") : concat(rounded(ms / 1000, ms < 1e5 ? 2 : 4), " s");
+}
+
 std::string error_text(const Alone& alone, double error) {
   const std::string number = std::isfinite(error) ? rounded(error, 2) : std::string("no limit");
   return concat(number, alone.is_projection() ? " of the field's range" : " cells");
@@ -139,8 +143,8 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
     why = "the most accurate method within the time limit";
   }
   choice.sentence =
-      concat("method ", choice.chosen.word, ": ", why, "; predicted ", rounded(choice.chosen.foreseen_ms, 2),
-             " ms, 99 % of the pixels within ", error_text(alone, choice.chosen.error), " (tried ", candidates.size(),
+      concat("method ", choice.chosen.word, ": ", why, "; predicted ", time_text(choice.chosen.foreseen_ms),
+             ", 99 % of the pixels within ", error_text(alone, choice.chosen.error), " (tried ", candidates.size(),
              " methods on ", alone.size.width, " x ", alone.size.height, " pixels)");
   return choice;
 }

@@ -168,8 +168,9 @@ std::string broken_by(const CheckedPixels& found, const Promise& promise, bool i
   std::string text;
   const auto add = [&](const std::string& more) { text += concat(text.empty() || more.empty() ? "" : "; ", more); };
   if (wrong > allowed)
-    add(concat(found.missed, " false negatives and ", found.false_hits, " false positives in ", found.pixels, " ",
-               which, " pixels"));
+    add(concat(counted(found.missed, "false negative", "false negatives"), " and ",
+               counted(found.false_hits, "false positive", "false positives"), " in ", found.pixels, " ", which,
+               " pixels"));
   if (is_proven && found.beyond_bound > 0) add(concat(found.beyond_bound, " ", which, " pixels beyond their bound"));
   if (wrong <= allowed && std::isfinite(promise.kept)) add(limit_broken_by(found, promise.kept, which));
   return text;

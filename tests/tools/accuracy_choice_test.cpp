@@ -17,6 +17,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/host_floating_point.h"
 #include "tests/tools/workbench.h"
+#include "tools/rhoray/accuracy_options.h"
 #include "tools/rhoray/data_choice.h"
 
 namespace rhoray::tests {
@@ -181,6 +182,12 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
 
 // The exact answers with which pixels are compared were themselves computed in the host's
 // environment. A certified picture that had changed in it was therefore found right.
+TEST(SelfCheck, counts_one_pixel_in_the_singular) {
+  render::SelfCheck check;
+  check.random.missed = 1, check.random.false_hits = 2;
+  EXPECT_THAT(tools::text_of(check), HasSubstr("0 pixels: 1 false negative, 2 false positives, largest"));
+}
+
 TEST(SelfCheck, does_not_depend_on_the_hosts_floating_point_environment) {
   const Workbench bench;
   const Index3 count(13, 13, 13);

@@ -61,9 +61,10 @@ void require_checkable(const render::ResolvedScene& resolved) {
 
 std::string text_of(const render::SelfCheck& check) {
   const auto line = [&](const char* name, const render::CheckedPixels& found) {
-    return concat("  ", name, " ", grouped(found.pixels), " pixels: ", found.missed, " false negatives, ",
-                  found.false_hits, " false positives, largest error ", rounded(found.largest),
-                  check.unit.empty() ? "" : " ", check.unit,
+    return concat("  ", name, " ", grouped(found.pixels),
+                  " pixels: ", counted(found.missed, "false negative", "false negatives"), ", ",
+                  counted(found.false_hits, "false positive", "false positives"), ", largest error ",
+                  rounded(found.largest), check.unit.empty() ? "" : " ", check.unit,
                   check.unit.empty() ? "" : concat(", largest value error ", rounded(found.largest_value_error)), "\n");
   };
   return concat(

@@ -10,6 +10,7 @@ const effects = { shadow_rays: "shadows", occlusion_rays: "ambient occlusion", e
                   clear_crossings: "transparency", slice_lookups: "slices", rays_clipped: "clipping" };
 
 export const grouped = (n) => Number(n).toLocaleString("en");
+const counted = (n, noun) => `${grouped(n)} ${noun}${Number(n) === 1 ? "" : "s"}`;
 
 /** A sentence about the comparison of pixels with exact arithmetic. */
 export function checkSentence(check) {
@@ -17,8 +18,8 @@ export function checkSentence(check) {
   if (check.why_not) return check.why_not;
   const within = Number.isFinite(check.kept_by_99)
     ? `, 99 % within ${rounded(check.kept_by_99, 1)} ${check.unit ?? ""}`.trimEnd() : "";
-  return `In ${grouped(check.pixels)} pixels, many of them at edges: ${grouped(check.missed)} missed, ` +
-    `${grouped(check.false_hits)} false hits${within}`;
+  return `In ${grouped(check.pixels)} pixels, many of them at edges: ` +
+    `${counted(check.missed, "false negative")}, ${counted(check.false_hits, "false positive")}${within}`;
 }
 
 /** A sentence about the milliseconds that each effect costs. */
