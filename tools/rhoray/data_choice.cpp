@@ -78,11 +78,12 @@ preprocess::OpenedData open(const std::filesystem::path& path, const std::vector
   const std::pair key(path, preprocess::option_words(pack));
   if (access.opened)
     if (const auto known = access.opened->find(key); known != access.opened->end()) {
-      const auto& [data, of] = known->second;
+      const DataAccess::OpenedFor& kept = known->second;
       const bool was_for_these = std::all_of(fields.begin(), fields.end(), [&](const std::string& field) {
-        return std::find(of.begin(), of.end(), field) != of.end();
+        return std::find(kept.fields.begin(), kept.fields.end(), field) != kept.fields.end();
       });
-      if (is_of_one_grid || was_for_these || has_fields(render::Dataset::load(data.file), fields)) return data;
+      if (is_of_one_grid || was_for_these || has_fields(render::Dataset::load(kept.data.file), fields))
+        return kept.data;
     }
   pack.fields = fields;
   const Stopwatch watch;
