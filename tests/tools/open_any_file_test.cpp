@@ -70,7 +70,7 @@ TEST(OpenAnyFile, packs_once_for_a_scene_that_later_names_the_field) {
   EXPECT_EQ(packed, 1);
 }
 
-/// What is prepared for pictures is kept with loaded data, so a viewer must not load them for every
+/// Loaded data keep what was prepared for pictures. So a viewer must not load them again for every
 /// choice of colours.
 TEST(OpenAnyFile, loads_a_field_once_however_its_layers_are_coloured) {
   const Workbench bench;

@@ -37,8 +37,8 @@ struct DataAccess {
   /// also by its name. Null: files are not kept open.
   using Opened = std::map<std::pair<std::filesystem::path, std::vector<std::string>>, OpenedFor>;
   std::shared_ptr<Opened> opened{};
-  /// Loaded data of a scene by name and field. What is prepared for pictures is kept with them.
-  /// Null: each scene loads its own.
+  /// Loaded data of a scene by name and field. They keep what was prepared for pictures. Null: each
+  /// scene loads its own.
   using Loaded = std::map<std::pair<std::string, std::string>, render::Dataset>;
   std::shared_ptr<Loaded> loaded{};
 };

@@ -24,14 +24,14 @@ struct ClientSink {
   std::function<void(std::string)> send_text;
 };
 
-/// What the painter knows of a client.
+/// The painter's record of a client.
 struct PainterClient {
   using Clock = std::chrono::steady_clock;
 
   std::uint64_t id = 0;
   ClientSink sink;
 
-  // Guarded by the painter's mutex.
+  // The painter's mutex guards these members.
   std::optional<PictureRequest> newest{};
   bool is_new = false;  ///< the newest request was not taken up
   bool wants_to_keep = false;
@@ -40,7 +40,7 @@ struct PainterClient {
   SentPictures sent_pictures{};
   MotionPixels motion{};
 
-  // Of the painter's thread.
+  // Only the painter's thread uses these members.
   std::optional<ChangedScene> scene{};  ///< with `patch`
   std::string patch{};
   bool was_resolved_sent = false;         ///< of this scene

@@ -46,8 +46,9 @@ ChangedScene changed_scene(const ViewedScene& viewed, const std::string& documen
 /// annotations and no antialiasing.
 render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request);
 
-/// What a pixel of a request's picture shows, by one ray at the level `certified` where layers have
-/// it (tools/analysis/pick.h). Refuses a pixel outside the picture (ErrorCode::invalid).
+/// Returns a message about the hit of one pixel (tools/analysis/pick.h). Traces one ray, at the
+/// level `certified` where layers have it. Refuses a pixel outside the picture
+/// (ErrorCode::invalid).
 /// @param plan  the scene with the request
 std::string probe_text(render::ResolvedScene plan, const Probe& probe);
 

@@ -36,8 +36,8 @@ void terminatetetgen(tetgenmesh*, int code) {
 }
 
 #ifdef __SANITIZE_ADDRESS__
-// What TetGen had allocated when it gave up stays behind; the process ends next, and its last line
-// is for our refusal.
+// TetGen does not free its memory when it gives up. The process ends next, and the sanitizer must
+// not print behind the last line, which contains our refusal.
 extern "C" const char* __lsan_default_options();
 extern "C" const char* __lsan_default_options() {
   return "print_suppressions=0";
@@ -207,8 +207,8 @@ std::string named_facets(const NeutralSurface& surface, std::string_view printed
   }
 }
 
-/// What TetGen asks about each tetrahedron. It takes a plain function, hence the one place that
-/// remembers.
+/// TetGen calls this criterion for each tetrahedron. It takes a plain function, so a static pointer
+/// holds the criterion.
 class SizeCriterion {
  public:
   explicit SizeCriterion(SizeAt size_at) : size_at_(std::move(size_at)) { current_ = this; }

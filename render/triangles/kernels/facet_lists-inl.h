@@ -77,9 +77,9 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
   return is_nearer;
 }
 
-/// Returns whether a ray meets a facet at so flat an angle that it may pass it either way, once
-/// positions are rounded (place_error). Also true for the facet of a flat cell, whose gradient is
-/// NaN.
+/// Returns whether a ray is so nearly parallel to a facet that rounding hides in which direction it
+/// passes: 2^-20 is about place_error over the size of the mesh. Also true for the facet of a flat
+/// cell, whose gradient is NaN.
 HWY_NOINLINE bool may_pass_either_way(const FacetGroup& group, std::int32_t facet, std::size_t ray) {
   constexpr double least_cosine = 0x1p-20;
   const double* gradient = group.surface.fields[facet].gradient;
@@ -94,8 +94,10 @@ HWY_NOINLINE bool may_pass_either_way(const FacetGroup& group, std::int32_t face
 /// Removes facets from a ray's list that do not change its side: a ray that passes through an edge
 /// hits both facets. Keeps at most as many as a CrossingList holds.
 ///
-/// A ray that passes through a vertex hits all facets there, in no order. If it passes them in
-/// different directions, or rounding hides in which, it is left to another kernel.
+/// A ray that passes through a vertex hits all facets there, in no order. Hits belong together if
+/// their depths differ by at most facet_margin, far more than rounding. If the ray passes facets
+/// that belong together in different directions, or rounding hides in which, another kernel traces
+/// it.
 HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
   FacetLists& lists = *group.scratch.lists;
   const auto count = static_cast<std::size_t>(lists.count[lane]);

@@ -297,8 +297,8 @@ TEST(Exodus, reads_every_format_of_netcdf) {
     }
 }
 
-/// What VTK's own reader makes of a file: its cells as kinds and corner positions, block after
-/// block.
+/// A cell as VTK's own reader finds it in a file: its kind and the positions of its corners. Cells
+/// are in the order of the blocks.
 struct VtkCell {
   int kind;
   std::vector<std::array<double, 3>> corners;

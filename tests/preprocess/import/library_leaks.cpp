@@ -1,5 +1,5 @@
-// What the leak checker of the address sanitizer is told when a program starts: VTK and Teem lose
-// memory when they refuse a damaged file. In the worker it ends with the process.
+// The leak checker of the address sanitizer reads this list when a program starts. VTK and Teem do
+// not free memory when they refuse a damaged file. In the worker, the end of the process frees it.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libvtk\nleak:libteem\n";

@@ -262,8 +262,8 @@ void archive(const std::filesystem::path& path) {
   read_zip(path, [](const std::string&, std::string_view) {});
 }
 
-/// A format with seeds of the fuzz harness `import`: small valid files in its variants, each with
-/// the file that stands beside it, if any, behind a line.
+/// A format with seeds of the fuzz harness `import`: small valid files in its variants. A
+/// seed holds the file and, after a separating line, its companion file if it has one.
 struct SeedFormat {
   const char* name;
   const char* extension;
