@@ -43,15 +43,21 @@ LineExchange::~LineExchange() {
 }
 
 void LineExchange::write(std::string line) {
-  const std::lock_guard lock(mutex_);
-  if (waiting_.size() == most_lines) waiting_.pop_front();
-  waiting_.push_back(std::move(line));
-  changed_.notify_one();
+  add({.text = std::move(line)});
 }
 
 void LineExchange::write_state(std::string line) {
+  add({.text = std::move(line), .is_state = true});
+}
+
+void LineExchange::add(Line line) {
   const std::lock_guard lock(mutex_);
-  state_ = std::move(line);
+  if (line.is_state || waiting_.size() >= most_lines) {
+    const auto dropped = std::find_if(waiting_.begin(), waiting_.end(),
+                                      [&](const Line& each) { return each.is_state == line.is_state; });
+    if (dropped != waiting_.end()) waiting_.erase(dropped);
+  }
+  waiting_.push_back(std::move(line));
   changed_.notify_one();
 }
 
@@ -77,14 +83,9 @@ void LineExchange::write_lines(const std::stop_token& stop) {
     std::string line;
     {
       std::unique_lock lock(mutex_);
-      if (!changed_.wait(lock, stop, [&] { return !waiting_.empty() || state_; })) return;
-      if (waiting_.empty()) {
-        line = std::move(*state_);
-        state_.reset();
-      } else {
-        line = std::move(waiting_.front());
-        waiting_.pop_front();
-      }
+      if (!changed_.wait(lock, stop, [&] { return !waiting_.empty(); })) return;
+      line = std::move(waiting_.front().text);
+      waiting_.pop_front();
     }
     line += '\n';
     for (std::string_view rest = line; !rest.empty();) {

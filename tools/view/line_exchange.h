@@ -4,7 +4,6 @@
 #include <deque>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -30,12 +29,18 @@ class LineExchange {
   LineExchange& operator=(const LineExchange&) = delete;
   ~LineExchange();
 
-  /// Writes a line soon. Of 64 lines that wait, the oldest is dropped.
+  /// Writes a line soon, after those that wait. If 64 wait, the oldest that is no state is dropped.
   void write(std::string line);
-  /// The same, but it replaces an earlier one that waits: only the newest state matters.
+  /// The same, but an earlier state that waits is dropped: only the newest matters.
   void write_state(std::string line);
 
  private:
+  struct Line {
+    std::string text;
+    bool is_state = false;
+  };
+
+  void add(Line line);
   void read_lines(const std::stop_token& stop);
   void write_lines(const std::stop_token& stop);
 
@@ -43,8 +48,7 @@ class LineExchange {
   const Listener listener_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<std::string> waiting_;
-  std::optional<std::string> state_;
+  std::deque<Line> waiting_;
   std::jthread reader_, writer_;  ///< last: they use the others
 };
 

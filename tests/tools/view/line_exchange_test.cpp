@@ -59,20 +59,46 @@ TEST(LineExchange, answers_lines_and_notices_the_end) {
   EXPECT_TRUE(has_ended);
 }
 
-TEST(LineExchange, does_not_wait_for_a_program_that_does_not_read) {
+/// An exchange whose writer waits, until the pipe is read.
+struct FullExchange {
+  FullExchange() {
+    exchange.write(filling);
+    for (int held = 0; held < static_cast<int>(filling.size());) ::ioctl(out.ends[0], FIONREAD, &held);
+  }
+
   Pipe in, out;
-  tools::LineExchange exchange(in.ends[0], out.ends[1],
-                               {.answer = [](std::string_view) { return std::string(); }, .ended = [] {}});
-  const std::string filling(::fcntl(out.ends[1], F_GETPIPE_SZ), 'x');
-  exchange.write(filling);
-  for (int held = 0; held < static_cast<int>(filling.size());) ::ioctl(out.ends[0], FIONREAD, &held);
-  for (int i = 0; i < 100000; ++i) exchange.write_state(concat("state ", i));
-  for (int i = 0; i < 1000; ++i) exchange.write(concat("line ", i));
-  EXPECT_EQ(out.line(), filling);
-  EXPECT_EQ(out.line(), "line 936") << "64 lines are kept";
-  for (int i = 937; i < 1000; ++i) EXPECT_EQ(out.line(), concat("line ", i));
-  EXPECT_EQ(out.line(), "state 99999") << "only the newest state";
-  exchange.write(filling + filling);  // nobody reads it, and the end does not wait for it
+  std::string filling = std::string(static_cast<std::size_t>(::fcntl(out.ends[1], F_GETPIPE_SZ)), 'x');
+  tools::LineExchange exchange{
+      in.ends[0], out.ends[1], {.answer = [](std::string_view) { return std::string(); }, .ended = [] {}}};
+};
+
+TEST(LineExchange, does_not_wait_for_a_program_that_does_not_read) {
+  FullExchange full;
+  for (int i = 0; i < 100000; ++i) full.exchange.write_state(concat("state ", i));
+  for (int i = 0; i < 1000; ++i) full.exchange.write(concat("line ", i));
+  EXPECT_EQ(full.out.line(), full.filling);
+  EXPECT_EQ(full.out.line(), "state 99999") << "only the newest state";
+  for (int i = 937; i < 1000; ++i) EXPECT_EQ(full.out.line(), concat("line ", i)) << "64 lines are kept";
+  full.exchange.write(full.filling + full.filling);  // nobody reads it, and the end does not wait for it
+}
+
+TEST(LineExchange, writes_an_error_after_the_state_that_it_is_about) {
+  FullExchange full;
+  full.exchange.write_state("what is refused");
+  full.exchange.write("its error");
+  EXPECT_EQ(full.out.line(), full.filling);
+  EXPECT_EQ(full.out.line(), "what is refused");
+  EXPECT_EQ(full.out.line(), "its error");
+}
+
+TEST(LineExchange, writes_a_newer_state_after_the_error_of_an_older_one) {
+  FullExchange full;
+  full.exchange.write_state("what is refused");
+  full.exchange.write("its error");
+  full.exchange.write_state("what is right");
+  EXPECT_EQ(full.out.line(), full.filling);
+  EXPECT_EQ(full.out.line(), "its error");
+  EXPECT_EQ(full.out.line(), "what is right");
 }
 
 }  // namespace

@@ -184,11 +184,11 @@ class View:
             self.error = None
 
     def _take(self, message):
-        if "error" in message:
-            self.error = message["error"]
-            return
-        state = message["state"]
-        with self._guard:
+        with self._guard:  # an error of a change that is being sent comes after it
+            if "error" in message:
+                self.error = message["error"]
+                return
+            state = message["state"]
             if state["n"] < self._number:
                 return
             self._patch, self._camera = state["scene"], state.get("camera", self._start)
