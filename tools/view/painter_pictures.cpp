@@ -236,7 +236,7 @@ void Painter::check(Client& client) {
   client.was_checked = true;  // also if it fails
   Json json{{"n", client.drawn->number}};
   if (const std::string why_not = why_not_checkable(client.plan); !why_not.empty()) {
-    json["why_not"] = why_not;
+    json["why_not"] = concat("This picture cannot be compared with exact arithmetic: ", why_not, ".");
   } else {
     const Clock::time_point begin = Clock::now();
     render::SelfCheck found;

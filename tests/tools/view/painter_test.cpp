@@ -316,6 +316,21 @@ void acknowledge_finished_picture(Painter& painter, Painter::ClientId client, In
   }
 }
 
+TEST(Painter, says_why_a_picture_is_not_compared_with_exact_arithmetic) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 1);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  const std::string slice = R"({"layers": {"1": {"type": "slice", "data": "data", "axis": "z"}}})";
+  painter.take(client, PictureRequest{.number = 5, .patch = slice, .width = 30, .height = 20});
+  acknowledge_finished_picture(painter, client, inbox);
+  const Json check = message(inbox, "check");
+  EXPECT_EQ(check["n"], 5);
+  EXPECT_EQ(check["why_not"],
+            "This picture cannot be compared with exact arithmetic: a layer is a slice; expected isosurfaces or one "
+            "projection.");
+}
+
 TEST(Painter, times_the_effects_that_the_picture_uses) {
   const TemporaryFolder folder;
   const ViewedScene viewed = viewed_box(folder);
