@@ -79,6 +79,22 @@ TEST(ViewCommand, exchanges_lines_with_the_program_that_starts_it) {
   ::close(out[0]);
 }
 
+TEST(ViewCommand, says_how_another_machine_reaches_its_socket) {
+  const Workbench bench;
+  bench.make_box();
+  int out[2];
+  ASSERT_EQ(::pipe2(out, O_CLOEXEC), 0);
+  StartedProgram program(bench.path(), {"view", "box.rho", "--socket", "my s.sock", "--port", "9000"}, {.out = out[1]});
+  ::close(out[1]);
+  EXPECT_THAT(first_line(out[0]), MatchesRegex("http://127\\.0\\.0\\.1:9000/#token=[0-9a-f]+"));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait(), 0);
+  ::close(out[0]);
+  char host[256];
+  ASSERT_EQ(::gethostname(host, sizeof host), 0);
+  EXPECT_THAT(program.said(), HasSubstr(concat("ssh -N -L '9000:", (bench / "my s.sock").string(), "' ", host, "\n")));
+}
+
 TEST(ViewCommand, refuses_what_it_cannot_show_before_it_listens) {
   const Workbench bench;
   bench.make_box();

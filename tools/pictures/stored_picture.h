@@ -12,7 +12,7 @@ struct PictureText {
   std::string value;
 };
 
-/// The text that holds the scene of a picture, with file names relative to the picture's folder.
+/// The text that holds the scene of a picture. Relative file names start at the picture's folder.
 inline constexpr const char* scene_text_name = "rhoray:scene";
 
 /// A picture as stored in its file: rows from the top, pixels from the left, channels interleaved.

@@ -2,11 +2,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <climits>
 #include <cstdlib>
 #include <functional>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -58,9 +61,11 @@ void open_browser(const std::string& url) {
 
 /// @param display  must outlive the scene
 ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
-  const render::SceneSpec asked = asked_scene(command.picture, command.inputs, command.common);
+  render::SceneSpec asked = asked_scene(command.picture, command.inputs, command.common);
   if (asked.camera.keyframes) throw Error(ErrorCode::usage, "a scene with a camera path is a film; `render` draws it");
   display.show(concat("opening ", asked.data[0].file.string()));
+  // What the page saves is opened from another folder.
+  for (render::DataSpec& data : asked.data) data.file = std::filesystem::absolute(data.file).lexically_normal();
   DataAccess access = access_for(command.common, display);
   access.loaded = std::make_shared<DataAccess::Loaded>();
   const std::filesystem::path& input = command.inputs.front();
@@ -75,6 +80,9 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   viewed.resolve = [access](const render::SceneSpec& changed) { return resolve_layers(changed, access); };
   viewed.command_of = [output](const render::ResolvedScene& plan) {
     return shell_line(reproducing_command(plan, output));
+  };
+  viewed.texts_of = [command_of = viewed.command_of](const render::ResolvedScene& plan, std::string_view machine) {
+    return texts_of_picture(to_spec(plan), {}, command_of(plan), machine);
   };
   return viewed;
 }
@@ -98,6 +106,14 @@ void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_tok
   told = &exchange;
   server.run(stop.get_token());
   told = nullptr;
+}
+
+/// The command that makes a tunnel to the socket, typed on another machine.
+std::string tunnel_line(std::uint16_t port, const std::filesystem::path& socket) {
+  std::array<char, HOST_NAME_MAX + 1> host{};
+  if (::gethostname(host.data(), host.size()) != 0)
+    throw Error(ErrorCode::resource, concat("gethostname: ", std::system_category().message(errno)));
+  return shell_line({"ssh", "-N", "-L", concat(port, ":", std::filesystem::absolute(socket).string()), host.data()});
 }
 
 /// Lets malloc map each large block separately. Otherwise pictures of many sizes leave holes
@@ -131,8 +147,7 @@ int run(const ViewCommand& command) {
   std::puts(prints_json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
   std::fflush(stdout);
   if (!command.socket.empty())
-    say(command.common,
-        concat("on your own machine: ssh -N -L ", server.port(), ":", command.socket.string(), " ", "THIS_MACHINE"));
+    say(command.common, concat("on your own machine: ", tunnel_line(server.port(), command.socket)));
   else if (!command.opens_no_browser)
     open_browser(server.url());
   say(command.common, "Ctrl+C ends it");
@@ -166,7 +181,7 @@ Subcommand view_subcommand() {
                 with_details(
                     value_option("--socket", "FILE", "Listen on a Unix socket instead of a port", command->socket),
                     "For machines with several users, of whom any could reach a port. Only you may "
-                    "open the socket; the printed ssh command makes a tunnel to it"),
+                    "open the socket; the printed ssh command makes a tunnel to it, from --port (8123)"),
                 value_option("--allow-host", "NAME[,NAME...]", "Answer under these host names, too: those of a proxy",
                              command->hosts),
                 flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser),

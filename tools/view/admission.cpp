@@ -13,16 +13,30 @@
 
 namespace rhoray::tools {
 
-bool Admission::is_own_host(std::string_view host) const {
-  if (host == concat("127.0.0.1:", port) || host == concat("localhost:", port)) return true;
-  return std::any_of(proxies.begin(), proxies.end(), [&](const std::string& proxy) {
-    return host == proxy || host.starts_with(proxy + ":");  // proxies have ports of their own
+namespace {
+
+/// Whether this is one of the names, with any port or none.
+bool names_one_of(const std::vector<std::string>& names, std::string_view host) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    if (!host.starts_with(name)) return false;
+    const std::string_view rest = host.substr(name.size());
+    return rest.empty() || (rest.front() == ':' && rest.find_first_not_of("0123456789", 1) == std::string_view::npos);
   });
 }
 
+}  // namespace
+
+bool Admission::is_own_host(std::string_view host) const {
+  if (host == concat("127.0.0.1:", port) || host == concat("localhost:", port)) return true;
+  return names_one_of(proxies, host);
+}
+
 bool Admission::is_own_origin(std::string_view origin, std::string_view host) const {
-  const bool is_same = origin == concat("http://", host) || (!proxies.empty() && origin == concat("https://", host));
-  return is_own_host(host) && is_same;
+  if (!is_own_host(host)) return false;
+  if (origin == concat("http://", host)) return true;
+  for (const std::string_view scheme : {"http://", "https://"})
+    if (origin.starts_with(scheme) && names_one_of(proxies, origin.substr(scheme.size()))) return true;
+  return false;
 }
 
 bool Admission::has_token(std::string_view subprotocols) const {

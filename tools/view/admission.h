@@ -17,8 +17,8 @@ struct Admission {
 
   /// For a request's Host: 127.0.0.1 or localhost with the port, or a proxy with any port or none.
   bool is_own_host(std::string_view host) const;
-  /// For the Origin of a WebSocket's request: it must name the same host as Host. With proxies it
-  /// may be https.
+  /// For the Origin of a WebSocket's request: it must name the same host as Host, or a proxy, also
+  /// with https. Some proxies replace Host by the address of this server.
   bool is_own_origin(std::string_view origin, std::string_view host) const;
   /// For a list of WebSocket subprotocols, in which the page sends the token.
   bool has_token(std::string_view subprotocols) const;

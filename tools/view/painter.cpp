@@ -89,8 +89,9 @@ void Painter::take(ClientId id, const ClientMessage& message) {
   Client& client = **found;
   if (const auto* request = std::get_if<PictureRequest>(&message)) {
     client.newest = *request;
-    client.is_new = true;
-    if (running_ && running_->client == id && running_->may_be_ended) running_->source.request_stop();
+    client.is_new = true, client.not_before = {};
+    if (running_ && running_->may_be_ended && (running_->client == id || has_room(client)))
+      running_->source.request_stop();
   } else if (const auto* acknowledgement = std::get_if<Acknowledgement>(&message)) {
     if (const auto delay = client.sent_pictures.draw(acknowledgement->frame, Clock::now())) client.motion.drawn(*delay);
   } else if (const auto* probe = std::get_if<Probe>(&message)) {
@@ -110,13 +111,18 @@ bool Painter::has_room(const Client& client) const {
   return client.sent_pictures.has_room();
 }
 
+bool Painter::is_awaited(const Client& client) const {
+  return client.is_new || std::any_of(clients_.begin(), clients_.end(),
+                                      [&](const auto& each) { return each->is_request_due() && has_room(*each); });
+}
+
 /// The next client, in turn, for which something is to be done now; waits for the lock to be taken
 /// by the caller.
 std::shared_ptr<Painter::Client> Painter::next_with_work() {
   const auto has_work = [&](const Client& client) {
     if (client.wants_to_keep || client.probe) return true;
     if (!has_room(client)) return false;
-    if (client.is_new) return true;
+    if (client.is_request_due()) return true;
     return client.drawn && (!client.was_sent || client.is_rest_over());
   };
   for (std::size_t i = 0; i < clients_.size(); ++i) {
@@ -135,8 +141,9 @@ void Painter::run(const std::stop_token& stop) {
     {
       std::unique_lock lock(mutex_);
       const auto waits_for_rest = [&] {
-        return std::any_of(clients_.begin(), clients_.end(),
-                           [&](const auto& each) { return each->waits_at_rest() && has_room(*each); });
+        return std::any_of(clients_.begin(), clients_.end(), [&](const auto& each) {
+          return (each->is_new || each->waits_at_rest()) && has_room(*each);
+        });
       };
       client = next_with_work();
       if (!client && waits_for_rest()) {
@@ -165,7 +172,7 @@ void Painter::work_for(Client& client) {
     wants_to_keep = std::exchange(client.wants_to_keep, false);
     probe = std::exchange(client.probe, std::nullopt);
     may_send = has_room(client);
-    is_new = client.is_new && may_send;
+    is_new = client.is_request_due() && may_send;
     if (is_new) client.is_new = false;
   }
   const auto attempt = [&](const auto& act) {
@@ -184,7 +191,7 @@ void Painter::work_for(Client& client) {
 }
 
 /// Does work that the client's leaving, the end of the program and its deadline end, and a newer
-/// request as soon as it may.
+/// request of any client as soon as it may.
 Painter::Outcome Painter::run_until_ended(Client& client, Clock::time_point begin, bool may_be_ended,
                                           const std::function<void(std::stop_token)>& act) {
   const Clock::time_point deadline = begin + longest_picture_;
@@ -192,7 +199,7 @@ Painter::Outcome Painter::run_until_ended(Client& client, Clock::time_point begi
   {
     const std::lock_guard lock(mutex_);
     if (client.has_left || thread_.get_stop_token().stop_requested()) return Outcome::ended;
-    if (may_be_ended && client.is_new) return Outcome::ended;
+    if (may_be_ended && is_awaited(client)) return Outcome::ended;
     running_ = Running{client.id, deadline, source, may_be_ended};
   }
   changed_.notify_all();

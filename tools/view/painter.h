@@ -21,7 +21,8 @@ namespace rhoray::tools {
 /// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
 ///
 /// The newest request of a client wins. It ends an older one that is being traced, but not before a
-/// picture of the older one was sent. In motion a picture has as many pixels as there is time for
+/// picture of the older one was sent. It ends a picture of another client in the same way; that is
+/// traced again later. In motion a picture has as many pixels as there is time for
 /// (motion_pixels.h). No client has more than two pictures that it has not acknowledged. When it
 /// stops moving, the picture is refined to that of `rhoray render`, and is sent a second time
 /// without loss. In idle time random pixels of it are compared with exact arithmetic, and its
@@ -67,7 +68,8 @@ class Painter {
   void show_changes(Client& client, const PictureRequest& request);
   render::PictureSize moving_size(const Client& client, const PictureRequest& request);
   bool may_send(const Client& client);
-  bool has_room(const Client& client) const;  ///< with the mutex held
+  bool has_room(const Client& client) const;    ///< with the mutex held
+  bool is_awaited(const Client& client) const;  ///< with the mutex held: a request should end its work
   void send(Client& client, const render::Framebuffer& picture, PictureHeader header, const JpegQuality& quality,
             std::optional<Clock::time_point> moving_since = {});
   void send_finished(Client& client, const render::FrameStatistics& statistics);
@@ -81,7 +83,7 @@ class Painter {
     ClientId client = 0;
     Clock::time_point deadline;
     std::stop_source source;
-    bool may_be_ended = false;  ///< by a newer request
+    bool may_be_ended = false;  ///< by a newer request of any client
   };
 
   const ViewedScene viewed_;

@@ -33,7 +33,8 @@ struct PainterClient {
 
   // The painter's mutex guards these members.
   std::optional<PictureRequest> newest{};
-  bool is_new = false;  ///< the newest request was not taken up
+  bool is_new = false;             ///< the newest request was not taken up, or is to be drawn again
+  Clock::time_point not_before{};  ///< when it is taken up; later only if another client ended it
   bool wants_to_keep = false;
   std::optional<Probe> probe{};
   bool has_left = false;
@@ -51,13 +52,16 @@ struct PainterClient {
   double finished_ms = 0;
   double sent_spacing = 16;  ///< of the picture that was sent last
   Clock::time_point sent_at{};
-  render::ResolvedScene plan{};  ///< of `picture`
+  std::uint32_t sent_request = 0;  ///< whose picture was sent last
+  std::string machine{};           ///< that traced `picture`, for its file
+  render::ResolvedScene plan{};    ///< of `picture`
   render::Framebuffer picture{}, moving_picture{};
   render::RenderContext memory{};
 
   /// Something is to be done for a picture at rest, once its time has come and the client has room.
   bool waits_at_rest() const { return drawn && (!was_sent_lossless || !was_checked || !was_timed); }
   bool is_rest_over() const { return waits_at_rest() && Clock::now() >= finished + rest_before_lossless; }
+  bool is_request_due() const { return is_new && Clock::now() >= not_before; }
 };
 
 }  // namespace rhoray::tools

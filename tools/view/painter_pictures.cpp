@@ -106,13 +106,16 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   render::ResolvedScene& plan = client.plan;
   plan.frame.channels |= channels_of_annotations(plan);
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
-  // After a motion the page shows this view already, though with fewer pixels.
-  const double worst_spacing = begin < client.sent_at + rest_before_lossless ? client.sent_spacing : 16;
+  // The page shows this view already, though with fewer pixels, after a motion, and if another
+  // client ended this picture.
+  const bool was_begun = client.sent_request == request.number;
+  const bool is_shown = was_begun || begin < client.sent_at + rest_before_lossless;
+  const double worst_spacing = is_shown ? client.sent_spacing : 16;
   const int across = moving_size(client, request).width;
   int first_spacing = 1;
   while (first_spacing < 16 && first_spacing * across < request.width) first_spacing *= 2;
   Interval<double> heat;
-  bool is_sent = false, has_all_passes = false;
+  bool is_sent = was_begun, has_all_passes = false;
   const auto send_pass = [&](int spacing) {
     send(client, client.picture,
          {.is_thinned = true,
@@ -130,15 +133,18 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
     if (spacing > 1 && spacing <= worst_spacing && may_send(client)) send_pass(spacing);
     const std::lock_guard lock(mutex_);
     if (running_) running_->may_be_ended = is_sent || has_all_passes;
-    const bool is_current = !client.is_new && !client.has_left;
-    return is_current || !is_sent || has_all_passes;
+    const bool goes_on = !is_awaited(client) && !client.has_left;
+    return goes_on || !is_sent || has_all_passes;
   };
   const auto statistics =
-      trace(client, plan, {.first_spacing = first_spacing, .pass_done = pass_done}, begin, client.picture);
+      trace(client, plan, {.first_spacing = first_spacing, .pass_done = pass_done}, begin, client.picture, was_begun);
   if (!statistics) {  // ended; edges may not be smooth
     if (has_all_passes && !is_sent && may_send(client)) send_pass(1);
+    const std::lock_guard lock(mutex_);
+    if (!client.is_new) client.is_new = true, client.not_before = Clock::now() + rest_before_lossless;
     return;
   }
+  client.machine = statistics->machine;
   draw_annotations(plan, heat, client.picture);
   client.drawn = request;
   client.finished = Clock::now();
@@ -192,10 +198,12 @@ void Painter::send(Client& client, const render::Framebuffer& picture, PictureHe
     const std::lock_guard lock(mutex_);
     header.frame = client.sent_pictures.next_frame();
   }
+  client.sent_request = header.request;
   client.sent_spacing = static_cast<double>(header.spacing);
   client.sent_at = Clock::now();
-  std::vector<std::byte> message =
-      header.codec == Codec::png ? png_message(header, picture) : jpeg_message(header, picture, quality);
+  std::vector<std::byte> message = header.codec == Codec::png
+                                       ? png_message(header, picture, viewed_.texts_of(client.plan, client.machine))
+                                       : jpeg_message(header, picture, quality);
   if (moving_since) {
     const std::lock_guard lock(mutex_);
     client.sent_pictures.send_moving(header.frame, *moving_since, Clock::now());
@@ -211,7 +219,8 @@ void Painter::send_finished(Client& client, const render::FrameStatistics& stati
                                     {"statistics", statistics_json(statistics)}}}}));
 }
 
-/// Traces one more of the pictures that tell what effects cost. A newer request ends it.
+/// Traces one more of the pictures that tell what effects cost. A newer request ends it; it is then
+/// tried again.
 void Painter::time_effects(Client& client) {
   client.was_timed = true;  // also if it fails
   Json json{{"n", client.drawn->number}};
@@ -220,7 +229,10 @@ void Painter::time_effects(Client& client) {
   } else {
     if (!client.effect_times) client.effect_times.emplace(client.plan);
     const Clock::time_point begin = Clock::now();
-    if (!trace(client, client.effect_times->next(), {.first_spacing = 1}, begin, client.moving_picture, true)) return;
+    if (!trace(client, client.effect_times->next(), {.first_spacing = 1}, begin, client.moving_picture, true)) {
+      client.was_timed = false, client.finished = Clock::now();
+      return;
+    }
     client.effect_times->took(ms_since(begin));
     client.was_timed = client.effect_times->is_done();
     if (!client.was_timed) return;
@@ -231,7 +243,7 @@ void Painter::time_effects(Client& client) {
 }
 
 /// Compares random pixels of the picture, and pixels at edges, with exact arithmetic. A newer
-/// request ends it.
+/// request ends it; it is then tried again.
 void Painter::check(Client& client) {
   client.was_checked = true;  // also if it fails
   Json json{{"n", client.drawn->number}};
@@ -245,7 +257,10 @@ void Painter::check(Client& client) {
           .pixels = checked_pixels, .seed = client.drawn->number, .limit = {}, .stop = std::move(stop)};
       found = check_picture(client.plan, client.picture, options, threads_);
     });
-    if (outcome == Outcome::ended) return;
+    if (outcome == Outcome::ended) {
+      client.was_checked = false, client.finished = Clock::now();
+      return;
+    }
     if (outcome == Outcome::took_too_long)
       json["why_not"] = "The comparison with exact arithmetic takes too long.";
     else

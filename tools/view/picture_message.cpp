@@ -14,6 +14,7 @@
 #include "formats/base/error.h"
 #include "formats/base/text.h"
 #include "render/png.h"
+#include "tools/pictures/pictures.h"
 
 namespace rhoray::tools {
 
@@ -138,9 +139,10 @@ std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::F
   return message;
 }
 
-std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture) {
+std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture,
+                                   const std::vector<PictureText>& texts) {
   std::vector<std::byte> message = started(header);
-  const std::vector<std::byte> png = render::encode_png(picture, {});
+  const std::vector<std::byte> png = encode_picture(picture, texts, "picture.png");
   message.insert(message.end(), png.begin(), png.end());
   return message;
 }

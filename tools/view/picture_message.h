@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/framebuffer.h"
+#include "tools/pictures/stored_picture.h"
 
 namespace rhoray::tools {
 
@@ -36,7 +37,8 @@ struct JpegQuality {
 /// picture, thinned where the header says so.
 std::vector<std::byte> jpeg_message(const PictureHeader& header, const render::Framebuffer& picture,
                                     const JpegQuality& quality);
-/// As above, without loss, and never thinned.
-std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture);
+/// As above, without loss, and never thinned. The texts stand in the PNG file.
+std::vector<std::byte> png_message(const PictureHeader& header, const render::Framebuffer& picture,
+                                   const std::vector<PictureText>& texts);
 
 }  // namespace rhoray::tools

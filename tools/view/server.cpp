@@ -13,6 +13,7 @@
 #include <chrono>
 #include <deque>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -38,6 +39,7 @@ constexpr std::size_t most_clients = 8, most_connections = 64, most_header_bytes
 constexpr auto longest_silence = std::chrono::seconds(10);
 constexpr auto longest_without_pong = std::chrono::seconds(30);
 constexpr std::size_t most_bytes_waiting = std::size_t{64} << 20;  ///< for a client that does not read
+constexpr std::size_t most_messages_waiting = 1024;
 constexpr std::uint16_t usual_tunnel_port = 8123;
 
 using Request = http::request<http::empty_body>;
@@ -122,6 +124,7 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
       response.set(http::field::sec_websocket_protocol, boost::string_view(view_protocol.data(), view_protocol.size()));
     }));
     socket_.read_message_max(view_limits::message_bytes);
+    socket_.auto_fragment(false);  // a picture is one frame; the default cuts it into pieces of 4 KiB
     socket_.async_accept(request, [self = this->shared_from_this()](Code error) {
       if (!error) self->welcome();
     });
@@ -178,7 +181,8 @@ class Session : public std::enable_shared_from_this<Session<Protocol>> {
       if (id_ && shared_.link.has(*id_) && text->starts_with(R"({"error")")) shared_.link.report(*text);
     const std::size_t bytes = std::visit([](const auto& each) { return each.size(); }, message);
     bytes_waiting_ += bytes;
-    if (bytes_waiting_ > most_bytes_waiting) return beast::get_lowest_layer(socket_).close();
+    if (bytes_waiting_ > most_bytes_waiting || waiting_.size() == most_messages_waiting)
+      return beast::get_lowest_layer(socket_).close();
     waiting_.push_back(std::move(message));
     if (waiting_.size() == 1) write();
   }
@@ -261,8 +265,13 @@ template <class Protocol>
 void accept(Shared& shared, typename Protocol::acceptor& acceptor) {
   acceptor.async_accept([&](Code error, typename Protocol::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && shared.connection_count < most_connections)
+    if (!error && shared.connection_count < most_connections) {
+      if constexpr (std::is_same_v<Protocol, asio::ip::tcp>) {
+        Code ignored;  // the end of a small message does not wait until the one before has arrived
+        socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+      }
       std::make_shared<Connection<Protocol>>(shared, std::move(socket))->start();
+    }
     accept<Protocol>(shared, acceptor);
   });
 }
@@ -281,7 +290,7 @@ class Server::Implementation {
     if (socket_path_.empty())
       listen(options.port);
     else
-      listen_on_socket();
+      listen_on_socket(options.port);
   }
 
   ~Implementation() {
@@ -314,16 +323,18 @@ class Server::Implementation {
     }
   }
 
-  void listen_on_socket() {
+  void listen_on_socket(std::uint16_t tunnel_port) {
     const mode_t old_mask = ::umask(0177);  // the socket is born with mode 0600
     try {
       unix_.emplace(shared_.context, Unix::endpoint(socket_path_.string()));
     } catch (const boost::system::system_error& error) {
       ::umask(old_mask);
-      throw Error(ErrorCode::resource, concat(socket_path_.string(), ": ", error.code().message()));
+      const bool is_there = error.code() == asio::error::address_in_use;
+      throw Error(ErrorCode::resource, concat(socket_path_.string(), ": ", error.code().message(),
+                                              is_there ? "; if no viewer uses it any more, remove it" : ""));
     }
     ::umask(old_mask);
-    shared_.admission.port = usual_tunnel_port;
+    shared_.admission.port = tunnel_port != 0 ? tunnel_port : usual_tunnel_port;
   }
 
   Shared shared_;

@@ -14,7 +14,8 @@ namespace rhoray::tools {
 
 struct ServerOptions {
   std::uint16_t port = 0;                    ///< on the loopback interface; 0: a free one
-  std::filesystem::path socket{};            ///< a Unix socket instead, mode 0600; empty: none
+  std::filesystem::path socket{};            ///< a Unix socket instead, mode 0600; empty: none. Then
+                                             ///< `port` is that of the tunnel; 0: 8123
   std::vector<std::string> allowed_hosts{};  ///< names under which a proxy reaches the server
   unsigned threads = 0;                      ///< that trace; 0 = all cores
   /// Takes messages to the program that started the server, JSON (PROTOCOL.md). The server's thread
@@ -26,8 +27,9 @@ struct ServerOptions {
 /// reads no file that a client names and writes none.
 ///
 /// A request must name this server in Host, a WebSocket's also in Origin, and bring the token of
-/// the URL. At most 8 clients, 64 connections, 8 KiB of headers, 64 KiB a message; a connection
-/// that says nothing for 10 s, and a client that does not answer pings, is closed.
+/// the URL. At most 8 clients, 64 connections, 8 KiB of headers, 64 KiB a message. A connection that
+/// says nothing for 10 s is closed, and so is a client that does not answer pings, or for which
+/// 1024 messages or 64 MiB wait.
 class Server {
  public:
   /// Listens. Refuses an address that is taken (ErrorCode::resource).
@@ -37,7 +39,7 @@ class Server {
   ~Server();
 
   /// "http://127.0.0.1:40123/#token=...": the token stands in the fragment, which browsers send to
-  /// nobody. With a socket the address is that of a tunnel to it, at port 8123.
+  /// nobody. With a socket the address is that of a tunnel to it.
   std::string url() const;
   std::uint16_t port() const;
   std::string hello() const;  ///< the first message to a client and to the program

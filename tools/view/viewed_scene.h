@@ -8,6 +8,7 @@
 #include "render/accuracy.h"
 #include "render/document.h"
 #include "tools/analysis/effect_costs.h"
+#include "tools/pictures/stored_picture.h"
 #include "tools/view/client_message.h"
 
 namespace rhoray::tools {
@@ -23,6 +24,9 @@ struct ViewedScene {
   std::function<render::ResolvedScene(const render::SceneSpec&)> resolve{};
   /// The command that draws a scene.
   std::function<std::string(const render::ResolvedScene&)> command_of{};
+  /// The texts of a picture file, with which `rhoray render` draws it again; the machine that
+  /// traced it.
+  std::function<std::vector<PictureText>(const render::ResolvedScene&, std::string_view machine)> texts_of{};
 };
 
 /// A scene as a client changed it.

@@ -19,9 +19,16 @@ TEST(Admission, takes_its_own_host_and_port_only) {
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org"));
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org:8443"));
   EXPECT_FALSE(behind_proxy.is_own_host("hub.example.org.evil.com"));
+  EXPECT_FALSE(behind_proxy.is_own_host("hub.example.org:8443.evil.com"));
   EXPECT_FALSE(behind_proxy.is_own_host("127.0.0.1"));
   EXPECT_TRUE(behind_proxy.is_own_origin("https://hub.example.org", "hub.example.org"));
   EXPECT_FALSE(behind_proxy.is_own_origin("https://evil.com", "hub.example.org"));
+  // Some proxies replace Host by the address of the server.
+  EXPECT_TRUE(behind_proxy.is_own_origin("https://hub.example.org:8443", "127.0.0.1:4711"));
+  EXPECT_TRUE(behind_proxy.is_own_origin("http://127.0.0.1:4711", "127.0.0.1:4711"));
+  for (const char* origin : {"https://evil.com", "https://hub.example.org.evil.com", "https://127.0.0.1:4711",
+                             "ftp://hub.example.org", "hub.example.org", "https://hub.example.org/"})
+    EXPECT_FALSE(behind_proxy.is_own_origin(origin, "127.0.0.1:4711")) << origin;
 }
 
 TEST(Admission, takes_an_origin_that_is_there_and_names_the_own_host) {

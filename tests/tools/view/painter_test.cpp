@@ -6,9 +6,9 @@
 #include <chrono>
 
 #include "formats/base/json.h"
-#include "render/png.h"
 #include "tests/tools/view/viewed.h"
 #include "tools/pictures/annotations.h"
+#include "tools/pictures/pictures.h"
 #include "tools/view/picture_message.h"
 
 namespace rhoray::tests {
@@ -64,7 +64,7 @@ Json message(Inbox& inbox, const char* key, std::optional<std::uint32_t> id = {}
   }
 }
 
-/// The picture of `render`, as a PNG.
+/// The picture of `render`, as a PNG with its texts.
 std::vector<std::byte> rendered(const ViewedScene& viewed, const PictureRequest& request) {
   const render::ResolvedScene plan =
       with_request(viewed, changed_scene(viewed, document_to_change(viewed), request.patch), request);
@@ -72,11 +72,21 @@ std::vector<std::byte> rendered(const ViewedScene& viewed, const PictureRequest&
   render::FrameOptions frame = plan.frame;
   frame.channels |= channels_of_annotations(plan);
   if (plan.page) frame.channels |= render::channel_of(*plan.page);
-  render::render(plan.datasets, plan.scene, frame, picture);
+  const render::FrameStatistics statistics = render::render(plan.datasets, plan.scene, frame, picture);
   Interval<double> heat;
   if (plan.page) heat = draw_heat_map(*plan.page, picture);
   draw_annotations(plan, heat, picture);
-  return render::encode_png(picture, {});
+  return encode_picture(picture, viewed.texts_of(plan, statistics.machine), "picture.png");
+}
+
+/// Acknowledges pictures up to the lossless one.
+void acknowledge_finished_picture(Painter& painter, Painter::ClientId client, Inbox& inbox) {
+  for (std::size_t frame = 1;; ++frame) {
+    const auto pictures = inbox.pictures(frame);
+    ASSERT_GE(pictures.size(), frame) << "nothing more came";
+    painter.take(client, Acknowledgement{static_cast<std::uint32_t>(frame)});
+    if (read_picture_header(pictures[frame - 1]).codec == Codec::png) return;
+  }
 }
 
 struct Finish {
@@ -239,6 +249,40 @@ TEST(Painter, ends_the_first_pass_of_a_client_that_leaves) {
   EXPECT_EQ(heavy_inbox.pictures(0).size(), 0U);
 }
 
+TEST(Painter, ends_the_work_for_a_client_at_rest_for_the_picture_of_another_and_does_it_later) {
+  const TemporaryFolder folder;
+  Inbox resting, moving;
+  Painter painter(viewed_box(folder), 2);
+  const Painter::ClientId of_resting = painter.add(resting.sink()), of_moving = painter.add(moving.sink());
+  std::uint32_t number = 0;
+  const auto move = [&](int pictures) {
+    for (; pictures > 0; --pictures) {
+      painter.take(of_moving, PictureRequest{.number = ++number, .width = 60, .height = 50, .is_moving = true});
+      ASSERT_GE(moving.pictures(number).size(), number);
+      painter.take(of_moving, Acknowledgement{number});
+    }
+  };
+  const auto is_told = [&](const char* key) {
+    return testing::Value(resting.texts(0), testing::Contains(testing::HasSubstr(concat("{\"", key, "\""))));
+  };
+  // A picture that takes some hundred times as long as those of the other client.
+  painter.take(
+      of_resting,
+      PictureRequest{
+          .number = 1, .patch = R"({"effects": {"ambient_occlusion": {"samples": 16}}})", .width = 900, .height = 900});
+  ASSERT_GE(resting.pictures(1).size(), 1U);
+  move(10);
+  EXPECT_FALSE(is_told("finished"));
+  acknowledge_finished_picture(painter, of_resting, resting);
+  EXPECT_EQ(message(resting, "finished")["n"], 1);
+  for (int pause = 0; pause < 40 && !is_told("effects"); ++pause) {
+    move(3);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  EXPECT_TRUE(is_told("check"));
+  EXPECT_TRUE(is_told("effects"));
+}
+
 TEST(Painter, serves_others_while_one_client_floods_and_another_never_acknowledges) {
   const TemporaryFolder folder;
   Inbox good, silent, flooding;
@@ -304,16 +348,6 @@ TEST(Painter, says_what_was_resolved_what_it_cost_and_what_exact_arithmetic_find
   EXPECT_EQ(check["missed"], 0);
   EXPECT_EQ(check["false_hits"], 0);
   EXPECT_LT(check["kept_by_99"], 1e-3);  // float decides hits in these cells to 1e-6; 1e-3 tells a wrong unit
-}
-
-/// Acknowledges pictures up to the lossless one.
-void acknowledge_finished_picture(Painter& painter, Painter::ClientId client, Inbox& inbox) {
-  for (std::size_t frame = 1;; ++frame) {
-    const auto pictures = inbox.pictures(frame);
-    ASSERT_GE(pictures.size(), frame) << "nothing more came";
-    painter.take(client, Acknowledgement{static_cast<std::uint32_t>(frame)});
-    if (read_picture_header(pictures[frame - 1]).codec == Codec::png) return;
-  }
 }
 
 TEST(Painter, says_why_a_picture_is_not_compared_with_exact_arithmetic) {

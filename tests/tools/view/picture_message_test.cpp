@@ -80,7 +80,7 @@ TEST(PictureMessage, has_a_header_that_is_read_again) {
                              .height = 3,
                              .trace_ms = 1.5F,
                              .spacing = 2.25F};
-  std::vector<std::byte> message = png_message(header, ramp(4, 3));
+  std::vector<std::byte> message = png_message(header, ramp(4, 3), {});
   const PictureHeader read = read_picture_header(message);
   EXPECT_EQ(read.codec, header.codec);
   EXPECT_EQ(read.is_thinned, header.is_thinned);

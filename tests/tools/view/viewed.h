@@ -37,6 +37,10 @@ inline tools::ViewedScene viewed_box(const TemporaryFolder& folder,
   viewed.plan = viewed.resolve(scene_spec);
   aim_camera(scene_spec, viewed.plan);
   viewed.command_of = [](const render::ResolvedScene& plan) { return concat("iso ", plan.scene.layers[0].isovalue); };
+  viewed.texts_of = [command_of = viewed.command_of](const render::ResolvedScene& plan, std::string_view machine) {
+    return std::vector<tools::PictureText>{{"rhoray:command", command_of(plan)},
+                                           {"rhoray:machine", std::string(machine)}};
+  };
   return viewed;
 }
 

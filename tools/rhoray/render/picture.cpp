@@ -158,14 +158,19 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
   return framebuffer;
 }
 
+std::vector<PictureText> texts_of_picture(const render::SceneSpec& scene, const std::filesystem::path& folder,
+                                          const std::string& command, std::string_view machine) {
+  return {{"Software", concat("rhoray ", version())},
+          {"rhoray:command", command},
+          {scene_text_name, render::scene_text(scene, folder)},
+          {"rhoray:machine", std::string(machine)}};
+}
+
 void write(const RenderCommand& command, const render::Framebuffer& picture, const render::SceneSpec& scene,
            Drawn& drawn) {
   const Stopwatch writing;
   const std::filesystem::path folder = std::filesystem::absolute(drawn.output).parent_path();
-  const std::vector<PictureText> texts{{"Software", concat("rhoray ", version())},
-                                       {"rhoray:command", drawn.reproduce},
-                                       {scene_text_name, render::scene_text(scene, folder)},
-                                       {"rhoray:machine", std::string(drawn.statistics.machine)}};
+  const std::vector<PictureText> texts = texts_of_picture(scene, folder, drawn.reproduce, drawn.statistics.machine);
   if (drawn.to_stdout) {
     const std::vector<std::byte> bytes = encode_picture(picture, texts, "picture.png");
     std::fwrite(bytes.data(), 1, bytes.size(), stdout);  // that it was taken is seen at the end (interrupt.h)

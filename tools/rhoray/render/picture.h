@@ -9,6 +9,7 @@
 #include "render/accuracy.h"
 #include "render/document.h"
 #include "render/render.h"
+#include "tools/pictures/stored_picture.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
 
@@ -69,6 +70,12 @@ void prove_ranges(const RenderCommand& command, Drawn& drawn);
 
 /// Traces the picture and draws over it.
 render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn);
+
+/// The texts of a picture file, with which `render` draws it again.
+/// @param folder   that file names in the scene are made relative to; empty: as they are
+/// @param command  that draws it again
+std::vector<PictureText> texts_of_picture(const render::SceneSpec& scene, const std::filesystem::path& folder,
+                                          const std::string& command, std::string_view machine);
 
 /// Writes a picture with all that makes it again.
 void write(const RenderCommand& command, const render::Framebuffer& picture, const render::SceneSpec& scene,
