@@ -3,6 +3,7 @@
 
 #include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
+#include "formats/base/stopping.h"
 #include "render/accuracy.h"
 #include "render/method_words.h"
 #include "render/render.h"
@@ -55,14 +56,16 @@ struct Alone {
   }
 };
 
-double traced_ms(Alone& alone) {
+double traced_ms(Alone& alone, const std::stop_token& stop) {
   Framebuffer picture;
   RenderContext memory;
   const FrameOptions frame{
       .width = alone.size.width, .height = alone.size.height, .threads = alone.threads, .machine = alone.machine};
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
-    const FrameStatistics statistics = render(alone.dataset, alone.scene, frame, picture, memory);
+    const FrameStatistics statistics =
+        refine(alone.dataset, alone.scene, frame, {.first_spacing = 1, .stop = stop}, picture, memory);
+    end_if_stopped(stop);
     const double taken = 1e3 * (statistics.wall_s - statistics.preparation_s);
     // The first fills caches; a slow one is timed once.
     if (time > 0 || taken > 500) ms.push_back(taken);
@@ -94,7 +97,7 @@ Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Go
                                                       truth.rays);
   const ErrorCounts errors = count_errors(errors_against(truth, alone.layer().mode, hits));
   candidate.error = errors.kept_by(0.99) / alone.unit();
-  candidate.foreseen_ms = traced_ms(alone);
+  candidate.foreseen_ms = traced_ms(alone, stop);
   if (goal.max_error) {
     const std::uint64_t seen = errors.true_hits + errors.false_hits;
     const std::uint64_t beyond = errors.beyond(*goal.max_error * alone.unit());

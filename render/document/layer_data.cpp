@@ -49,6 +49,10 @@ formats::PackedFile open_packed_colors(const DataSpec& data) {
   return formats::PackedFile::open(data.file);
 }
 
+std::string given_as(const SceneSpec& scene_spec, std::string_view option, std::string_view key) {
+  return scene_spec.document.empty() ? std::string(option) : concat('"', key, '"');
+}
+
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer) {
   return root(scene_spec).at("layers").at(layer);
 }

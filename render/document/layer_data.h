@@ -8,6 +8,9 @@
 
 namespace rhoray::render {
 
+/// What the user wrote: an option on the command line, or a key of the document, in quotes.
+std::string given_as(const SceneSpec& scene_spec, std::string_view option, std::string_view key);
+
 /// The place of a layer in the document.
 Place layer_place(const SceneSpec& scene_spec, std::size_t layer);
 

@@ -1,6 +1,6 @@
 #include "render/document/layer_type.h"
 
-#include <utility>
+#include <tuple>
 
 #include "formats/base/error.h"
 #include "render/document/layer_data.h"
@@ -15,9 +15,10 @@ namespace {
 void require_level_of_triangles(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
   const std::string accuracy = accuracy_of(scene_spec, layer);
   if (!accuracy.empty() && !is_level_of_triangles(accuracy))
-    throw Error(ErrorCode::usage, concat("--accuracy: found '", accuracy, "'; expected float or double for ",
-                                         dataset.has_fields() ? "the boundary of " : "", dataset.file().name(),
-                                         dataset.has_fields() ? "" : ", which holds triangles"));
+    throw Error(ErrorCode::usage,
+                concat(given_as(scene_spec, "--accuracy", "accuracy"), ": found '", accuracy,
+                       "'; expected float or double for ", dataset.has_fields() ? "the boundary of " : "",
+                       dataset.file().name(), dataset.has_fields() ? "" : ", which holds triangles"));
 }
 
 }  // namespace
@@ -59,29 +60,30 @@ Method choose_method(const SceneSpec& scene_spec, std::size_t index, Mode mode, 
 }
 
 void refuse_words_of_fields(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& dataset) {
-  for (const auto& [given, option] : {std::pair{layer.isovalues != LayerSpec{}.isovalues, "--iso"},
-                                      {layer.type == LayerType::mip, "--mode"},
-                                      {layer.type == LayerType::boundary, "--mode"},
-                                      {layer.type == LayerType::slice, "--slice"},
-                                      {!layer.color_by.empty(), "--color-by"},
-                                      {!layer.colormap.empty(), "--colormap"},
-                                      {layer.range.has_value(), "--range"},
-                                      {!layer.scale.empty(), "--color-scale"},
-                                      {layer.levels.has_value(), "--levels"},
-                                      {!layer.method.empty(), "--method"}})
+  for (const auto& [given, option, key] : {std::tuple{layer.isovalues != LayerSpec{}.isovalues, "--iso", "isovalue"},
+                                           {layer.type == LayerType::mip, "--mode", "type"},
+                                           {layer.type == LayerType::boundary, "--mode", "type"},
+                                           {layer.type == LayerType::slice, "--slice", "type"},
+                                           {!layer.color_by.empty(), "--color-by", "color_by"},
+                                           {!layer.colormap.empty(), "--colormap", "colormap"},
+                                           {layer.range.has_value(), "--range", "range"},
+                                           {!layer.scale.empty(), "--color-scale", "scale"},
+                                           {layer.levels.has_value(), "--levels", "levels"},
+                                           {!layer.method.empty(), "--method", "method"}})
     if (given)
-      throw Error(ErrorCode::usage,
-                  concat(option, ": needs a field, and ", dataset.file().name(), " holds only triangles"));
+      throw Error(ErrorCode::usage, concat(given_as(scene_spec, option, key), ": needs a field, and ",
+                                           dataset.file().name(), " holds only triangles"));
   require_level_of_triangles(scene_spec, layer, dataset);
 }
 
 void refuse_words_of_isosurfaces(const SceneSpec& scene_spec, const LayerSpec& layer, const Dataset& boundary) {
-  for (const auto& [given, option] : {std::pair{layer.isovalues != LayerSpec{}.isovalues, "--iso"},
-                                      {!layer.method.empty(), "--method"},
-                                      {layer.context.value_or(0) > 0, "--context"}})
+  for (const auto& [given, option, key] : {std::tuple{layer.isovalues != LayerSpec{}.isovalues, "--iso", "isovalue"},
+                                           {!layer.method.empty(), "--method", "method"},
+                                           {layer.context.value_or(0) > 0, "--context", "context"}})
     if (given)
-      throw Error(ErrorCode::usage, concat(option, ": needs an isosurface; a boundary has none"),
-                  "leave it out, or use --mode iso");
+      throw Error(ErrorCode::usage,
+                  concat(given_as(scene_spec, option, key), ": needs an isosurface; a boundary has none"),
+                  concat("leave it out, or use ", scene_spec.document.empty() ? "--mode iso" : "type \"isosurface\""));
   require_level_of_triangles(scene_spec, layer, boundary);
 }
 

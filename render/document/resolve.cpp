@@ -69,8 +69,12 @@ class LayerPlanner {
     if (type == LayerType::boundary) return add_boundary(index, layer);
     if (dataset.is_mesh() && plan_.data[layer.dataset].label) refuse_label(index, dataset);
     if (spec.feature_edges)
-      throw Error(ErrorCode::usage, "--feature-edges: needs triangles or the boundary of a mesh",
-                  dataset.is_mesh() ? "leave it out, or add --mode boundary" : "");
+      throw Error(ErrorCode::usage,
+                  concat(given_as(scene_spec_, "--feature-edges", "feature_edges"),
+                         ": needs triangles or the boundary of a mesh"),
+                  !dataset.is_mesh()             ? ""
+                  : scene_spec_.document.empty() ? "leave it out, or add --mode boundary"
+                                                 : "leave it out, or use type \"boundary\"");
     if (type == LayerType::slice) {
       choose_slice(spec, dataset, layer_place(scene_spec_, index), layer);
       return put(index, layer, {});
@@ -184,8 +188,8 @@ class LayerPlanner {
   /// Refuses a context of data that have no boundary.
   void require_context(std::size_t index, const Dataset& dataset) const {
     if (!(scene_spec_.layers[index].context.value_or(0) > 0) || dataset.is_mesh()) return;
-    throw Error(ErrorCode::usage, concat("--context: needs a mesh, and ", dataset.file().name(), " is a ",
-                                         dataset.is_surface() ? "surface" : "grid"));
+    throw Error(ErrorCode::usage, concat(given_as(scene_spec_, "--context", "context"), ": needs a mesh, and ",
+                                         dataset.file().name(), " is a ", dataset.is_surface() ? "surface" : "grid"));
   }
 
   /// Adds the boundary of a mesh around its isosurfaces, if the layer asks for it or is automatic.

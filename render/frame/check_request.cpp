@@ -14,6 +14,16 @@ namespace rhoray::render {
 
 namespace {
 
+/// Calls check(element) of each; a refusal says which one it is.
+template <class List, class Check>
+void check_each(const char* name, const List& list, const Check& check) {
+  for (std::size_t i = 0; i < list.size(); ++i) try {
+      check(list[i]);
+    } catch (const Error& error) {
+      throw Error(error.code(), concat(name, ' ', i, ": ", error.what()), error.hint());
+    }
+}
+
 bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -100,14 +110,15 @@ void check_clip(const Clip& clip) {
                                              "; expected one that is not empty"));
   if (clip.planes.size() > Clip::most_planes)
     throw Error(ErrorCode::usage, concat(clip.planes.size(), " clip planes; expected at most ", Clip::most_planes));
-  for (const HalfSpace& plane : clip.planes)
+  check_each("clip plane", clip.planes, [](const HalfSpace& plane) {
     if (!is_finite(plane.point) || !is_finite(plane.normal) || plane.normal == Vec3(0, 0, 0))
-      throw Error(ErrorCode::usage, concat("a clip plane through ", text_of(plane.point), " with the normal ",
-                                           text_of(plane.normal), "; expected finite numbers and a direction"));
+      throw Error(ErrorCode::usage, concat("through ", text_of(plane.point), " with the normal ", text_of(plane.normal),
+                                           "; expected finite numbers and a direction"));
+  });
 }
 
 void check_effects(const Scene& scene) {
-  for (const Light& light : scene.lights) check_light(light);
+  check_each("light", scene.lights, check_light);
   const Occlusion& occlusion = scene.occlusion;
   if (occlusion.samples < 0 || occlusion.samples > 4096 || !(occlusion.radius >= 0))
     throw Error(ErrorCode::usage, concat("occlusion by ", occlusion.samples, " samples up to ", occlusion.radius,
@@ -141,7 +152,7 @@ void check_request(std::span<const Dataset> datasets, const Scene& scene, const 
                 concat("a scene of ", scene.layers.size(), " layers; expected 1 to ", LayerOfRays::none - 1));
   if (options.antialiasing < 1 || options.antialiasing > most_samples)
     throw Error(ErrorCode::usage, concat(options.antialiasing, " samples of a pixel; expected 1 to ", most_samples));
-  for (const Layer& layer : scene.layers) check_layer(datasets, layer);
+  check_each("layer", scene.layers, [&](const Layer& layer) { check_layer(datasets, layer); });
   check_effects(scene);
   if (scene.clip) check_clip(*scene.clip);
   if (options.channels.error && !all_prove(scene))

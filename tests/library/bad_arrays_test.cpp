@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <new>
 
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
@@ -58,8 +59,44 @@ TEST(ArrayViews, refuse_strides_that_overflow) {
   refuse(most, {2}, {smallest}, &value);
   refuse(most, {3, 3}, {largest / 4, largest / 3}, &value);
   refuse(most, {2, 2}, {-largest / 2, -largest / 2 - 8}, &value);
+  // One value that is repeated: the array is small, but a copy of it would not be.
+  refuse(most, {largest / 4, 2}, {0, 0}, &value);
+  refuse(most, {largest / 4 + 1}, {0}, &value);
   const Numbers shape{2, 2}, strides{0, -4};
   EXPECT_EQ(ArrayView(&value, ElementType::F32, shape, strides).count(), 4);
+}
+
+TEST(ArrayViews, refuse_a_number_that_is_no_type) {
+  const float value = 0;
+  const Numbers one{1}, stride{4};
+  expect_refused(ErrorCode::usage, "ElementType: found 10; expected a number from 0 to 9",
+                 [&] { ArrayView(&value, static_cast<ElementType>(10), one, stride); });
+}
+
+// A view of one value that is repeated may describe more than memory can hold.
+TEST(LargeArrays, of_a_repeated_value_are_refused_or_there_is_no_memory) {
+  const float value = 1;
+  const auto view = [&](const Numbers& shape) {
+    return ArrayView(&value, ElementType::F32, shape, Numbers(shape.size(), 0));
+  };
+  const std::int64_t many = std::int64_t{1} << 59;
+  EXPECT_THROW(pack(GridArrays{.fields = {{.name = "f", .values = view({many / 4, 2, 2})}}}, AxisOrder::zyx),
+               std::bad_alloc);
+  EXPECT_THROW(pack(SurfaceArrays{.points = view({many, 3}), .triangles = {}}), std::bad_alloc);
+  EXPECT_THROW(pack(SurfaceArrays{.points = view({many / 8, 3}), .triangles = {}}), std::bad_alloc);
+  // A call that was stopped before does not begin to copy.
+  std::stop_source stop;
+  stop.request_stop();
+  const PackOptions stopped{.stop = stop.get_token()};
+  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+    pack(SurfaceArrays{.points = view({many, 3}), .triangles = {}}, stopped);
+  });
+  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+    pack(MeshArrays{.points = view({many, 3}), .tetrahedra = {}}, stopped);
+  });
+  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+    pack(GridArrays{.fields = {{.name = "f", .values = view({many / 4, 2, 2})}}}, AxisOrder::zyx, stopped);
+  });
 }
 
 /// A grid that is in order; each test spoils it in one way.
@@ -77,6 +114,14 @@ void refuse_grid(const std::string& words, const Spoil& spoil) {
   GoodGrid good;
   spoil(good.grid);
   good.refuse(words);
+}
+
+TEST(BadGrids, are_refused_with_numbers_that_are_no_enumerators) {
+  const GoodGrid good;
+  expect_refused(ErrorCode::usage, "AxisOrder: found 7; expected a number from 0 to 1",
+                 [&] { pack(good.grid, static_cast<AxisOrder>(7)); });
+  expect_refused(ErrorCode::usage, "PackOptions::memory: found 5; expected a number from 0 to 1",
+                 [&] { pack(good.grid, AxisOrder::zyx, {.memory = static_cast<Memory>(5)}); });
 }
 
 TEST(BadGrids, are_refused_for_their_fields) {

@@ -100,43 +100,43 @@ TEST_F(BadScenes, with_numbers_that_are_not_finite) {
   before_ = bits_of(picture_);
   const auto slice = [](Scene& scene) -> Slice& { return std::get<Slice>(scene.layers[1].show); };
   struct Number {
-    const char* name;
+    const char* refusal;  ///< how it begins
     std::function<double&(Scene&)> of;
   };
-  const Number numbers[] = {{"color", [](Scene& s) -> double& { return s.layers[0].material.color.y; }},
-                            {"ambient", [](Scene& s) -> double& { return s.layers[0].material.ambient; }},
-                            {"specular", [](Scene& s) -> double& { return s.layers[0].material.specular; }},
-                            {"shininess", [](Scene& s) -> double& { return s.layers[0].material.shininess; }},
-                            {"opacity", [](Scene& s) -> double& { return s.layers[0].material.opacity; }},
-                            {"plane.point", [&](Scene& s) -> double& { return slice(s).plane.point.y; }},
-                            {"plane.normal", [&](Scene& s) -> double& { return slice(s).plane.normal.z; }},
-                            {"point light", [](Scene& s) -> double& { return s.lights[0].place.x; }},
-                            {"colour of light", [](Scene& s) -> double& { return s.lights[0].color.x; }},
-                            {"radius of light", [](Scene& s) -> double& { return s.lights[0].size; }},
-                            {"direction of light", [](Scene& s) -> double& { return s.lights[1].place.x; }},
-                            {"angle of light", [](Scene& s) -> double& { return s.lights[1].size; }},
-                            {"occlusion", [](Scene& s) -> double& { return s.occlusion.radius; }},
-                            {"fog", [](Scene& s) -> double& { return s.fog->color.z; }},
-                            {"fog.lo", [](Scene& s) -> double& { return s.fog->range.lo; }},
-                            {"fog.hi", [](Scene& s) -> double& { return s.fog->range.hi; }},
-                            {"clip.box", [](Scene& s) -> double& { return s.clip->box->min.x; }},
-                            {"clip.box.max", [](Scene& s) -> double& { return s.clip->box->max.z; }},
-                            {"clip.plane", [](Scene& s) -> double& { return s.clip->planes[0].point.x; }},
-                            {"clip.normal", [](Scene& s) -> double& { return s.clip->planes[0].normal.x; }},
-                            {"background", [](Scene& s) -> double& { return s.background->x; }},
-                            {"position", [](Scene& s) -> double& { return s.camera->position.x; }},
-                            {"target", [](Scene& s) -> double& { return s.camera->target.x; }},
-                            {"up", [](Scene& s) -> double& { return s.camera->up.x; }},
-                            {"fov", [](Scene& s) -> double& { return s.camera->vertical_fov_deg; }}};
-  for (const auto& [name, of] : numbers) {
-    SCOPED_TRACE(name);
-    refuse("", [&, &of = of](Scene& scene, auto&) { of(scene) = nan; });
-    if (std::string(name) == "clip.box.max" || std::string(name) == "clip.box") continue;  // open boxes are fine
-    refuse("", [&, &of = of](Scene& scene, auto&) { of(scene) = infinite; });
+  const Number numbers[] = {
+      {"layer 0: Material::color: found", [](Scene& s) -> double& { return s.layers[0].material.color.y; }},
+      {"layer 0: Material::ambient: found", [](Scene& s) -> double& { return s.layers[0].material.ambient; }},
+      {"layer 0: Material::specular: found", [](Scene& s) -> double& { return s.layers[0].material.specular; }},
+      {"layer 0: Material::shininess: found", [](Scene& s) -> double& { return s.layers[0].material.shininess; }},
+      {"layer 0: Material::opacity: found", [](Scene& s) -> double& { return s.layers[0].material.opacity; }},
+      {"layer 1: a slice through", [&](Scene& s) -> double& { return slice(s).plane.point.y; }},
+      {"layer 1: a slice through", [&](Scene& s) -> double& { return slice(s).plane.normal.z; }},
+      {"light 0: a light at", [](Scene& s) -> double& { return s.lights[0].place.x; }},
+      {"light 0: a light of colour", [](Scene& s) -> double& { return s.lights[0].color.x; }},
+      {"light 0: a light of size", [](Scene& s) -> double& { return s.lights[0].size; }},
+      {"light 1: a light from the direction", [](Scene& s) -> double& { return s.lights[1].place.x; }},
+      {"light 1: a light of size", [](Scene& s) -> double& { return s.lights[1].size; }},
+      {"Occlusion::radius: found", [](Scene& s) -> double& { return s.occlusion.radius; }},
+      {"Fog::color: found", [](Scene& s) -> double& { return s.fog->color.z; }},
+      {"Fog::range: found", [](Scene& s) -> double& { return s.fog->range.lo; }},
+      {"Fog::range: found", [](Scene& s) -> double& { return s.fog->range.hi; }},
+      {"a clip box from", [](Scene& s) -> double& { return s.clip->box->min.x; }},
+      {"a clip box from", [](Scene& s) -> double& { return s.clip->box->max.z; }},
+      {"clip plane 0: through", [](Scene& s) -> double& { return s.clip->planes[0].point.x; }},
+      {"clip plane 0: through", [](Scene& s) -> double& { return s.clip->planes[0].normal.x; }},
+      {"Scene::background: found", [](Scene& s) -> double& { return s.background->x; }},
+      {"camera", [](Scene& s) -> double& { return s.camera->position.x; }},
+      {"camera", [](Scene& s) -> double& { return s.camera->target.x; }},
+      {"camera", [](Scene& s) -> double& { return s.camera->up.x; }},
+      {"field of view", [](Scene& s) -> double& { return s.camera->vertical_fov_deg; }}};
+  for (const auto& [refusal, of] : numbers) {
+    refuse(refusal, [&, &of = of](Scene& scene, auto&) { of(scene) = nan; });
+    if (std::string(refusal) == "a clip box from") continue;  // open boxes are fine
+    refuse(refusal, [&, &of = of](Scene& scene, auto&) { of(scene) = infinite; });
   }
-  refuse("", [](Scene& scene, auto&) { scene.camera->orthographic_height = nan; });
-  refuse("", [](Scene& scene, auto&) { scene.camera->orthographic_height = 0; });
-  refuse("", [&](Scene& scene, auto&) { slice(scene).threshold = Interval{nan, 1}; });
+  refuse("height", [](Scene& scene, auto&) { scene.camera->orthographic_height = nan; });
+  refuse("height", [](Scene& scene, auto&) { scene.camera->orthographic_height = 0; });
+  refuse("layer 1: Slice::threshold: found", [&](Scene& scene, auto&) { slice(scene).threshold = Interval{nan, 1}; });
 }
 
 TEST_F(BadScenes, with_numbers_out_of_range) {
@@ -150,17 +150,49 @@ TEST_F(BadScenes, with_numbers_out_of_range) {
   refuse_material("layer 0: Material::opacity: found ", {.opacity = -0.5});
   refuse("Light::samples: found 0; expected 1 to 4096", [](Scene& scene, auto&) { scene.lights[0].samples = 0; });
   refuse("Light::samples: found 5000", [](Scene& scene, auto&) { scene.lights[0].samples = 5000; });
-  refuse("", [](Scene& scene, auto&) { scene.lights[0] = {.kind = Light::Kind::directional, .place = {}}; });
-  refuse("", [](Scene& scene, auto&) { scene.occlusion = {.samples = 0, .radius = 1}; });
-  refuse("", [](Scene& scene, auto&) { scene.occlusion = {.samples = 4, .radius = -1}; });
-  refuse("", [](Scene& scene, auto&) { scene.fog = Fog{.range = {5, 1}}; });
-  refuse("", [](Scene& scene, auto&) { scene.clip = Clip{.planes = std::vector<HalfSpace>(7)}; });
-  refuse("", [](Scene& scene, auto&) { scene.clip = Clip{.planes = {{.normal = {}}}}; });
-  refuse("", [](Scene& scene, auto&) { scene.clip = Clip{.box = Box3{{1, 0, 0}, {0, 1, 1}}}; });
-  refuse("", [](Scene& scene, auto&) { scene.camera->vertical_fov_deg = 0; });
-  refuse("", [](Scene& scene, auto&) { scene.camera->vertical_fov_deg = 180; });
-  refuse("", [](Scene& scene, auto&) { scene.camera->target = scene.camera->position; });
-  refuse("", [](Scene& scene, auto&) { scene.camera = Camera{.position = {0, 0, 5}, .target = {}, .up = {0, 0, 1}}; });
+  refuse("light 0: a light from the direction",
+         [](Scene& scene, auto&) { scene.lights[0] = {.kind = Light::Kind::directional, .place = {}}; });
+  refuse("Occlusion::samples: found 0", [](Scene& scene, auto&) { scene.occlusion = {.samples = 0, .radius = 1}; });
+  refuse("Occlusion::radius: found -1", [](Scene& scene, auto&) { scene.occlusion = {.samples = 4, .radius = -1}; });
+  refuse("Fog::range: found 5 to 1", [](Scene& scene, auto&) { scene.fog = Fog{.range = {5, 1}}; });
+  refuse("7 clip planes", [](Scene& scene, auto&) {
+    scene.clip = Clip{.planes = std::vector<HalfSpace>(7, {.normal = {0, 0, 1}})};
+  });
+  refuse("a clip box from", [](Scene& scene, auto&) { scene.clip = Clip{.box = Box3{{1, 0, 0}, {0, 1, 1}}}; });
+  refuse("field of view", [](Scene& scene, auto&) { scene.camera->vertical_fov_deg = 0; });
+  refuse("field of view", [](Scene& scene, auto&) { scene.camera->vertical_fov_deg = 180; });
+  refuse("camera", [](Scene& scene, auto&) { scene.camera->target = scene.camera->position; });
+  refuse("camera", [](Scene& scene, auto&) {
+    scene.camera = Camera{.position = {0, 0, 5}, .target = {}, .up = {0, 0, 1}};
+  });
+}
+
+TEST_F(BadScenes, in_which_something_was_not_set) {
+  refuse("light 0: a light at (nan, nan, nan)",
+         [](Scene& scene, auto&) { scene.lights = {{.kind = Light::Kind::point}}; });
+  refuse("light 1: a light from the direction (nan, nan, nan)",
+         [](Scene& scene, auto&) { scene.lights.push_back({.kind = Light::Kind::directional}); });
+  refuse("layer 0: a slice through (0, 0, 0) with the normal (0, 0, 0)",
+         [](Scene& scene, auto&) { scene.layers[0].show = Slice{}; });
+  refuse("Fog::range: found 0 to 0; expected a finite range with lo < hi",
+         [](Scene& scene, auto&) { scene.fog = Fog{}; });
+  for (const bool is_inverted : {false, true})
+    refuse("Scene::clip: found neither a box nor planes",
+           [&](Scene& scene, auto&) { scene.clip = Clip{.is_inverted = is_inverted}; });
+  refuse("clip plane 1: through (0, 0, 0) with the normal (0, 0, 0)", [](Scene& scene, auto&) {
+    scene.clip = Clip{.planes = {{.normal = {0, 0, 1}}, HalfSpace{}}};
+  });
+}
+
+TEST_F(BadScenes, with_numbers_that_are_no_enumerators) {
+  for (const int number : {-1, 5, 99}) {
+    refuse("Accuracy: found " + std::to_string(number) + "; expected a number from 0 to 4",
+           [&](Scene& scene, auto&) { scene.layers[0].method = static_cast<Accuracy>(number); });
+    refuse("Light::kind: found " + std::to_string(number) + "; expected a number from 0 to 2",
+           [&](Scene& scene, auto&) { scene.lights[0].kind = static_cast<Light::Kind>(number); });
+    refuse("layer 0: Material::normals: found " + std::to_string(number) + "; expected a number from 0 to 1",
+           [&](Scene& scene, auto&) { scene.layers[0].material.normals = static_cast<Normals>(number); });
+  }
 }
 
 TEST_F(BadScenes, drawn_with_bad_options) {
@@ -200,8 +232,10 @@ TEST_F(BadScenes, for_a_camera) {
 TEST_F(BadScenes, of_methods_and_windows) {
   for (const double step : {0.0, -1.0, 1e5, nan})
     expect_refused(ErrorCode::usage, "Method::sampled: steps of", [&] { Method::sampled(step); });
-  for (const Size& size : {Size{0, 5}, Size{5, -1}})
-    expect_refused(ErrorCode::usage, "expected numbers above 0", [&] { windows(size); });
+  for (const Size& size : {Size{0, 5}, Size{5, -1}, Size{std::numeric_limits<int>::max(), 5}, Size{5, 65537}})
+    expect_refused(ErrorCode::usage, "expected numbers above 0, and sides of the picture up to 65536",
+                   [&] { windows(size); });
+  EXPECT_EQ(windows({65536, 65536}, std::numeric_limits<int>::max()).size(), 1U);
   expect_refused(ErrorCode::usage, "in windows of 0", [] { windows({5, 5}, 0); });
 }
 
@@ -232,7 +266,7 @@ TEST_F(BadScenes, to_choose_a_method_for) {
 }
 
 TEST_F(BadScenes, to_check) {
-  EXPECT_EQ(self_check(scene_, picture_, {.pixels = 50}).random.missed, 0U);
+  EXPECT_EQ(self_check(scene_, picture_, {.pixels = 50, .threads = 100000}).random.missed, 0U);
   expect_refused(ErrorCode::usage, "the picture is empty or a window", [&] { self_check(scene_, {}); });
   RenderOptions options = options_;
   options.window = Rect{0, 0, 32, 30};
@@ -243,6 +277,9 @@ TEST_F(BadScenes, to_check) {
   });
   expect_refused(ErrorCode::usage, "SelfCheckOptions::pixels: found 0",
                  [&] { self_check(scene_, picture_, {.pixels = 0}); });
+  Scene projection = scene_;
+  projection.layers[0].show = MaximumProjection{};
+  expect_refused(ErrorCode::usage, "no channel `value`", [&] { self_check(projection, picture_); });
   scene_.layers.push_back(scene_.layers[0]);
   scene_.layers[0].material.opacity = 0.5;
   expect_refused(ErrorCode::usage, "self_check: ", [&] { self_check(scene_, picture_); });

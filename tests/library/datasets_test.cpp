@@ -33,7 +33,39 @@ TEST(Datasets, live_as_long_as_a_scene_a_caster_or_a_sampler_holds_them) {
   EXPECT_TRUE(bits_of(rendered(scene, {.size = size})) == bits_of(expected));
   caster.first_hits(rays.rays(), {.t = again}, scratch);
   EXPECT_EQ(again, t);
+  std::vector<double> expected_value(50);
+  FieldSampler(gyroid_grid()).at(rays.rays().origins, expected_value);
   sampler.at(rays.rays().origins, value);
+  EXPECT_TRUE(std::equal(value.begin(), value.end(), expected_value.begin(),
+                         [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
+}
+
+TEST(Datasets, and_what_holds_them_can_be_used_after_they_were_moved_from) {
+  Dataset data = gyroid_grid();
+  const Dataset other = std::move(data);
+  EXPECT_EQ(data.id(), other.id());  // NOLINT: a move is a copy
+  RayCaster caster(data, Isosurface{0.1}, Accuracy::exact);
+  FieldSampler sampler(data);
+  const RayCaster moved_caster = std::move(caster);
+  const FieldSampler moved_sampler = std::move(sampler);
+  const MadeRays rays = random_rays(data.bounds(), 5);
+  std::vector<double> t(5), again(5), value(5);
+  RayScratch scratch;
+  caster.first_hits(rays.rays(), {.t = t}, scratch);  // NOLINT
+  moved_caster.first_hits(rays.rays(), {.t = again}, scratch);
+  EXPECT_EQ(t, again);
+  sampler.at(rays.rays().origins, value);  // NOLINT
+}
+
+TEST(Datasets, of_names_that_the_system_refuses_are_refused) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("loop.rho", folder / "loop.rho");
+  for (const std::string& name : {std::string(300, 'x'), std::string("loop.rho"), std::string("grid.rho/inside")}) {
+    expect_refused(ErrorCode::unreadable, name, [&] { Dataset::open(folder / name); });
+    expect_refused(ErrorCode::unreadable, name, [&] { Texture::open(folder / name); });
+  }
+  const Dataset grid = gyroid_grid();
+  expect_refused(ErrorCode::usage, std::string(300, 'x'), [&] { grid.save(folder / std::string(300, 'x')); });
 }
 
 TEST(Datasets, have_a_path_that_another_process_can_open) {
@@ -43,6 +75,7 @@ TEST(Datasets, have_a_path_that_another_process_can_open) {
   EXPECT_EQ(gyroid_grid({.file = folder / "grid.rho"}).path(), folder / "grid.rho");
   const Dataset boundary = ball_mesh().boundary();
   expect_refused(ErrorCode::usage, "boundary of a mesh in memory", [&] { boundary.path(); });
+  expect_refused(ErrorCode::usage, ": no array 'nothing'; it has ", [&] { in_memory.array("nothing"); });
 }
 
 TEST(Datasets, open_and_close_two_hundred_times) {

@@ -110,6 +110,7 @@ TEST_F(Documents, that_are_no_documents_are_refused_with_the_place) {
   refuse("", of_grid(std::string(40, '[') + std::string(40, ']')));
   refuse("4 MiB", of_grid(R"({"type": "mip"})") + std::string(5 << 20, ' '));
   expect_refused(ErrorCode::unreadable, "none.json", [&] { SceneDocument::read(inside() / "none.json"); });
+  expect_refused(ErrorCode::unreadable, "is a folder; expected a document", [&] { SceneDocument::read(inside()); });
   expect_refused(ErrorCode::unreadable, "{}: no such file", [] { SceneDocument::read("{}"); });
 }
 

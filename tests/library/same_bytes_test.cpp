@@ -111,11 +111,35 @@ TEST_F(SameBytes, of_projections) {
       {.size = size});
 }
 
+TEST_F(SameBytes, of_a_texture) {
+  const std::string colors = RHORAY_SOURCE_DIR "/tests/formats/released/1.4-colors.rho";
+  const Samples<float> samples = gyroid_samples();
+  pack({.fields = {samples.field("gyroid")}, .spacing = {0.05, 0.1, 0.4}, .origin = {0, -2.25, 2.5}}, AxisOrder::zyx,
+       {.file = folder() / "textured.rho"});
+  Scene scene{.layers = {{.data = opened("textured.rho"), .show = Isosurface{0.2}}}};
+  scene.camera = fit_camera(scene, size);
+  const RenderOptions options{.size = size};
+  std::string document = to_document(scene, options).json();
+  const Picture plain = rendered(scene, options);
+  scene.layers[0].material.texture = Texture::open(colors);
+  const Picture textured = rendered(scene, options);
+  EXPECT_TRUE(bits_of(textured) != bits_of(plain));
+  expect_refused(ErrorCode::usage, "layer 0 has a texture, which a document names by a file",
+                 [&] { to_document(scene, options); });
+  const std::string of_data = R"("data":{)", of_layer = R"("layers":[{)";
+  document.insert(document.find(of_data) + of_data.size(), R"("colors":{"file":")" + colors + R"("},)");
+  document.insert(document.find(of_layer) + of_layer.size(), R"("texture":"colors",)");
+  EXPECT_TRUE(drawn_by_program(document, folder().path()).bytes == srgb_of(textured)) << document;
+  scene.layers[0].material.color_by = FieldColors{"gyroid", {}};
+  expect_refused(ErrorCode::usage, "layer 0: a texture, " + colors + ", and colours by 'gyroid'",
+                 [&] { rendered(scene, options); });
+}
+
 TEST_F(SameBytes, of_slices) {
   const HalfSpace plane{.point = {0, 5, 5}, .normal = {1, 2, -1}};
   expect_same_pixels({.layers = {{.data = opened("grid.rho"), .show = Slice{.plane = plane}},
                                  {.data = opened("grid.rho"),
-                                  .show = Slice{.plane = {.point = {0, 0, 6}},
+                                  .show = Slice{.plane = {.point = {0, 0, 6}, .normal = {0, 0, 1}},
                                                 .colors = {.colormap = "magma_r"},
                                                 .threshold = Interval{-0.5, 0.5},
                                                 .is_lit = true}}}},

@@ -320,6 +320,18 @@ TEST(Callbacks, that_throw_reach_the_caller_and_leave_the_context_usable) {
   EXPECT_TRUE(bits_of(picture) == bits_of(rendered(scene, {.size = size})));
 }
 
+// As an error of the library itself does: what the context holds is not trusted any more.
+TEST(Callbacks, that_throw_an_internal_error_end_the_use_of_their_context) {
+  const Scene scene = plain_scene();
+  RenderContext context;
+  Picture picture;
+  const Passes failing{.pass_done = [](int) -> bool { throw Error(ErrorCode::internal, "a defect"); }};
+  expect_refused(ErrorCode::internal, "a defect", [&] { context.refine(scene, {.size = size}, failing, picture); });
+  expect_refused(ErrorCode::internal, "an earlier call of this RenderContext found a defect of the library",
+                 [&] { context.render(scene, {.size = size}, picture); });
+  EXPECT_TRUE(RenderContext().render(scene, {.size = size}, picture).complete);
+}
+
 TEST(Callbacks, that_open_data_may_throw) {
   const SceneDocument document =
       SceneDocument::parse(R"({"data": {"a": {"file": "a.rho"}}, "layers": [{"type": "mip"}]})");

@@ -160,6 +160,21 @@ TEST(LargestValues, of_a_ramp_are_where_the_ray_leaves_it) {
   }
 }
 
+TEST(FieldSamplers, of_a_field_without_values_find_no_data) {
+  const Samples<float> samples =
+      samples_of<float>(4, 4, 4, [](auto, auto, auto) { return std::numeric_limits<float>::quiet_NaN(); });
+  const FieldSampler sampler(pack({.fields = {samples.field("f")}}, AxisOrder::zyx), {}, Accuracy::certified);
+  const Found found = found_at(sampler, {{1, 1, 1}, {1.5, 0.5, 2.5}});
+  for (const double value : found.values) EXPECT_TRUE(std::isnan(value));
+  EXPECT_EQ(found.cells, (std::vector<std::uint64_t>{no_cell, no_cell}));
+  MadeRays rays;
+  rays.add({-1, 1.5, 1.5}, {1, 0, 0});
+  std::vector<double> t(1), value(1);
+  RayScratch scratch;
+  sampler.largest_values(rays.rays(), {.t = t, .value = value}, scratch);
+  EXPECT_TRUE(std::isinf(t[0]) && std::isnan(value[0]));
+}
+
 TEST(LargestValues, are_not_below_any_value_along_the_ray) {
   for (const Dataset& data : {gyroid_grid(), ball_mesh()}) {
     const MadeRays rays = random_rays(data.bounds(), 40);

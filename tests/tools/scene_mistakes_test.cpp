@@ -133,7 +133,7 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/0/texture: \"color_by\" is also given; expected only one of the two"},
       {R"({"data": {"photo": {"file": "photo.rho"}}, "layers": [{"type": "isosurface"}]})",
        "s.json: /data/photo/file: photo.rho: holds colours; expected a grid, a mesh or a surface",
-       "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer", 7},
+       "use it as the texture of a layer of other data", 7},
       {with("layers", R"([{"type": "mip", "texture": "photo"}])"),
        "s.json: /layers/0/texture: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with_layer(R"("color_by": "ball", "colormap": "viridsi")"),
@@ -176,9 +176,9 @@ std::vector<Mistake> mistakes() {
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "triangles", "normals": "exact"}]})",
        "s.json: /layers/0/normals: found \"exact\"; expected one of \"flat\", \"smooth\""},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "triangles", "accuracy": "exact"}]})",
-       "s.json: /layers/0: --accuracy: found 'exact'; expected float or double for cube.rho, which holds triangles"},
+       "s.json: /layers/0: \"accuracy\": found 'exact'; expected float or double for cube.rho, which holds triangles"},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "mip"}]})",
-       "s.json: /layers/0: --mode: needs a field, and cube.rho holds only triangles"},
+       "s.json: /layers/0: \"type\": needs a field, and cube.rho holds only triangles"},
 
       // slices
       {with("layers", R"([{"type": "slice"}])"),
@@ -200,7 +200,7 @@ std::vector<Mistake> mistakes() {
       {with("layers", R"([{"type": "slice", "axis": "x", "isovalue": 4}])"),
        "s.json: /layers/0/isovalue: found in a layer of type \"slice\"; expected in one of type \"isosurface\""},
       {R"({"data": {"c": {"file": "cube.rho"}}, "layers": [{"type": "slice", "axis": "x"}]})",
-       "s.json: /layers/0: --slice: needs a field, and cube.rho holds only triangles"},
+       "s.json: /layers/0: \"type\": needs a field, and cube.rho holds only triangles"},
 
       // lights
       {with("lights", R"([{"type": "directional", "azimuth": 9, "angular_diameter": 181}])"),

@@ -1,7 +1,9 @@
 #include "rhoray/accuracy.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "formats/base/parallel.h"
 #include "render/accuracy.h"
 #include "tools/library/conversions.h"
 #include "tools/library/guarded.h"
@@ -66,7 +68,7 @@ SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheck
                      "`; ask for it in RenderOptions::channels");
     const render::SelfCheck check = render::check_picture(
         resolved, pixels, {.pixels = options.pixels, .seed = options.seed, .limit = {}, .stop = options.stop},
-        options.threads);
+        std::min(options.threads, available_cores()));
     return SelfCheck{.random = outside_of(check.random),
                      .edges = outside_of(check.edges),
                      .promise = check.limit,

@@ -21,6 +21,10 @@ bool add_extent(std::int64_t size, std::int64_t stride, std::int64_t& total) {
          !__builtin_add_overflow(total, extent, &total);
 }
 
+[[noreturn]] void refuse_size(std::span<const std::int64_t> shape) {
+  inside::refuse("an array of the shape ", inside::text_of(shape), "; expected at most ", most_bytes, " bytes");
+}
+
 void check_shape(std::span<const std::int64_t> shape) {
   if (shape.size() > ArrayView::most_axes)
     inside::refuse("an array of ", shape.size(), " axes; expected at most ", ArrayView::most_axes);
@@ -33,16 +37,19 @@ void check_shape(std::span<const std::int64_t> shape) {
 ArrayView::ArrayView(const void* first, ElementType type, std::span<const std::int64_t> shape,
                      std::span<const std::int64_t> strides_bytes)
     : first_(first), type_(type), is_given_(true), axis_count_(shape.size()) {
+  inside::require_enumerator("ElementType", type, ElementType::F64);
   check_shape(shape);
   if (strides_bytes.size() != shape.size())
     inside::refuse("an array of ", shape.size(), " axes and ", strides_bytes.size(), " strides; expected as many");
-  std::int64_t elements = 1, extent = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(type)));
+  const auto element_bytes = static_cast<std::int64_t>(formats::element_bytes(inside::inside_of(type)));
+  std::int64_t elements = 1, extent = element_bytes, copied_bytes = 0;
   for (std::size_t axis = 0; axis < shape.size(); ++axis) {
     shape_[axis] = shape[axis], strides_[axis] = strides_bytes[axis];
     if (__builtin_mul_overflow(elements, shape[axis], &elements) ||
         (shape[axis] > 0 && !add_extent(shape[axis], strides_bytes[axis], extent)))
-      inside::refuse("an array of the shape ", inside::text_of(shape), "; expected at most ", most_bytes, " bytes");
+      refuse_size(shape);
   }
+  if (__builtin_mul_overflow(elements, element_bytes, &copied_bytes)) refuse_size(shape);
   if (first == nullptr && elements > 0) inside::refuse("an array of ", elements, " elements at a null pointer");
 }
 

@@ -164,11 +164,11 @@ Machine best_machine() {
 }
 
 std::vector<Rect> windows(const Size& size, int edge) {
-  if (size.width < 1 || size.height < 1 || edge < 1)
+  constexpr int tile = 32, longest_side = inside::longest_side;
+  if (size.width < 1 || size.height < 1 || edge < 1 || size.width > longest_side || size.height > longest_side)
     inside::refuse("windows: a picture of ", size.width, " x ", size.height, " pixels in windows of ", edge,
-                   "; expected numbers above 0");
-  constexpr int tile = 32, largest = 1 << 20;
-  edge = (std::min(edge, largest) + tile - 1) / tile * tile;
+                   "; expected numbers above 0, and sides of the picture up to ", longest_side);
+  edge = (std::min(edge, longest_side) + tile - 1) / tile * tile;
   std::vector<Rect> all;
   bool forward = true;
   for (int y = 0; y < size.height; y += edge, forward = !forward) {

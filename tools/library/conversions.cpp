@@ -175,7 +175,7 @@ Layer converted(const render::Layer& layer, const Dataset& data) {
 
 render::Light converted(const Light& light) {
   return {.kind = static_cast<render::Light::Kind>(light.kind),
-          .place = inside_of(light.place),
+          .place = light.kind == Light::Kind::head ? rhoray::Vec3(0, 0, 0) : inside_of(light.place),
           .color = inside_of(light.color),
           .casts_shadows = light.casts_shadows,
           .size = light.size,
@@ -240,7 +240,10 @@ Camera outside_of(const render::Camera& camera) {
 
 render::Method inside_of(const Method& method) {
   using Algorithm = render::Method::Algorithm;
-  if (const auto accuracy = method.accuracy()) return render::method_of(static_cast<render::Accuracy>(*accuracy));
+  if (const auto accuracy = method.accuracy()) {
+    require_enumerator("Accuracy", *accuracy, Accuracy::exact);
+    return render::method_of(static_cast<render::Accuracy>(*accuracy));
+  }
   if (method.step_cells() > 0)
     return {.algorithm = Algorithm::sampled, .step = method.step_cells(), .bisect = method.bisects()};
   return {.algorithm = Algorithm::paper};
@@ -265,7 +268,6 @@ ChannelSet outside_of(const render::ChannelSet& channels) {
 }
 
 render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options) {
-  constexpr int longest_side = 65536;
   for (const int side : {options.size.width, options.size.height})
     if (side < 1 || side > longest_side)
       refuse("RenderOptions::size: found ", options.size.width, " x ", options.size.height,

@@ -12,9 +12,12 @@
 /// Between the types of the public headers (outside) and those of the rooms (inside).
 namespace rhoray::v0_1::inside {
 
+inline constexpr int longest_side = 65536;  ///< of a picture, in pixels
+
 render::Camera inside_of(const Camera& camera);
 Camera outside_of(const render::Camera& camera);
 
+/// Refuses a number that is no accuracy level.
 render::Method inside_of(const Method& method);
 /// Refuses methods that only the program has (ErrorCode::unsupported).
 Method outside_of(const render::Method& method);

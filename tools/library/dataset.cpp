@@ -46,7 +46,9 @@ bool varies(const FieldInfo& field) {
 
 /// Refuses a file that is not packed, with the command that packs it.
 formats::PackedFile open_packed(const std::filesystem::path& path) {
-  if (std::filesystem::is_regular_file(path) && !formats::PackedFile::looks_packed(path) && path.extension() != ".rho")
+  std::error_code ignored;  // what is wrong with the name is said below
+  if (std::filesystem::is_regular_file(path, ignored) && !formats::PackedFile::looks_packed(path) &&
+      path.extension() != ".rho")
     throw v0_1::Error(v0_1::ErrorCode::unsupported, concat(path.string(), ": is not a packed file"),
                       concat("pack it first: rhoray pack ", path.string(), " -o ", path.stem().string(), ".rho"));
   return formats::PackedFile::open(path);

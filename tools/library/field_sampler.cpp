@@ -14,7 +14,9 @@ class FieldSampler::Implementation {
       : data(handle),
         dataset(of_field(handle, field)),
         proves_errors(method.proves_errors()),
-        caster(dataset, dataset.field().range.lo, inside::inside_of(method), 1, {}, stop) {}
+        // No crossing is asked for. A field without values has an empty range.
+        caster(dataset, dataset.field().range.is_empty() ? 0 : dataset.field().range.lo, inside::inside_of(method), 1,
+               {}, stop) {}
 
   Dataset data;  ///< keeps the data alive
   render::Dataset dataset;
@@ -50,9 +52,7 @@ FieldSampler::FieldSampler(const Dataset& data, std::string_view field, const Me
           inside::guarded([&] { return std::make_shared<const Implementation>(data, field, method, stop); })) {}
 FieldSampler::~FieldSampler() = default;
 FieldSampler::FieldSampler(const FieldSampler&) = default;
-FieldSampler::FieldSampler(FieldSampler&&) noexcept = default;
 FieldSampler& FieldSampler::operator=(const FieldSampler&) = default;
-FieldSampler& FieldSampler::operator=(FieldSampler&&) noexcept = default;
 
 void FieldSampler::largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch) const {
   inside::guarded([&] {

@@ -1,5 +1,11 @@
 #pragma once
 
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/text.h"
@@ -7,8 +13,9 @@
 
 namespace rhoray::v0_1::inside {
 
-/// Calls act() in the default floating-point environment. Errors of the rooms become errors of the
-/// library. Every public function that can fail calls the rooms through this one.
+/// Calls act() in the default floating-point environment. Errors of the rooms, of the standard
+/// library and of the system become errors of this library; a size above all memory becomes
+/// std::bad_alloc. Every public function that can fail calls the rooms through this one.
 template <class Act>
 decltype(auto) guarded(Act&& act) {
   const DefaultFloatingPoint default_floating_point;
@@ -16,6 +23,12 @@ decltype(auto) guarded(Act&& act) {
     return act();
   } catch (const rhoray::Error& error) {
     throw v0_1::Error(static_cast<v0_1::ErrorCode>(error.code()), error.what(), error.hint());
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw v0_1::Error(v0_1::ErrorCode::unreadable, concat(error.path1().string(), ": ", error.code().message()));
+  } catch (const std::system_error& error) {
+    throw v0_1::Error(v0_1::ErrorCode::resource, error.what());
+  } catch (const std::length_error&) {
+    throw std::bad_alloc();
   }
 }
 
@@ -23,6 +36,15 @@ decltype(auto) guarded(Act&& act) {
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
   throw v0_1::Error(v0_1::ErrorCode::usage, concat(parts...));
+}
+
+/// Refuses a number that is none of an enumeration's values.
+/// @param last  the enumeration's last value
+template <class Enumeration>
+void require_enumerator(std::string_view name, Enumeration value, Enumeration last) {
+  const auto number = static_cast<int>(value);
+  if (number < 0 || number > static_cast<int>(last))
+    refuse(name, ": found ", number, "; expected a number from 0 to ", static_cast<int>(last));
 }
 
 }  // namespace rhoray::v0_1::inside

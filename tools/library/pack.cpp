@@ -24,10 +24,13 @@ namespace {
 
 constexpr const char* source_name = "arrays";
 
+void end_if_stopped_by_caller(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw rhoray::Error(rhoray::ErrorCode::interrupted, "packing was stopped by its caller");
+}
+
 preprocess::Progress progress_of(const PackOptions& options) {
   return [&options](std::string_view phase, std::uint64_t done, std::uint64_t total) {
-    if (options.stop.stop_requested())
-      throw rhoray::Error(rhoray::ErrorCode::interrupted, "packing was stopped by its caller");
+    end_if_stopped_by_caller(options.stop);
     if (options.progress) options.progress(phase, done, total);
   };
 }
@@ -89,6 +92,7 @@ struct Lattice {
 };
 
 Lattice lattice_of(std::string_view name, const ArrayView& values, AxisOrder order) {
+  inside::require_enumerator("AxisOrder", order, AxisOrder::xyz);
   if (!values.is_given()) inside::refuse(name, ": not given; expected an array of three axes");
   if (values.shape().size() != 3)
     inside::refuse(name, ": an array of the shape ", inside::text_of(values.shape()), "; expected three axes");
@@ -291,9 +295,10 @@ void for_each_index(std::string_view name, const ArrayView& array, std::int64_t 
 }
 
 std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std::vector<FieldArray>& fields,
-                                                std::int64_t count) {
+                                                std::int64_t count, const std::stop_token& stop) {
   std::vector<preprocess::NeutralField> out;
   for (std::size_t i = 0; i < fields.size(); ++i) {
+    end_if_stopped_by_caller(stop);
     const ArrayView& values = fields[i].values;
     check_shape(name_of(list, i) + ".values", values, std::array{count});
     preprocess::NeutralField& field = out.emplace_back();
@@ -317,6 +322,7 @@ std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std
 
 Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options) {
   return inside::guarded([&] {
+    inside::require_enumerator("PackOptions::memory", options.memory, Memory::wrap);
     if (grid.fields.empty()) inside::refuse("GridArrays::fields: found none; expected at least one");
     std::set<std::string> names;
     check_names("GridArrays::fields", grid.fields, names);
@@ -324,7 +330,10 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
       check_shape(name_of("GridArrays::fields", i) + ".values", grid.fields[i].values, grid.fields[0].values.shape());
     std::vector<preprocess::NeutralVolume> volumes;
     volumes.reserve(grid.fields.size());  // a volume's span is of its own samples
-    for (std::size_t i = 0; i < grid.fields.size(); ++i) volumes.push_back(volume_of(grid, i, order, options.memory));
+    for (std::size_t i = 0; i < grid.fields.size(); ++i) {
+      end_if_stopped_by_caller(options.stop);
+      volumes.push_back(volume_of(grid, i, order, options.memory));
+    }
     if (options.memory == Memory::wrap) return wrapped(volumes, options);
     return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
       preprocess::pack_grid(volumes, destination,
@@ -335,8 +344,10 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
 
 Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
+    end_if_stopped_by_caller(options.stop);
     preprocess::NeutralMesh mesh;
     mesh.points = points_of("MeshArrays::points", arrays.points);
+    end_if_stopped_by_caller(options.stop);
     for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(),
                    [&](std::int64_t, std::int64_t column, std::uint64_t index) {
                      if (column == 0) mesh.cells.emplace_back();
@@ -346,10 +357,10 @@ Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
     std::set<std::string> names;
     check_names("MeshArrays::point_fields", arrays.point_fields, names);
     check_names("MeshArrays::cell_fields", arrays.cell_fields, names);
-    mesh.point_fields =
-        fields_of("MeshArrays::point_fields", arrays.point_fields, static_cast<std::int64_t>(mesh.points.size()));
-    mesh.cell_fields =
-        fields_of("MeshArrays::cell_fields", arrays.cell_fields, static_cast<std::int64_t>(mesh.cells.size()));
+    mesh.point_fields = fields_of("MeshArrays::point_fields", arrays.point_fields,
+                                  static_cast<std::int64_t>(mesh.points.size()), options.stop);
+    mesh.cell_fields = fields_of("MeshArrays::cell_fields", arrays.cell_fields,
+                                 static_cast<std::int64_t>(mesh.cells.size()), options.stop);
     mesh.length_unit = arrays.length_unit;
     return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
       preprocess::PackMeshOptions pack{.source_name = source_name, .replace_existing = options.replace_existing};
@@ -361,6 +372,7 @@ Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
 
 Dataset pack(const SurfaceArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
+    end_if_stopped_by_caller(options.stop);
     preprocess::NeutralSurface surface;
     surface.points = points_of("SurfaceArrays::points", arrays.points);
     for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(),

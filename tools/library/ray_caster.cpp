@@ -133,9 +133,7 @@ RayCaster::RayCaster(const Dataset& data, const std::variant<Isosurface, Triangl
 }
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(const RayCaster&) = default;
-RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(const RayCaster&) = default;
-RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
 void RayCaster::first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch) const {
   inside::guarded([&] {
@@ -175,8 +173,10 @@ void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, Rende
 void RayCaster::all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
-    find_all(*implementation_, checked, hits, max_hits,
-             [&](const auto& act) { inside::for_each_batch(checked.count(), scratch, act); });
+    find_all(*implementation_, checked, hits, max_hits, [&](const auto& act) {
+      implementation_->dataset.prove_ranges(1);  // on this thread alone
+      inside::for_each_batch(checked.count(), scratch, act);
+    });
   });
 }
 

@@ -36,6 +36,7 @@ void check_material(const Material& material) {
   if (!(material.shininess >= 1 && material.shininess <= 1e4))
     refuse("Material::shininess: found ", material.shininess, "; expected 1 to 10000");
   if (material.color_by) check_colors("Material::color_by", material.color_by->colors);
+  if (material.normals) require_enumerator("Material::normals", *material.normals, Normals::smooth);
 }
 
 void check_layer(const Layer& layer) {
@@ -66,15 +67,24 @@ void check(const Scene& scene) {
     } catch (const v0_1::Error& error) {
       throw v0_1::Error(error.code(), concat("layer ", i, ": ", error.what()), error.hint());
     }
-  for (const Light& light : scene.lights)
+  for (const Light& light : scene.lights) {
+    require_enumerator("Light::kind", light.kind, Light::Kind::point);
     if (!(light.samples >= 1 && light.samples <= 4096))
       refuse("Light::samples: found ", light.samples, "; expected 1 to 4096");
+  }
   const Occlusion& occlusion = scene.occlusion;
   if (!(occlusion.radius >= 0 && std::isfinite(occlusion.radius)))
     refuse("Occlusion::radius: found ", occlusion.radius, "; expected a finite number from 0 up");
   if (!(occlusion.samples >= 1 && occlusion.samples <= 4096))
     refuse("Occlusion::samples: found ", occlusion.samples, "; expected 1 to 4096");
-  if (scene.fog) check_color("Fog::color", scene.fog->color);
+  if (scene.fog) {
+    check_color("Fog::color", scene.fog->color);
+    const Interval& range = scene.fog->range;
+    if (!(range.lo < range.hi && std::isfinite(range.hi - range.lo)))
+      refuse("Fog::range: found ", range.lo, " to ", range.hi, "; expected a finite range with lo < hi");
+  }
+  if (scene.clip && !scene.clip->box && scene.clip->planes.empty())
+    refuse("Scene::clip: found neither a box nor planes; expected at least one of them");
   if (scene.background) check_color("Scene::background", *scene.background);
 }
 

@@ -13,7 +13,7 @@
 
 namespace rhoray::RHORAY_ABI {
 
-/// What a chosen method must keep to. At least one is given; the error has priority.
+/// The largest error or time that a method may have. At least one is given; the error has priority.
 struct Goal {
   /// Along the ray, in cells, for 99 % of the pixels; for largest values a share of the field's
   /// range.
@@ -37,7 +37,7 @@ struct MethodChoice {
 /// compares them with exact arithmetic. Returns the cheapest that keeps the error, or the most
 /// accurate one within the time. It runs for about a second.
 /// Throws ErrorCode::usage for a goal without numbers or out of range, and for another layer;
-/// ErrorCode::interrupted if stopped;
+/// ErrorCode::invalid for data whose stored ranges do not hold; ErrorCode::interrupted if stopped;
 /// ErrorCode::unsupported for an instruction set that this processor does not have.
 RHORAY_API MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& size, const Goal& goal,
                                       std::stop_token stop = {});
@@ -45,8 +45,9 @@ RHORAY_API MethodChoice choose_method(const Scene& scene, std::size_t layer, con
 /// Some pixels of a picture, compared with exact arithmetic.
 struct CheckedPixels {
   std::uint64_t pixels = 0;
-  std::uint64_t shown = 0;  ///< of these: they show something, or should
-  std::uint64_t missed = 0, false_hits = 0;
+  std::uint64_t shown = 0;         ///< of these: they show something, or should
+  std::uint64_t missed = 0;        ///< they should show something and show nothing
+  std::uint64_t false_hits = 0;    ///< they show something and should not
   std::uint64_t beyond_bound = 0;  ///< their error exceeds the bound in the channel `error`
   double error_of_99 = 0;          ///< that 99 % of the shown pixels do not exceed, in cells or the field's unit
   double largest_error = 0;
@@ -72,7 +73,8 @@ struct SelfCheckOptions {
 /// set, and compares them. The picture must be whole and needs the channel `depth`, or `value` for
 /// a projection; `error` is compared if it is there. Throws ErrorCode::usage for a picture without
 /// them, and for a scene in which a pixel does not define one position: triangles, transparent
-/// surfaces, a projection beside other layers.
+/// surfaces, a projection beside other layers. Throws ErrorCode::invalid for data whose stored
+/// ranges do not hold, ErrorCode::interrupted if stopped.
 RHORAY_API SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheckOptions& options = {});
 
 }  // namespace rhoray::RHORAY_ABI

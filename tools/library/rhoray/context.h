@@ -65,7 +65,7 @@ struct Statistics {
   std::uint64_t rays_exact = 0;  ///< decided by exact arithmetic
   double largest_error = 0;      ///< of all hits; NaN if a method proves nothing
   double preparation_s = 0;      ///< part of wall_s: what isovalues need and was not kept from before
-  double range_proof_s = 0;      ///< not part of wall_s: once per dataset, for certified and exact
+  double range_proof_s = 0;      ///< comes on top of wall_s: the proof of stored ranges, once per dataset
   double wall_s = 0;
 
   /// Adds counts and times; keeps the largest error. Windows with several samples per pixel also
@@ -171,7 +171,7 @@ class RHORAY_API RenderContext {
 };
 
 /// Returns windows that cover a picture, in an order in which neighbours are adjacent.
-/// Throws ErrorCode::usage for a size or an edge below 1.
+/// Throws ErrorCode::usage for a size or an edge below 1, and for sides above 65,536.
 /// @param edge  of a window, in pixels; rounded up to a multiple of 32
 RHORAY_API std::vector<Rect> windows(const Size& size, int edge = 64);
 

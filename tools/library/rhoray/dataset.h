@@ -61,7 +61,7 @@ class RHORAY_API Dataset {
   /// Returns the field with this name. Empty: the first field that is not constant, or the first.
   /// Throws ErrorCode::usage for other names and lists those that exist.
   const FieldInfo& field(std::string_view name = {}) const;
-  Box3 bounds() const;                         ///< of all cells, world axes; of a boundary: those of its mesh
+  Box3 bounds() const;                         ///< of all cells, world axes; a boundary has those of its mesh
   const std::string& length_unit() const;      ///< of world axes; empty: not given by the source
   std::span<const std::string> notes() const;  ///< changes made while packing or loading, one sentence each
   std::uint64_t id() const;                    ///< of this opened data; never given again in a process
@@ -95,8 +95,13 @@ class RHORAY_API Dataset {
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
   /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without
   /// `replace_existing`, for wrapped arrays, and for data that are not in memory;
-  /// ErrorCode::resource for a full disk.
+  /// ErrorCode::resource for a full disk or a folder in which no file may be made.
   void save(const std::filesystem::path& path, bool replace_existing = false) const;
+
+  // Copies only: a moved-from handle would be a handle of nothing.
+  Dataset(const Dataset&) = default;
+  Dataset& operator=(const Dataset&) = default;
+  ~Dataset() = default;
 
   class RHORAY_INSIDE Implementation;
   explicit Dataset(std::shared_ptr<const Implementation> implementation);  ///< for the library's own sources
@@ -106,11 +111,16 @@ class RHORAY_API Dataset {
   std::shared_ptr<const Implementation> implementation_;
 };
 
-/// A packed grid of colours that covers surfaces. A copy is a handle, as with datasets.
+/// A packed grid of colours for surfaces. A copy is a handle, as with datasets.
 class RHORAY_API Texture {
  public:
   /// Maps a packed file of colours. Throws as Dataset::open does.
   static Texture open(const std::filesystem::path& path);
+
+  // Copies only, as with datasets.
+  Texture(const Texture&) = default;
+  Texture& operator=(const Texture&) = default;
+  ~Texture() = default;
 
   class RHORAY_INSIDE Implementation;
   explicit Texture(std::shared_ptr<const Implementation> implementation);  ///< for the library's own sources

@@ -56,7 +56,10 @@ struct MeshArrays {
   ArrayView points;      ///< [points, 3], F32 or F64, finite, world axes
   ArrayView tetrahedra;  ///< [cells, 4], integers: indices of points, in VTK's order; others are turned
   std::vector<FieldArray> point_fields{};  ///< [points] each; linear in each cell
-  std::vector<FieldArray> cell_fields{};   ///< [cells] each; can only colour surfaces
+  /// [cells] each; they colour surfaces. Without point fields they are also averaged to the points.
+  /// If no field of the mesh varies, the distance from the boundary and the coordinates are added,
+  /// and come first; cells may be split for them. Dataset::notes says so.
+  std::vector<FieldArray> cell_fields{};
   std::string length_unit{};
 };
 

@@ -20,7 +20,8 @@
 
 namespace rhoray::RHORAY_ABI {
 
-/// Rays of the caller: points origin + t * direction, world axes, with t_min <= t <= t_max.
+/// Rays of the caller: points origin + t * direction, in world axes and the length unit of the data,
+/// with t_min <= t <= t_max. They must not overlap the arrays of the answers.
 struct Rays {
   ArrayView origins;     ///< [rays, 3], F32 or F64, finite
   ArrayView directions;  ///< [rays, 3], F32 or F64, finite, not 0; t counts their lengths
@@ -57,7 +58,7 @@ class RHORAY_API RayScratch {
   /// @param machine  the instruction set of calls with it; nothing: best_machine()
   explicit RayScratch(std::optional<Machine> machine = {});
   ~RayScratch();
-  RayScratch(RayScratch&&) noexcept;
+  RayScratch(RayScratch&&) noexcept;  ///< a moved-from one may only be assigned to or destroyed
   RayScratch& operator=(RayScratch&&) noexcept;
 
   class RHORAY_INSIDE Implementation;
@@ -67,7 +68,7 @@ class RHORAY_API RayScratch {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Answers arbitrary rays through one dataset. It keeps the data alive. Any number of threads may
+/// Answers arbitrary rays through one dataset. It keeps the data alive. A copy is a handle. Any number of threads may
 /// call at a time, each with a scratch of its own, or with a context of its own.
 ///
 /// With Accuracy::certified a miss is a miss and a hit is within its bound. With Accuracy::exact
@@ -80,7 +81,8 @@ class RHORAY_API RayScratch {
 /// index, before anything is written.
 class RHORAY_API RayCaster {
  public:
-  /// Proves the stored ranges of the data, once per dataset, if the method proves errors. Throws
+  /// Proves the stored ranges of the data on the calling thread, once per dataset, if the method
+  /// proves errors. Throws
   /// ErrorCode::usage for an isovalue that is not finite and an unknown field;
   /// ErrorCode::unsupported for a surface with a method other than float32 and float64;
   /// ErrorCode::invalid for data whose ranges do not hold. A proof that was stopped
@@ -91,9 +93,7 @@ class RHORAY_API RayCaster {
             std::string_view field = {}, std::stop_token stop = {});
   ~RayCaster();
   RayCaster(const RayCaster&);
-  RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(const RayCaster&);
-  RayCaster& operator=(RayCaster&&) noexcept;
 
   /// Finds where each ray first passes from one side of the isovalue to the other. A ray starts on
   /// the side that the field has at its start; there is no surface at the border of data.
@@ -110,7 +110,8 @@ class RHORAY_API RayCaster {
   /// 128 samples, a ray with one crossing took 7 microseconds of CPU on average, twice as long as
   /// its exact first hit. A ray that touches the isovalue from below has two crossings with one t.
   /// Without gaps of data along the ray, `enters` alternates.
-  /// Throws ErrorCode::unsupported for triangles.
+  /// Throws ErrorCode::unsupported for triangles, ErrorCode::invalid for data whose stored ranges do
+  /// not hold. They are proven once per dataset: on the calling thread, or on those of the context.
   /// @param max_hits  per ray, at least 1
   void all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits = 4096) const;
   void all_hits(const Rays& rays, AllHits& hits, RenderContext& context, std::size_t max_hits = 4096,
@@ -131,9 +132,7 @@ class RHORAY_API FieldSampler {
                         std::stop_token stop = {});
   ~FieldSampler();
   FieldSampler(const FieldSampler&);
-  FieldSampler(FieldSampler&&) noexcept;
   FieldSampler& operator=(const FieldSampler&);
-  FieldSampler& operator=(FieldSampler&&) noexcept;
 
   /// Finds the largest value along each ray, and the smallest t where it is reached. A ray that
   /// passes no data is a miss.

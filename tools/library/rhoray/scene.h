@@ -64,7 +64,7 @@ struct ColorScale {
   std::string colormap = "viridis";  ///< a name of `rhoray help render`; `_r` at its end reverses it
   std::optional<Interval> range{};   ///< values at the ends of the map; nothing: the field's range
   bool is_logarithmic = false;       ///< by the logarithm of the value; the range is above 0
-  int levels = 0;                    ///< bands of one colour, 2 or more; 0: continuous
+  int levels = 0;                    ///< bands of one colour, 2 to 65,536; 0: continuous
 
   friend bool operator==(const ColorScale&, const ColorScale&) = default;
 };
@@ -79,7 +79,7 @@ struct MaximumProjection {
 struct Slice {
   HalfSpace plane;
   ColorScale colors{};
-  std::optional<Interval> threshold{};  ///< only values within are shown
+  std::optional<Interval> threshold{};  ///< only values within are shown; lo <= hi
   bool is_lit = false;                  ///< false: shows its own colours, without light
 };
 
@@ -92,8 +92,8 @@ struct FieldColors {
 
 /// Where normals for shading come from.
 enum class Normals {
-  exact,  ///< the field's gradient in the hit's cell; the flat triangle
-  smooth  ///< interpolated between gradients at samples or points, or between normals at corners
+  exact,  ///< isosurfaces: the gradient of the field in the cell that is hit; triangles: their own
+  smooth  ///< interpolated: gradients of the field at samples or points, or normals at corners
 };
 
 /// Appearance of a surface. Both sides look the same. Colours are linear RGB, 0 to 1.
@@ -104,7 +104,7 @@ struct Material {
   std::optional<Normals> normals{};  ///< nothing: smooth, but exact on isosurfaces of meshes
   double ambient = 0.12;             ///< share of ambient light, 0 to 1
   double specular = 0.25;            ///< strength of highlights, 0 to 1; 0: they are not computed
-  double shininess = 40;             ///< Blinn-Phong exponent
+  double shininess = 40;             ///< Blinn-Phong exponent, 1 to 10,000
   double opacity = 1;                ///< 0 to 1
 };
 
@@ -127,11 +127,13 @@ struct Light {
   };
 
   Kind kind = Kind::head;
-  Vec3 place{};  ///< directional: the direction towards the light; point: its position
+  /// Directional: the direction towards the light. Point: its position. Both must set it.
+  Vec3 place{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+             std::numeric_limits<double>::quiet_NaN()};
   Vec3 color{1, 1, 1};
   bool casts_shadows = false;
-  /// Of shadows. Directional: the angle under which the light is seen, in degrees. Point: its
-  /// radius, in world units. 0: sharp shadows.
+  /// Of shadows. Directional: the angle under which the light is seen, in degrees, 0 to 180. Point:
+  /// its radius, in world units, from 0 up. 0: sharp shadows.
   double size = 0;
   int samples = 16;  ///< shadow rays per hit towards a light with a size, 1 to 4096
 };
@@ -145,10 +147,10 @@ struct Occlusion {
 /// Surfaces fade into a colour with the distance from the eye.
 struct Fog {
   Vec3 color{1, 1, 1};
-  Interval range{};  ///< world units: no fog up to `lo`, full fog from `hi`
+  Interval range{};  ///< world units: no fog up to `lo`, full fog from `hi`; must be set, lo < hi
 };
 
-/// Clipped layers are shown inside the box and all half spaces only.
+/// Clipped layers are shown inside the box and all half spaces only. At least one of them is given.
 struct Clip {
   std::optional<Box3> box{};
   std::vector<HalfSpace> planes{};  ///< at most 6
@@ -181,7 +183,7 @@ struct Scene {
 struct View {
   double azimuth_deg = 30;    ///< 0 looks along +y, with +x to the right and +z up; 90 looks from +x
   double elevation_deg = 20;  ///< 90 looks straight down
-  double zoom = 1;            ///< 1: what is shown fills 90 % of the picture's width or height
+  double zoom = 1;            ///< above 0; 1: what is shown fills 90 % of the picture's width or height
   double vertical_fov_deg = 30;
   bool is_orthographic = false;
 };

@@ -39,7 +39,7 @@ struct Affine {
 /// The side of a plane to which its normal points, including the plane.
 struct HalfSpace {
   Vec3 point{};
-  Vec3 normal{0, 0, 1};  ///< of any length but 0
+  Vec3 normal{};  ///< of any length but 0; must be set
 };
 
 /// The size of a picture in pixels.

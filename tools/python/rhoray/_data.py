@@ -185,7 +185,7 @@ def remove(folder, process=None):
 def _copy(source, path, replace):
     """Copies a file. The copy is complete or absent."""
     if os.path.exists(path) and not replace:
-        raise UsageError(f"{path} already exists", hint="use --force to overwrite it, or choose another name")
+        raise UsageError(f"{path} already exists", hint="use force=True to overwrite it, or choose another name")
     part = f"{path}.{os.getpid()}.part"
     try:
         shutil.copyfile(source, part)
