@@ -30,15 +30,16 @@ struct MethodWord {
   Algorithm algorithm;
   Argument argument;
   bool of_grids, of_meshes;
+  const char* example;  ///< with an argument; empty where accuracy levels use the same algorithm
 };
-constexpr MethodWord isosurface_words[] = {{"bracketed", Algorithm::direct, Argument::none, true, false},
-                                           {"edges", Algorithm::direct, Argument::none, false, true},
-                                           {"paper", Algorithm::paper, Argument::none, true, true},
-                                           {"slack", Algorithm::slack, Argument::slack, false, true},
-                                           {"sampled", Algorithm::sampled, Argument::step, true, true}};
-constexpr MethodWord mip_words[] = {{"exact", Algorithm::direct, Argument::none, true, true},
-                                    {"face", Algorithm::paper, Argument::none, true, true},
-                                    {"sampled", Algorithm::sampled, Argument::step, true, true}};
+constexpr MethodWord isosurface_words[] = {{"bracketed", Algorithm::direct, Argument::none, true, false, ""},
+                                           {"edges", Algorithm::direct, Argument::none, false, true, ""},
+                                           {"paper", Algorithm::paper, Argument::none, true, true, "paper"},
+                                           {"slack", Algorithm::slack, Argument::slack, false, true, "slack:1e-6"},
+                                           {"sampled", Algorithm::sampled, Argument::step, true, true, "sampled:0.5"}};
+constexpr MethodWord mip_words[] = {{"exact", Algorithm::direct, Argument::none, true, true, ""},
+                                    {"face", Algorithm::paper, Argument::none, true, true, "face"},
+                                    {"sampled", Algorithm::sampled, Argument::step, true, true, "sampled:0.5"}};
 
 std::vector<MethodWord> words_for(Mode mode, bool is_mesh) {
   std::vector<MethodWord> words;
@@ -93,6 +94,12 @@ Accuracy accuracy_named(const std::string& word) {
 std::string method_forms() {
   return concat("Grids: ", forms(Mode::isosurface, false), ". Meshes: ", forms(Mode::isosurface, true),
                 ". MIP: ", forms(Mode::mip, false));
+}
+
+std::vector<std::string> methods_to_compare(Mode mode, bool is_mesh) {
+  std::vector<std::string> words = names_in(words_for(mode, is_mesh), &MethodWord::example);
+  std::erase(words, "");
+  return words;
 }
 
 Method method_named(const std::string& word, Mode mode, bool is_mesh, const std::string& asked_by) {

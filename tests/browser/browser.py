@@ -92,11 +92,13 @@ class Viewer:
 class BrowserTest(unittest.TestCase):
     """Gives each test a folder, and all tests of a class one browser."""
 
+    pixel_ratio = 1  # device pixels for each pixel of CSS
+
     @classmethod
     def setUpClass(cls):
         options = webdriver.ChromeOptions()
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1100,760",
-                     "--force-device-scale-factor=1"):
+                     f"--force-device-scale-factor={cls.pixel_ratio}"):
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         cls.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
@@ -161,6 +163,18 @@ class BrowserTest(unittest.TestCase):
                               cwd=self.folder, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         return picture.read_bytes()
+
+    def downloaded(self, name, act):
+        """The file that the page saves when act() is called. It lies in a folder of its own."""
+        folder = self.folder / "downloads"
+        folder.mkdir(exist_ok=True)
+        self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
+        act()
+        end = time.time() + PATIENCE_S
+        while not (folder / name).exists() and time.time() < end:
+            time.sleep(0.02)
+        self.assertIn(name, [path.name for path in folder.iterdir()])
+        return folder / name
 
     def check_against_command(self):
         self.assertEqual(self.different_pixels(self.rendered(self.command())), 0)

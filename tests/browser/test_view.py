@@ -1,5 +1,7 @@
 """The page of `rhoray view`, driven as a user drives it."""
+import csv
 import json
+import math
 import os
 import statistics
 import subprocess
@@ -13,6 +15,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from browser import RHORAY, BrowserTest, write_mesh, write_volume
+from proxy import PrefixProxy
 
 # Notes when each request was sent and when its picture was drawn.
 WATCH = """
@@ -188,13 +191,24 @@ class Tools(PageTest):
         self.settle()
         self.assertNotEqual(self.pixels(), clipped)
         self.check_against_command()
+        before = self.js("rhoray.active.document.clip.planes[0].point[0]")
+        handle = self.driver.find_element(By.CSS_SELECTOR, ".face[aria-label^='Clip plane']")
+        for key, moves in ((Keys.ARROW_RIGHT, lambda now: now > before), (Keys.HOME, lambda now: now < before)):
+            handle.send_keys(key)
+            self.settle()
+            self.assertTrue(moves(self.js("rhoray.active.document.clip.planes[0].point[0]")))
+            self.assertEqual(self.js("rhoray.active.layers.at(-1).spec.normal"), [1, 0, 0])
+            self.check_against_command()
         for switch in ("clip-slice", "clip-plane", "clip-box"):
             self.find(switch).click()
             self.settle()
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 6)
         handle = self.driver.find_element(By.CSS_SELECTOR, ".face:not([hidden])")
         self.drag(handle, (0, 0), [(8, 8)] * 5)
         self.settle()
         self.assertTrue(self.js("rhoray.active.document.clip.box"))
+        self.find("clip-handles").click()
+        self.wait("document.querySelectorAll('.face').length === 0")
         self.check_console()
 
     def test_layers_fields_colours_and_effects(self):
@@ -255,6 +269,18 @@ class Tools(PageTest):
         self.assertIn(" ms", self.js("document.querySelector('#accuracy option[value=double]').textContent"))
         self.open_section("cost")
         self.assertIn("0 false negatives, 0 false positives", self.find("cost-check").text)
+
+    def test_a_method_instead_of_an_accuracy_level(self):
+        self.volume("--iso", "0.5")
+        self.open_section("scene")
+        for method, command in (("sampled:0.5", "--method sampled:0.5"), ("double", "--accuracy double")):
+            Select(self.find("accuracy")).select_by_value(method)
+            self.settle()
+            self.wait("rhoray.active.finished.n === rhoray.active.drawn.request")
+            self.assertEqual(self.js("rhoray.active.method"), method)
+            self.assertIn(command, self.command())
+            self.check_against_command()
+            self.wait(f"document.querySelector('#accuracy option[value=\"{method}\"]').textContent.endsWith(' ms')")
 
     def test_two_views_with_linked_cameras_and_a_wipe(self):
         self.volume("--iso", "0.5")
@@ -374,25 +400,157 @@ class Results(PageTest):
         self.assertEqual(self.js("rhoray.active.patch"), {})
         self.assertEqual(self.pixels(), picture)
 
-    def test_scene_document_draws_the_picture(self):
+    def test_saved_scene_and_picture_are_drawn_again_from_another_folder(self):
         self.volume("--iso", "0.5", "--style", "presentation")
-        self.driver.execute_script("rhoray.active.keep((kept) => { window.kept = kept; })")
-        self.wait("window.kept")
-        (self.folder / "scene.json").write_text(json.dumps(self.js("kept.document")))
-        self.assertEqual(self.different_pixels(self.rendered("rhoray render scene.json")), 0)
+        self.set_number("layer-0-isovalue", 0.45)
+        for button, name in (("save-scene", "ball.npy.json"), ("save", "ball.npy.png")):
+            saved = self.downloaded(name, lambda: self.find(button).click())
+            self.assertEqual(self.different_pixels(self.rendered(f"rhoray render '{saved}'")), 0, name)
+        self.assertEqual(self.different_pixels(saved.read_bytes()), 0)
+
+    def test_bookmarks_become_a_film(self):
+        self.volume("--iso", "0.5")
+        self.open_section("bookmarks")
+        self.find("bookmark-add").click()
+        first = self.rendered(self.command())
+        self.driver.find_element(By.XPATH, "//button[.='left']").click()
+        self.settle()
+        self.find("bookmark-add").click()
+        saved = self.downloaded("ball.npy-path.json", lambda: self.find("bookmark-path").click())
+        scene = json.loads(saved.read_text())
+        self.assertEqual([key["time"] for key in scene["camera"]["keyframes"]], [0, 1])
+        subprocess.run([str(RHORAY), "render", str(saved), "--frames", "2", "-o", "film_%04d.png"], cwd=self.folder,
+                       check=True, capture_output=True)
+        self.settle()
+        frames = sorted(self.folder.glob("film_*.png"))
+        self.assertEqual(len(frames), 2)
+        self.assertEqual(self.different_pixels(frames[1].read_bytes()), 0)
+        self.find("bookmark-0-go").click()
+        self.settle()
+        self.assertEqual(self.different_pixels(frames[0].read_bytes()), 0)
+        self.assertEqual(self.different_pixels(first), 0)
+
+    def test_pins_are_saved_as_a_table(self):
+        self.volume("--iso", "0.5")
+        for offset in (-40, 40):
+            ActionChains(self.driver).move_to_element_with_offset(self.canvas(), offset, 0).pause(0.2).click().perform()
+            self.wait(f"rhoray.pins.length === {1 if offset < 0 else 2}")
+        saved = self.downloaded("ball.npy-pins.csv", lambda: self.find("pins-csv").click())
+        with saved.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        pins = self.js("rhoray.pins")
+        self.assertEqual(len(rows), 2)
+        for row, pin in zip(rows, pins):
+            self.assertEqual([float(row[axis]) for axis in "xyz"], pin["position"])
+            self.assertEqual((float(row["value"]), int(row["cell"])), (pin["value"], pin["cell"]))
+        apart = math.dist(*(pin["position"] for pin in pins))
+        self.assertAlmostEqual(float(rows[1]["distance_from_previous"]), apart, delta=1e-6 * apart)
+
+
+class Places(PageTest):
+    """Where the page is shown."""
+
+    def test_below_a_prefix_of_a_proxy(self):
+        viewer = self.volume("--iso", "0.5", "--allow-host", "127.0.0.1")
+        picture = self.pixels()
+        proxy = PrefixProxy("/user/ada/proxy/1", viewer.port)
+        self.addCleanup(proxy.close)
+        viewer.url = viewer.url.replace(f":{viewer.port}/", f":{proxy.port}/user/ada/proxy/1/")
+        self.open(viewer)
+        self.assertEqual(self.pixels(), picture)
+        self.set_number("layer-0-isovalue", 0.4)
+        self.assertNotEqual(self.pixels(), picture)
+        self.wait("location.hash.includes('iso=0.4')")
+        self.assertEqual(self.js("location.pathname"), "/user/ada/proxy/1/")
+        self.driver.refresh()
+        self.settle()
+        self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
+        self.check_console()
+
+    def test_on_a_phone_with_fingers(self):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True})
+        self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 5})
+        self.addCleanup(self.driver.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
+        self.addCleanup(self.driver.execute_cdp_cmd, "Emulation.setTouchEmulationEnabled", {"enabled": False})
+        self.volume("--iso", "0.5")
+        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 390)
+        self.check_against_command()
+        box = self.js("rhoray.active.canvas.getBoundingClientRect().toJSON()")
+        middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+
+        def touch(*fingers):
+            """Each finger moves by 40 steps from a place beside the middle to another."""
+            for step in range(41):
+                points = [{"x": middle[0] + x0 + (x1 - x0) * step / 40,
+                           "y": middle[1] + y0 + (y1 - y0) * step / 40, "id": i}
+                          for i, ((x0, y0), (x1, y1)) in enumerate(fingers)]
+                self.driver.execute_cdp_cmd("Input.dispatchTouchEvent",
+                                            {"type": "touchMove" if step else "touchStart", "touchPoints": points})
+            self.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+            self.settle()
+
+        def camera():
+            now = self.js("rhoray.active.camera")
+            return now["position"], now["target"], math.dist(now["position"], now["target"])
+
+        before = camera()
+        touch(((0, 0), (60, 30)))
+        turned = camera()
+        self.assertNotEqual(turned[0], before[0])
+        self.assertAlmostEqual(turned[2], before[2], delta=1e-6 * before[2])
+        touch(((-30, 0), (-60, 0)), ((30, 0), (60, 0)))
+        nearer = camera()
+        self.assertAlmostEqual(nearer[2], turned[2] / 2, delta=0.05 * turned[2])
+        touch(((-30, 0), (0, 40)), ((30, 0), (60, 40)))
+        moved = camera()
+        self.assertNotEqual(moved[1], nearer[1])
+        self.assertAlmostEqual(moved[2], nearer[2], delta=0.05 * nearer[2])
+        self.check_console()
+
+
+class SharpScreen(PageTest):
+    pixel_ratio = 1.5
+
+    def test_has_a_traced_pixel_for_each_of_its_own(self):
+        self.volume("--iso", "0.5")
+        for side in ("width", "height"):
+            css = self.js(f"rhoray.active.canvas.getBoundingClientRect().{side}")
+            self.assertAlmostEqual(self.js(f"rhoray.active.canvas.{side}"), 1.5 * css, delta=1)
+        self.check_against_command()
+        ActionChains(self.driver).move_to_element(self.canvas()).pause(0.2).click().perform()
+        self.wait("rhoray.pins.length === 1")
+        pixel = self.js("rhoray.pins[0].pixel")
+        for x, side in zip(pixel, ("width", "height")):
+            self.assertAlmostEqual(x, self.js(f"rhoray.active.canvas.{side}") / 2, delta=2)
 
 
 class Trouble(PageTest):
+    def state(self):
+        return self.find("state").text
+
     def test_the_page_reconnects_with_its_state(self):
-        viewer = self.volume()
+        self.volume()
         self.set_number("layer-0-isovalue", 0.4)
         picture = self.pixels()
-        self.assertEqual(viewer.stop(), 0)
-        self.wait("/connection|reach/i.test(document.getElementById('state').textContent)", "the page says so")
-        self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
-        viewer.start()  # with another token: the page cannot get in by itself, and must be opened anew
-        self.open(viewer, fragment="iso=0.4")
+        self.driver.execute_script("""
+          rhoray.active.canvas.getContext("2d").fillRect(0, 0, 300, 300);
+          rhoray.active.connection.socket.close();""")
+        self.wait("!rhoray.active.isOnline")
+        self.wait("rhoray.active.isOnline", "the next connection")
+        self.settle()
         self.assertEqual(self.pixels(), picture)
+        self.assertEqual(self.js("rhoray.active.document.layers[0].isovalue"), 0.4)
+
+    def test_the_page_says_that_a_server_is_gone_or_has_another_token(self):
+        viewer = self.volume()
+        self.assertEqual(viewer.stop(), 0)
+        self.wait("document.getElementById('state').textContent.startsWith('no connection')")
+        viewer.start()
+        self.wait("document.getElementById('state').textContent.startsWith('not let in: open the URL')")
+        self.assertEqual(self.js("document.getElementById('announcement').textContent"), self.state())
+        self.open(viewer)
+        self.assertEqual(self.state(), "finished, lossless")
 
     def test_a_file_cut_short_is_said_and_the_server_lives(self):
         write_volume(self.folder / "ball.npy")
@@ -412,11 +570,24 @@ class Trouble(PageTest):
                          "az=left", "zoom=0", "at=1,2"):
             with self.subTest(fragment):
                 viewer = self.volume()
-                self.driver.get("about:blank")
-                self.driver.get(f"{viewer.url}&{fragment}")
-                self.wait("window.rhoray && rhoray.active && rhoray.active.hello")
-                self.wait("rhoray.active.drawn || !document.getElementById('alert').hidden")
+                before = self.pixels()
+                self.open(viewer, fragment=fragment)
+                self.wait("!document.getElementById('alert').hidden")
+                self.assertRegex(self.find("alert-text").text, "^The link cannot be (read|shown): ")
+                self.assertEqual(self.js("rhoray.active.patch"), {})
+                self.assertEqual(self.pixels(), before)
                 viewer.stop()
+
+    def test_what_the_server_refuses_is_said_and_can_be_undone(self):
+        self.volume("--iso", "0.5")
+        before = self.pixels()
+        self.find("layer-0-visible").click()
+        self.wait("!document.getElementById('alert').hidden")
+        self.assertIn("no layer is visible", self.find("alert-text").text)
+        self.assertEqual(self.state(), "refused")
+        self.find("layer-0-visible").click()
+        self.settle()
+        self.assertEqual(self.pixels(), before)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,13 @@ constexpr double longest_timed_ms = 4000;      ///< effects of a picture that ta
 constexpr JpegQuality moving_quality{.quality = 80, .has_full_color = false};
 constexpr JpegQuality still_quality{.quality = 92, .has_full_color = true};
 
+/// The scene of the client's picture without the channels that only its check needs.
+render::ResolvedScene as_asked(const PainterClient& client) {
+  render::ResolvedScene plan = client.plan;
+  plan.frame.channels = client.scene->plan.frame.channels;
+  return plan;
+}
+
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
@@ -201,9 +208,9 @@ void Painter::send(Client& client, const render::Framebuffer& picture, PictureHe
   client.sent_request = header.request;
   client.sent_spacing = static_cast<double>(header.spacing);
   client.sent_at = Clock::now();
-  std::vector<std::byte> message = header.codec == Codec::png
-                                       ? png_message(header, picture, viewed_.texts_of(client.plan, client.machine))
-                                       : jpeg_message(header, picture, quality);
+  std::vector<std::byte> message =
+      header.codec == Codec::png ? png_message(header, picture, viewed_.texts_of(as_asked(client), client.machine))
+                                 : jpeg_message(header, picture, quality);
   if (moving_since) {
     const std::lock_guard lock(mutex_);
     client.sent_pictures.send_moving(header.frame, *moving_since, Clock::now());

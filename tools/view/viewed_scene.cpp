@@ -220,6 +220,9 @@ std::string hello_text(const ViewedScene& viewed, const std::string& document) {
     if (data.contains(name)) continue;  // a boundary, listed as its mesh
     const char* kind = dataset.is_surface() ? "surface" : dataset.is_mesh() ? "mesh" : "grid";
     data[name] = {{"kind", kind}, {"fields", dataset.field_names()}, {"colors", dataset.color_names()}};
+    if (!dataset.is_surface())
+      for (const auto& [type, mode] : {std::pair{"isosurface", render::Mode::isosurface}, {"mip", render::Mode::mip}})
+        data[name]["methods"][type] = render::methods_to_compare(mode, dataset.is_mesh());
   }
   Json shown = Json::parse(document);
   for (auto& [name, value] : shown["data"].items()) value.erase("file");

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "formats/base/json.h"
+#include "render/method_words.h"
 #include "render/render.h"
 #include "tests/support/expect_error.h"
 #include "tests/tools/view/viewed.h"
@@ -28,6 +31,25 @@ TEST(ChangedScene, of_a_patch_that_changes_nothing_draws_the_same_picture) {
     EXPECT_EQ(picture_of(viewed, changed_scene(viewed, document, R"({"style": "default"})")).color,
               picture_of(viewed, changed_scene(viewed, document, "")).color);
   }
+}
+
+TEST(ChangedScene, takes_every_method_and_accuracy_that_hello_names) {
+  const TemporaryFolder folder;
+  const ViewedScene viewed = viewed_box(folder);
+  const std::string document = document_to_change(viewed);
+  const Json hello = Json::parse(hello_text(viewed, document))["hello"];
+  std::set<std::string> methods;
+  for (const char* type : {"isosurface", "mip"})
+    for (const Json& word : hello["data"]["data"]["methods"][type]) {
+      Json layer{{"type", type}, {"data", "data"}, {"method", word}};
+      if (type == std::string("isosurface")) layer["isovalue"] = 0.5;
+      const ChangedScene scene = changed_scene(viewed, document, dump(Json{{"layers", {{"1", layer}}}}));
+      const render::Method method = scene.plan.scene.layers[1].method;
+      for (const Json& level : hello["words"]["accuracy"])
+        EXPECT_FALSE(method == render::method_of(render::accuracy_named(level.get<std::string>()))) << word;
+      methods.insert(word.get<std::string>());
+    }
+  EXPECT_THAT(methods, testing::ElementsAre("face", "paper", "sampled:0.5", "slack:1e-6"));
 }
 
 TEST(ChangedScene, draws_what_the_same_scene_draws_when_it_is_asked_for) {

@@ -1,4 +1,4 @@
-// The panel of the clip region, and handles on the faces of the clip box in the picture.
+// The panel of the clip region, and its handles in the picture.
 import { frameOf, project } from "./camera.js";
 import { button, describeSlider, keyValue, make } from "./controls.js";
 import { equal, put } from "./patch.js";
@@ -87,7 +87,7 @@ export function showClipping(panel, view, onHandles) {
       id: `clip-${name}-${end ? "high" : "low"}`, label: `${name} ${end ? "to" : "from"}`, unit: lengthUnit,
       min: bounds[0][axis], max: bounds[1][axis], get: () => clipOf(view).box?.[end][axis],
       set: (value, moving) => setFace(view, end, axis, value, moving) }))),
-    hasBox && panel.checkbox({ id: "clip-handles", label: "Show handles in the picture",
+    (hasBox || hasPlane) && panel.checkbox({ id: "clip-handles", label: "Show handles in the picture",
       get: () => !view.hidesHandles, set: (on) => { view.hidesHandles = !on; onHandles(view); } }),
     panel.checkbox({ id: "clip-plane", label: "Clip plane", get: () => planeOf(view),
       set: (on) => on ? setPlane(view, axisVector(0))
@@ -114,21 +114,40 @@ function planePart(panel, view, lengthUnit) {
       set: (on) => on ? addCut(view) : removeCuts(view, cutLayers(view)) })];
 }
 
-/** Places a small square on each face of the clip box. Dragging it moves the face. */
+/**
+ * Places a small square on each face of the clip box and on the clip plane. Dragging it moves the
+ * face or the plane.
+ */
 export function placeHandles(view) {
-  const { box } = clipOf(view), isShown = box && !view.hidesHandles, { size } = view;
-  if (!isShown) {
-    for (const { element } of view.faceHandles) element.remove();
-    view.faceHandles = [];
-    return;
+  const wanted = view.hidesHandles ? [] : handlesOf(view);
+  const isSame = wanted.length === view.clipHandles.length &&
+    wanted.every(({ name }, i) => name === view.clipHandles[i].name);
+  if (!isSame) {
+    for (const { element } of view.clipHandles) element.remove();
+    view.clipHandles = wanted.map((handle) => ({ ...handle, element: makeHandle(view, handle) }));
   }
-  if (view.faceHandles.length === 0)
-    view.faceHandles = axes.flatMap((_, axis) => [makeHandle(view, 0, axis), makeHandle(view, 1, axis)]);
-  for (const { element, end, axis } of view.faceHandles) {
-    placeAt(element, project(view.camera, size, faceCentre(box, end, axis)), size);
-    const [low, high] = view.hello.bounds.map((corner) => corner[axis]);
-    describeSlider(element, low, high, box[end][axis], view.hello.length_unit);
+  for (const { element, place, range, value } of view.clipHandles) {
+    placeAt(element, project(view.camera, view.size, place()), view.size);
+    describeSlider(element, ...range(), value(), view.hello.length_unit);
   }
+}
+
+/**
+ * The handles of a clip region: {name, place() in the world, way() in which it moves, range() and
+ * value() along it, moveTo(value)}.
+ */
+function handlesOf(view) {
+  const face = (end, axis) => ({
+    name: `${end ? "Upper" : "Lower"} ${axes[axis]} face of the clip box`,
+    place: () => faceCentre(clipOf(view).box, end, axis), way: () => axisVector(axis),
+    range: () => view.hello.bounds.map((corner) => corner[axis]), value: () => clipOf(view).box[end][axis],
+    moveTo: (value) => setFace(view, end, axis, value, true) });
+  const plane = {
+    name: "Clip plane", place: () => planeOf(view).point, way: () => unit(planeOf(view).normal),
+    range: () => [offsets(view).low, offsets(view).high], value: () => offsets(view).now,
+    moveTo: (value) => setPlane(view, planeOf(view).normal, value, true) };
+  const faces = clipOf(view).box ? axes.flatMap((_, axis) => [face(0, axis), face(1, axis)]) : [];
+  return planeOf(view) ? [...faces, plane] : faces;
 }
 
 /** Places an element over the picture, or hides it if the place is outside. */
@@ -141,20 +160,18 @@ function faceCentre(box, end, axis) {
   return middle(...box).map((x, i) => i === axis ? box[end][axis] : x);
 }
 
-function makeHandle(view, end, axis) {
-  const label = `${end ? "Upper" : "Lower"} ${axes[axis]} face of the clip box, view ${view.name}`;
-  const [low, high] = view.hello.bounds.map((corner) => corner[axis]);
-  const now = () => clipOf(view).box[end][axis];
-  const moveTo = (value) => setFace(view, end, axis, clamp(value, low, high), true);
-  let held = null;  // where the pointer was pressed, and the face then
+function makeHandle(view, handle) {
+  const moveTo = (value) => handle.moveTo(clamp(value, ...handle.range()));
+  let held = null;  // where the pointer was pressed, and the value then
   const drop = () => { held = null; };
-  const element = make("div", { class: "face", role: "slider", tabIndex: 0, "aria-label": label,
+  const element = make("div", { class: "face", role: "slider", tabIndex: 0,
+    "aria-label": `${handle.name}, view ${view.name}`,
     onpointerup: drop, onpointercancel: drop,
     onpointerdown: (event) => {
       element.setPointerCapture(event.pointerId);
       element.focus();
       event.preventDefault();
-      held = { x: event.clientX, y: event.clientY, value: now(), way: wayOf(view, end, axis) };
+      held = { x: event.clientX, y: event.clientY, value: handle.value(), way: pixelsOf(view, handle) };
     },
     onpointermove: (event) => {
       if (!held?.way) return;
@@ -162,22 +179,22 @@ function makeHandle(view, end, axis) {
       moveTo(held.value + (moved[0] * held.way[0] + moved[1] * held.way[1]) / length(held.way) ** 2);
     },
     onkeydown: (event) => {
-      const value = keyValue(event, now(), low, high);
+      const value = keyValue(event, handle.value(), ...handle.range());
       if (value !== undefined) moveTo(value);
     } });
   view.overlay.append(element);
-  return { element, end, axis };
+  return element;
 }
 
 /**
- * How many pixels a face moves in the picture for each world unit; null if it moves straight to the
- * eye.
+ * How many pixels a handle moves in the picture for each world unit; null if it moves straight to
+ * the eye.
  */
-function wayOf(view, end, axis) {
-  const centre = faceCentre(clipOf(view).box, end, axis), step = 1e-3 * diagonal(view);
-  const [from, to] = [centre, add(centre, scale(step, axisVector(axis)))]
-    .map((place) => project(view.camera, view.size, place));
+function pixelsOf(view, { place, way }) {
+  const step = 1e-3 * diagonal(view);
+  const [from, to] = [place(), add(place(), scale(step, way()))]
+    .map((point) => project(view.camera, view.size, point));
   if (!from || !to) return null;
-  const way = scale(1 / step, subtract(to, from));
-  return length(way) * diagonal(view) > 10 ? way : null;
+  const moved = scale(1 / step, subtract(to, from));
+  return length(moved) * diagonal(view) > 10 ? moved : null;
 }

@@ -1,6 +1,9 @@
 // The WebSocket to the server: it connects again by itself, and hands over messages.
 const firstRetryMs = 250, longestRetryMs = 8000;
 
+/** Below a proxy, viewers with tokens of their own have the same origin. */
+const tokenKey = () => `rhoray-token:${location.pathname}`;
+
 /**
  * Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab.
  */
@@ -8,7 +11,7 @@ export function takeToken() {
   const items = location.hash.slice(1).split("&");
   const given = items.find((item) => item.startsWith("token="));
   if (!given) return;
-  sessionStorage.setItem("token", decodeURIComponent(given.slice("token=".length)));
+  sessionStorage.setItem(tokenKey(), decodeURIComponent(given.slice("token=".length)));
   const rest = items.filter((item) => item !== given).join("&");
   history.replaceState(null, "", `${location.pathname}${rest && `#${rest}`}`);
 }
@@ -16,7 +19,7 @@ export function takeToken() {
 export class Connection {
   /**
    * @param listeners  onOpen(), onMessage(object), onPicture(buffer, socket), onLost(ms to the next
-   * try)
+   * try), onRefused() if the server is there and does not let this page in
    */
   constructor(listeners) {
     Object.assign(this, listeners, { retryMs: firstRetryMs, isClosed: false });
@@ -39,12 +42,14 @@ export class Connection {
   connect() {
     const url = new URL("ws", location.href);
     url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
-    const token = sessionStorage.getItem("token");
+    const token = sessionStorage.getItem(tokenKey());
+    let wasOpen = false;
     const socket = new WebSocket(url, token ? ["rhoray.1", token] : ["rhoray.1"]);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.retryMs = firstRetryMs;
+      wasOpen = true;
       this.onOpen();
     };
     socket.onmessage = ({ data }) => {
@@ -55,8 +60,14 @@ export class Connection {
     socket.onclose = () => {
       if (this.isClosed) return;
       this.onLost(this.retryMs);
+      if (!wasOpen) this.#askWhetherItIsThere();
       this.timer = setTimeout(() => this.connect(), this.retryMs);
       this.retryMs = Math.min(longestRetryMs, 2 * this.retryMs);
     };
+  }
+
+  #askWhetherItIsThere() {
+    const refuse = ({ ok }) => { if (ok && !this.isClosed) this.onRefused(); };
+    fetch("./", { method: "HEAD" }).then(refuse, () => {});
   }
 }

@@ -83,10 +83,11 @@ const app = {
     pins.place(view);
     view.orientation.place(view);
   },
-  stateChanged(view) {
+  stateChanged(view, isNews = false) {
     if (view !== app.active) return;
     const text = app.views.length > 1 ? `View ${view.name}: ${view.state}` : view.state;
     if ($("state").textContent !== text) $("state").textContent = text;
+    if (isNews && $("announcement").textContent !== text) $("announcement").textContent = text;
     $("numbers").textContent = view.numbers;
   },
   rested() {
@@ -182,9 +183,7 @@ function writeLink() {
 
 function restore(view) {
   try {
-    const { camera, patch } = fromFragment(view.hello, location.hash.slice(1));
-    view.replacePatch(patch);
-    view.setCamera(camera, false);
+    view.openLink(fromFragment(view.hello, location.hash.slice(1)));
   } catch (error) {
     app.showError(error.message);
   }

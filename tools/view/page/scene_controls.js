@@ -26,10 +26,10 @@ export function showScene(panel, view) {
                      set: (on) => setOrthographic(view, on) }),
     panel.select({ ...at("show", "Heat map", ["image", "show"], "color"),
       options: (words.show ?? []).map((word) => [word, word === "color" ? "none (colours)" : word]) }),
-    panel.select({ id: "accuracy", label: "Accuracy", get: () => view.accuracy,
-      options: () => (words.accuracy ?? []).map((word) => [word, word in view.levelMs
-        ? `${word}, ${rounded(view.levelMs[word], 2)} ms` : word]),
-      set: (level) => setAccuracy(view, level) }),
+    panel.select({ id: "accuracy", label: "Accuracy or method", get: () => view.method,
+      options: () => [...words.accuracy ?? [], ...view.methods].map((word) => [word,
+        word in view.methodMs ? `${word}, ${rounded(view.methodMs[word], 2)} ms` : word]),
+      set: (word) => setMethod(view, word) }),
     make("div", { class: "buttons" },
          button("Discard all changes", () => view.replacePatch({}), { id: "discard" }))]);
 }
@@ -70,14 +70,20 @@ function setAnnotation(view, key, on) {
   view.set(["annotations", key], on && (view.hello.document.annotations?.[key] || true));
 }
 
-/** Layers that name an accuracy or a method of their own follow the choice, too. */
-function setAccuracy(view, level) {
+/**
+ * Sets the accuracy of all layers, or the method of those that have it. Layers with a choice of
+ * their own follow, too.
+ */
+function setMethod(view, word) {
+  const isLevel = view.hello.words.accuracy.includes(word);
   view.edit((patch) => {
-    patch.accuracy = level;
-    for (const { number, spec } of view.layers) {
-      if (spec.type !== "isosurface" && spec.type !== "mip") continue;
-      put(patch, ["layers", String(number), "accuracy"], level);
-      put(patch, ["layers", String(number), "method"], null);
+    if (isLevel) patch.accuracy = word;
+    for (const layer of view.layers) {
+      const { number, spec } = layer;
+      const has = isLevel ? ["isosurface", "mip"].includes(spec.type) : view.methodsOf(layer).includes(word);
+      if (!has) continue;
+      put(patch, ["layers", String(number), "accuracy"], isLevel ? word : null);
+      put(patch, ["layers", String(number), "method"], isLevel ? null : word);
     }
   });
 }

@@ -7,7 +7,7 @@ import { decode, drawPicture, readPicture } from "./pictures.js";
 import { Prober } from "./prober.js";
 import { clamp, rounded } from "./vectors.js";
 
-const restMs = 150, largestSide = 4096;
+const restMs = 150, largestSide = 4096, lossless = "finished, lossless";
 /** Opacity of a boundary around something else, as that of `rhoray render --context`. */
 const faint = 0.12;
 
@@ -22,9 +22,9 @@ export class View {
   check = null;
   effects = null;       // what each effect of the picture costs
   orientation = null;
-  levelMs = {};         // by accuracy: ms of the newest finished picture
+  methodMs = {};        // by accuracy or method: ms of the newest finished picture
   markers = [];         // elements of pinned points
-  faceHandles = [];     // {element, end, axis} of faces of the clip box
+  clipHandles = [];     // of the clip region, in the picture (clipping.js)
   layerInfo = new Map();  // by number of a layer: what `resolved` said when it was last drawn
   size = [1, 1];        // of the canvas, CSS pixels
   requestNumber = 0;
@@ -37,10 +37,11 @@ export class View {
   #editedAt = 0;        // the first request that has the newest patch
   #restTimer = 0;
   #hasSize = false;
-  #rest = null;         // {n, accuracy} of the newest request at rest
+  #rest = null;         // {n, method} of the newest request at rest
   #keepers = [];
   #drawnAt = [];        // times of the pictures of the last second
   #document = null;
+  #isOfLink = false;    // the patch is that of a link, and was not drawn yet
 
   /** @param app  see main.js */
   constructor(name, container, app) {
@@ -55,7 +56,11 @@ export class View {
                         this.canvas, this.overlay, this.label);
     container.append(this.section);
     this.observer = new ResizeObserver((entries) => this.#resize(entries[0]));
-    this.observer.observe(this.canvas);
+    try {  // so that a screen of another resolution is noticed even if the CSS size stays
+      this.observer.observe(this.canvas, { box: "device-pixel-content-box" });
+    } catch {
+      this.observer.observe(this.canvas);
+    }
     this.prober = new Prober((message) => this.connection.send(message));
     this.connection = new Connection({
       onOpen: () => this.#start(),
@@ -63,8 +68,10 @@ export class View {
       onPicture: (buffer, socket) => this.#draw(buffer, socket),
       onLost: (ms) => {
         this.isOnline = false;
-        this.#setState(`no connection; the next try is in ${(ms / 1000).toFixed(1)} s`);
+        this.#setState(`no connection; the next try is in ${(ms / 1000).toFixed(1)} s`, true);
       },
+      onRefused: () => this.#setState("not let in: open the URL that the program printed last; " +
+        "it shows at most 8 views", true),
     });
   }
 
@@ -188,7 +195,7 @@ export class View {
     if (!this.connection.send({ n, size, moving, camera, scene, set })) return false;
     this.check = this.effects = null;
     if (moving) return true;
-    this.#rest = { n, accuracy: this.accuracy };
+    this.#rest = { n, method: this.method };
     this.app.rested();
     return true;
   }
@@ -201,11 +208,32 @@ export class View {
     return !this.isMoving && !this.#isDirty && this.drawn?.request === this.requestNumber;
   }
 
-  /** The accuracy of the first layer whose rays look for crossings or maxima. */
+  /** The first layer whose rays look for crossings or maxima. */
+  get #tracedLayer() {
+    return this.layers.find(({ spec }) => ["isosurface", "mip"].includes(spec.type));
+  }
+
+  /** The accuracy of that layer, unless it has a method of its own. */
   get accuracy() {
-    const layer = this.layers.find(({ spec }) => ["isosurface", "mip"].includes(spec.type));
+    const layer = this.#tracedLayer;
+    if (layer?.spec.method) return undefined;
     return layer?.spec.accuracy ?? this.document.accuracy ?? layer?.info[0]?.spec.accuracy ??
       this.chosen("accuracy");
+  }
+
+  /** Its accuracy or its method. */
+  get method() {
+    return this.#tracedLayer?.spec.method ?? this.accuracy;
+  }
+
+  /** The methods that it can have instead of an accuracy. */
+  get methods() {
+    return this.#tracedLayer ? this.methodsOf(this.#tracedLayer) : [];
+  }
+
+  methodsOf({ spec, info }) {
+    const { data } = this.hello;
+    return data[spec.data ?? info[0]?.spec.data ?? Object.keys(data)[0]]?.methods?.[spec.type] ?? [];
   }
 
   /** Asks for the command and the document of this picture. */
@@ -229,14 +257,28 @@ export class View {
     if (message.resolved) this.#resolve(message.resolved);
     if (message.finished) {
       this.finished = message.finished;
-      if (this.#rest?.n === this.finished.n) this.levelMs[this.#rest.accuracy] = this.finished.ms;
+      if (this.#rest?.n === this.finished.n) this.methodMs[this.#rest.method] = this.finished.ms;
     }
     if (message.check && message.check.n === this.requestNumber) this.check = message.check;
     if (message.effects && message.effects.n === this.requestNumber) this.effects = message.effects;
     if (message.probe) this.prober.take(message.probe);
     if (message.keep) this.#kept(message.keep);
-    if (message.error) this.app.showError(message.error);
+    if (message.error) this.#refuse(message.error);
     this.app.refresh(this);
+  }
+
+  /** Shows the patch and the camera of a link. */
+  openLink({ patch, camera }) {
+    this.#isOfLink = Object.keys(patch).length > 0;
+    this.replacePatch(patch);
+    this.setCamera(camera, false);
+  }
+
+  /** Shows why the server refuses a request. A link that it refuses gives way to the start. */
+  #refuse(error) {
+    this.app.showError(this.#isOfLink ? `The link cannot be shown: ${error}` : error);
+    if (this.#isOfLink) this.openLink({ patch: {}, camera: this.camera });
+    else this.#setState("refused", true);
   }
 
   /** One answer may stand for several requests. */
@@ -285,12 +327,13 @@ export class View {
         const { request, spacing, isLossless, frame } = picture;
         drawPicture(this.canvas, bitmap, picture);
         this.drawn = { request, spacing, isLossless, frame };
+        this.#isOfLink = false;
         this.png = isLossless ? picture.blob : null;
         const now = performance.now();
         this.#drawnAt = [...this.#drawnAt.filter((time) => now - time < 1000), now];
         this.numbers = `${picture.width} × ${picture.height}, ${picture.ms.toFixed(1)} ms, ` +
           `${this.#drawnAt.length} pictures/s`;
-        this.#setState(this.#pictureState());
+        this.#setState(this.#pictureState(), isLossless);
         const detail = { ...this.drawn, view: this.name };
         if (!performance.getEntriesByName("first picture").length) performance.mark("first picture");
         document.dispatchEvent(new CustomEvent("drawn", { detail }));
@@ -303,7 +346,7 @@ export class View {
 
   #pictureState() {
     const { spacing, isLossless } = this.drawn;
-    if (isLossless) return "finished, lossless";
+    if (isLossless) return lossless;
     const waiting = [];
     if ((this.value("image", "antialias") ?? 2) > 1) waiting.push("edges are smoothed");
     const annotations = { ...this.chosen("annotations"), ...this.document.annotations };
@@ -313,9 +356,10 @@ export class View {
     return this.isAtRest ? "finished; the lossless picture follows" : `every pixel traced${rest}`;
   }
 
-  #setState(text) {
+  /** @param isNews  it is read aloud, unless it is what was read last */
+  #setState(text, isNews = false) {
     this.state = text;
-    this.app.stateChanged(this);
+    this.app.stateChanged(this, isNews);
   }
 
   #resize(entry) {
