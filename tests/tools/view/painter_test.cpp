@@ -17,6 +17,8 @@ namespace {
 using namespace tools;
 using std::chrono::seconds;
 
+constexpr seconds patience(120);  ///< for one message; sanitizers are slow
+
 /// Collects the messages to a client; a test can wait for them. It must outlive the painter.
 class Inbox {
  public:
@@ -35,15 +37,15 @@ class Inbox {
                 }};
   }
 
-  /// Waits until so many pictures have come; 20 s at most.
+  /// Waits until so many pictures have come, for as long as the patience lasts.
   std::vector<std::vector<std::byte>> pictures(std::size_t count) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, seconds(20), [&] { return pictures_.size() >= count; });
+    changed_.wait_for(lock, patience, [&] { return pictures_.size() >= count; });
     return pictures_;
   }
   std::vector<std::string> texts(std::size_t count) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, seconds(20), [&] { return texts_.size() >= count; });
+    changed_.wait_for(lock, patience, [&] { return texts_.size() >= count; });
     return texts_;
   }
 
@@ -252,7 +254,7 @@ TEST(Painter, ends_the_first_pass_of_a_client_that_leaves) {
 TEST(Painter, ends_the_work_for_a_client_at_rest_for_the_picture_of_another_and_does_it_later) {
   const TemporaryFolder folder;
   Inbox resting, moving;
-  Painter painter(viewed_box(folder), 2);
+  Painter painter(viewed_box(folder), 2, std::chrono::minutes(5));
   const Painter::ClientId of_resting = painter.add(resting.sink()), of_moving = painter.add(moving.sink());
   std::uint32_t number = 0;
   const auto move = [&](int pictures) {
@@ -269,7 +271,7 @@ TEST(Painter, ends_the_work_for_a_client_at_rest_for_the_picture_of_another_and_
   painter.take(
       of_resting,
       PictureRequest{
-          .number = 1, .patch = R"({"effects": {"ambient_occlusion": {"samples": 16}}})", .width = 900, .height = 900});
+          .number = 1, .patch = R"({"effects": {"ambient_occlusion": {"samples": 16}}})", .width = 500, .height = 500});
   ASSERT_GE(resting.pictures(1).size(), 1U);
   move(10);
   EXPECT_FALSE(is_told("finished"));
