@@ -16,6 +16,7 @@
 #include "formats/base/checks.h"
 #include "formats/base/mapped_file.h"
 #include "formats/base/regular_file.h"
+#include "formats/base/stopping.h"
 #include "formats/envelope/header.h"
 #include "formats/envelope/seal.h"
 #include "formats/format_error.h"
@@ -201,12 +202,13 @@ std::span<const std::byte> PackedFile::checked_bytes(std::string_view array, Ele
   return mapping_->bytes_of(found);
 }
 
-std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads) const {
+std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads, const std::stop_token& stop) const {
   const Mapping& file = *mapping_;
   std::vector<DamagedBlock> damaged;
   std::mutex guard;
   const envelope::Stretch stretch{file.descriptor, file.header_bytes, file.summed_bytes};
   envelope::sum_blocks(stretch, threads, [&](std::uint64_t block, std::optional<std::uint64_t> sum) {
+    end_if_stopped(stop);
     if (sum == file.sums[block]) return;
     const std::uint64_t at = block * envelope::block_bytes;
     const std::lock_guard lock(guard);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -74,7 +75,8 @@ struct Shown {
 };
 
 /// Finds what is shown. If no surface passes through any cell, returns the bounds of the data.
-Shown what_is_shown(const ResolvedScene& plan);
+/// @param stop  ends the search (ErrorCode::interrupted)
+Shown what_is_shown(const ResolvedScene& plan, const std::stop_token& stop = {});
 
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what
 /// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the

@@ -225,10 +225,10 @@ Box3 Dataset::isosurface_bounds(double isovalue) const {
   return bounds;
 }
 
-std::vector<std::array<Vec3, 8>> Dataset::shown_boxes(double isovalue) const {
+std::vector<std::array<Vec3, 8>> Dataset::shown_boxes(double isovalue, const std::stop_token& stop) const {
   const DefaultFloatingPoint default_floating_point;
   std::vector<std::array<Vec3, 8>> boxes;
-  for (const Box3& box : render::shown_boxes(*implementation_, isovalue)) {
+  for (const Box3& box : render::shown_boxes(*implementation_, isovalue, stop)) {
     boxes.push_back(corners_of(box));
     for (Vec3& corner : boxes.back()) corner = implementation_->world_from_data.point(corner);
   }

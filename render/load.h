@@ -102,7 +102,8 @@ class Dataset {
   /// Returns the corners of up to some ten thousand boxes, world axes; their convex hull contains
   /// the isosurface, or the triangles of a surface. Every box is as small as the points of the
   /// isosurface (of a grid: the cells that it passes through) in its part of the data allow.
-  std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue) const;
+  /// @param stop  ends the search (ErrorCode::interrupted)
+  std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue, const std::stop_token& stop = {}) const;
 
   /// Returns the edges of a surface at which it turns by more than an angle: 0 where its triangles
   /// lie in one plane. An edge of one triangle, or of more than two, counts as 180 degrees, so that

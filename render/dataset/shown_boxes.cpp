@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <variant>
 
+#include "formats/base/stopping.h"
+
 namespace rhoray::render {
 
 namespace {
+
+constexpr std::uint64_t piece = 4096;  ///< cells or triangles between looks at the stop token
 
 /// A block of crossed cells, so far.
 struct CrossedCells {
@@ -61,13 +65,14 @@ std::int64_t row_width(const WalkLattice& lattice) {
 /// Calls act(macrocells) for each row of lowest-level macrocells along x, with those that may be
 /// crossed. The ends come first, because most others lie between them.
 template <class Grid, class Act>
-void for_each_row(const Grid& view, double isovalue, const Act& act) {
+void for_each_row(const Grid& view, double isovalue, const std::stop_token& stop, const Act& act) {
   const WalkLattice lattice = view.lattice();
   const Index3 count = whole_level(lattice, lattice.cell_edge(1)).end;
   std::vector<Index3> row;
   Index3 c;
   for (c.z = 0; c.z < count.z; ++c.z)
     for (c.y = 0; c.y < count.y; ++c.y) {
+      end_if_stopped(stop);
       row.clear();
       for (c.x = 0; c.x < count.x; ++c.x) {
         const Interval<double> range = view.range(1, c);
@@ -79,12 +84,13 @@ void for_each_row(const Grid& view, double isovalue, const Act& act) {
 }
 
 template <class Geometry>
-std::vector<Box3> boxes_in(const PlacedGrid<Geometry>& view, const LoadedDataset&, double isovalue) {
+std::vector<Box3> boxes_in(const PlacedGrid<Geometry>& view, const LoadedDataset&, double isovalue,
+                           const std::stop_token& stop) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t width = row_width(lattice);
   const auto planes = view.geometry().planes();
   std::vector<Box3> boxes;
-  for_each_row(view, isovalue, [&](const std::vector<Index3>& row) {
+  for_each_row(view, isovalue, stop, [&](const std::vector<Index3>& row) {
     const CellBlock of_row = children(lattice, row[0], 1);
     Index3 low = of_row.first;
     for (low.z = of_row.first.z; low.z < of_row.end.z; low.z += width)
@@ -135,13 +141,14 @@ class Columns {
 };
 
 /// A tetrahedron's part of the isosurface is the polygon between the crossings of its edges.
-std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, double isovalue) {
+std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, double isovalue,
+                           const std::stop_token& stop) {
   Columns columns(dataset.bounds_data);
-  for (std::uint64_t cell = 0; cell < view.description().cell_count; ++cell) {
+  for_each_until_stopped(0, view.description().cell_count, piece, stop, [&](std::uint64_t cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
     const auto values = view.values_at(vertices);
     const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
-    if (!(lo < isovalue && isovalue <= hi) || !has_data(values)) continue;
+    if (!(lo < isovalue && isovalue <= hi) || !has_data(values)) return;
     const auto points = view.points_at(vertices);
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = a + 1; b < 4; ++b) {
@@ -150,21 +157,24 @@ std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, do
         const Vec3 from(points[a][0], points[a][1], points[a][2]), to(points[b][0], points[b][1], points[b][2]);
         columns.include((1 - share) * from + share * to);
       }
-  }
+  });
   return columns.take();
 }
 
-std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& dataset, double) {
+std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& dataset, double,
+                           const std::stop_token& stop) {
   Columns columns(dataset.bounds_data);
-  for (std::uint32_t triangle = 0; triangle < view.triangle_count(); ++triangle)
-    for (const auto& [x, y, z] : view.points_at(view.vertices(triangle))) columns.include({x, y, z});
+  for_each_until_stopped(0, view.triangle_count(), piece, stop, [&](std::uint64_t triangle) {
+    for (const auto& [x, y, z] : view.points_at(view.vertices(static_cast<std::uint32_t>(triangle))))
+      columns.include({x, y, z});
+  });
   return columns.take();
 }
 
 }  // namespace
 
-std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue) {
-  return std::visit([&](const auto& view) { return boxes_in(view, dataset, isovalue); }, dataset.view);
+std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const std::stop_token& stop) {
+  return std::visit([&](const auto& view) { return boxes_in(view, dataset, isovalue, stop); }, dataset.view);
 }
 
 }  // namespace rhoray::render

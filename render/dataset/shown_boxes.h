@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "formats/base/vector.h"
@@ -15,6 +16,7 @@ namespace rhoray::render {
 /// if that makes no more than 128 x 128 rows, else up to one lowest-level macrocell. In a mesh and
 /// a surface there is one for each of 128 x 128 columns along x, around the crossings of edges, or
 /// the corners of triangles, in the column.
-std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue);
+/// @param stop  ends the search (ErrorCode::interrupted)
+std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const std::stop_token& stop);
 
 }  // namespace rhoray::render

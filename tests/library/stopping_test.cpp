@@ -266,6 +266,24 @@ TEST(Stopping, of_the_choice_of_a_method_throws) {
       Error);
 }
 
+TEST(Stopping, of_a_search_through_all_data_throws) {
+  const TemporaryFolder folder;
+  gyroid_grid({.file = folder / "grid.rho"});
+  std::stop_source stop;
+  stop.request_stop();
+  const Dataset grid = Dataset::open(folder / "grid.rho"), mesh = ball_mesh();
+  for (const auto& [data, show] : {std::pair<Dataset, decltype(Layer::show)>{grid, Isosurface{0.1}},
+                                   {mesh, Isosurface{0.5}},
+                                   {mesh.boundary(), Triangles{}}}) {
+    const Scene scene{.layers = {{.data = data, .show = show}}};
+    EXPECT_NO_THROW(fit_camera(scene, size));
+    expect_refused(ErrorCode::interrupted, "", [&] { fit_camera(scene, size, {}, stop.get_token()); });
+  }
+  EXPECT_TRUE(grid.damaged_blocks().empty());
+  for (const unsigned threads : {1U, 0U})
+    expect_refused(ErrorCode::interrupted, "", [&] { grid.damaged_blocks(threads, stop.get_token()); });
+}
+
 TEST(Stopping, of_packing_leaves_no_file) {
   const TemporaryFolder folder;
   for (const bool before : {true, false}) {

@@ -173,10 +173,10 @@ ArrayView Dataset::array(std::string_view name) const {
   });
 }
 
-std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads) const {
+std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads, std::stop_token stop) const {
   return inside::guarded([&] {
     std::vector<DamagedBlock> blocks;
-    for (const formats::DamagedBlock& block : implementation_->first().file().damaged_blocks(threads))
+    for (const formats::DamagedBlock& block : implementation_->first().file().damaged_blocks(threads, stop))
       blocks.push_back({.first_byte = block.first_byte, .byte_count = block.byte_count});
     return blocks;
   });

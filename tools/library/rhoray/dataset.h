@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -88,9 +89,9 @@ class RHORAY_API Dataset {
   ArrayView array(std::string_view name) const;
 
   /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside
-  /// a render. Wrapped arrays have no checksums.
+  /// a render. Wrapped arrays have no checksums. Throws ErrorCode::interrupted if stopped.
   /// @param threads  0: all cores
-  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0) const;
+  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, std::stop_token stop = {}) const;
 
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
   /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without

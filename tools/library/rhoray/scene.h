@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
@@ -189,9 +190,10 @@ struct View {
 };
 
 /// Returns a camera that sees everything that the layers show, after clipping. It reads every cell
-/// of a mesh, and prepares the isovalues.
-/// Throws ErrorCode::usage for a scene without layers, and for numbers out of range.
-RHORAY_API Camera fit_camera(const Scene& scene, const Size& size, const View& view = {});
+/// of a mesh, and of a grid those that isosurfaces may cross.
+/// Throws ErrorCode::usage for a scene without layers, and for numbers out of range;
+/// ErrorCode::interrupted if stopped.
+RHORAY_API Camera fit_camera(const Scene& scene, const Size& size, const View& view = {}, std::stop_token stop = {});
 /// Returns a camera that sees a box. Throws ErrorCode::usage for an empty box.
 RHORAY_API Camera fit_camera(const Box3& box, const Size& size, const View& view = {});
 
