@@ -15,7 +15,7 @@ Accuracy accuracy_named(const std::string& word);
 /// The names for --method of each kind of layer, as sentences of the help.
 std::string method_forms();
 
-/// Names of methods that are no accuracy levels, each with an argument where it takes one.
+/// The names of the methods that no accuracy level uses, with an example of an argument.
 std::vector<std::string> methods_to_compare(Mode mode, bool is_mesh);
 
 /// The method with this name for this kind of layer; refuses other names and lists the valid ones

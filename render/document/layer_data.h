@@ -8,7 +8,8 @@
 
 namespace rhoray::render {
 
-/// What the user wrote: an option on the command line, or a key of the document, in quotes.
+/// Returns the name that a refusal uses: the option for a scene of the command line, the quoted key
+/// for a document.
 std::string given_as(const SceneSpec& scene_spec, std::string_view option, std::string_view key);
 
 /// The place of a layer in the document.

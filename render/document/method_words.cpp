@@ -30,7 +30,7 @@ struct MethodWord {
   Algorithm algorithm;
   Argument argument;
   bool of_grids, of_meshes;
-  const char* example;  ///< with an argument; empty where accuracy levels use the same algorithm
+  const char* example;  ///< with an argument; empty if an accuracy level uses the algorithm
 };
 constexpr MethodWord isosurface_words[] = {{"bracketed", Algorithm::direct, Argument::none, true, false, ""},
                                            {"edges", Algorithm::direct, Argument::none, false, true, ""},

@@ -12,7 +12,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.support.ui import Select
 
 from browser import ROOT
-from test_view import PageTest
+from page import PageTest
 
 DATA = pathlib.Path(os.environ.get("RHORAY_SHARED_DATA", ""))
 ACROSS, GAP = 3, 8

@@ -19,7 +19,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from browser import write_mesh, write_volume
-from test_view import PageTest
+from page import PageTest
 
 MINUTES = float(os.environ.get("RHORAY_RANDOM_MINUTES", "0"))
 DATA = os.environ.get("RHORAY_SHARED_DATA")

@@ -64,7 +64,7 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   render::SceneSpec asked = asked_scene(command.picture, command.inputs, command.common);
   if (asked.camera.keyframes) throw Error(ErrorCode::usage, "a scene with a camera path is a film; `render` draws it");
   display.show(concat("opening ", asked.data[0].file.string()));
-  // What the page saves is opened from another folder.
+  // Scenes and pictures that the page saves name these files, and lie in another folder.
   for (render::DataSpec& data : asked.data) data.file = std::filesystem::absolute(data.file).lexically_normal();
   DataAccess access = access_for(command.common, display);
   access.loaded = std::make_shared<DataAccess::Loaded>();
@@ -108,7 +108,7 @@ void serve_and_exchange(Server& server, LineExchange*& told, const std::stop_tok
   told = nullptr;
 }
 
-/// The command that makes a tunnel to the socket, typed on another machine.
+/// Returns the command that makes a tunnel to the socket. The user types it on another machine.
 std::string tunnel_line(std::uint16_t port, const std::filesystem::path& socket) {
   std::array<char, HOST_NAME_MAX + 1> host{};
   if (::gethostname(host.data(), host.size()) != 0)

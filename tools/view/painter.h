@@ -21,8 +21,8 @@ namespace rhoray::tools {
 /// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
 ///
 /// The newest request of a client wins. It ends an older one that is being traced, but not before a
-/// picture of the older one was sent. It ends a picture of another client in the same way; that is
-/// traced again later. In motion a picture has as many pixels as there is time for
+/// picture of the older one was sent. It ends a picture of another client in the same way, and that
+/// picture is traced again later. In motion a picture has as many pixels as there is time for
 /// (motion_pixels.h). No client has more than two pictures that it has not acknowledged. When it
 /// stops moving, the picture is refined to that of `rhoray render`, and is sent a second time
 /// without loss. In idle time random pixels of it are compared with exact arithmetic, and its

@@ -113,8 +113,8 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   render::ResolvedScene& plan = client.plan;
   plan.frame.channels |= channels_of_annotations(plan);
   if (why_not_checkable(plan).empty()) plan.frame.channels |= channels_to_check(plan);
-  // The page shows this view already, though with fewer pixels, after a motion, and if another
-  // client ended this picture.
+  // The page already shows this view with fewer pixels after a motion, or if another client's
+  // request ended this picture.
   const bool was_begun = client.sent_request == request.number;
   const bool is_shown = was_begun || begin < client.sent_at + rest_before_lossless;
   const double worst_spacing = is_shown ? client.sent_spacing : 16;

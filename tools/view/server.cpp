@@ -267,7 +267,7 @@ void accept(Shared& shared, typename Protocol::acceptor& acceptor) {
     if (error == asio::error::operation_aborted) return;
     if (!error && shared.connection_count < most_connections) {
       if constexpr (std::is_same_v<Protocol, asio::ip::tcp>) {
-        Code ignored;  // the end of a small message does not wait until the one before has arrived
+        Code ignored;  // a small message does not wait until the one before has arrived
         socket.set_option(asio::ip::tcp::no_delay(true), ignored);
       }
       std::make_shared<Connection<Protocol>>(shared, std::move(socket))->start();

@@ -24,8 +24,8 @@ struct ViewedScene {
   std::function<render::ResolvedScene(const render::SceneSpec&)> resolve{};
   /// The command that draws a scene.
   std::function<std::string(const render::ResolvedScene&)> command_of{};
-  /// The texts of a picture file, with which `rhoray render` draws it again; the machine that
-  /// traced it.
+  /// The texts of a picture file, with which `rhoray render` draws it again.
+  /// @param machine  the instruction set that traced it
   std::function<std::vector<PictureText>(const render::ResolvedScene&, std::string_view machine)> texts_of{};
 };
 

@@ -267,7 +267,7 @@ TEST(Painter, ends_the_work_for_a_client_at_rest_for_the_picture_of_another_and_
   const auto is_told = [&](const char* key) {
     return testing::Value(resting.texts(0), testing::Contains(testing::HasSubstr(concat("{\"", key, "\""))));
   };
-  // A picture that takes some hundred times as long as those of the other client.
+  // This picture takes about a hundred times as long as a picture of the other client.
   painter.take(
       of_resting,
       PictureRequest{

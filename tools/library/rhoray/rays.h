@@ -110,8 +110,10 @@ class RHORAY_API RayCaster {
   /// 128 samples, a ray with one crossing took 7 microseconds of CPU on average, twice as long as
   /// its exact first hit. A ray that touches the isovalue from below has two crossings with one t.
   /// Without gaps of data along the ray, `enters` alternates.
-  /// Throws ErrorCode::unsupported for triangles, ErrorCode::invalid for data whose stored ranges do
-  /// not hold. They are proven once per dataset: on the calling thread, or on those of the context.
+  /// Proves the stored ranges of the data, once per dataset. The call with a scratch proves them on
+  /// the calling thread, the call with a context on the context's threads.
+  /// Throws ErrorCode::unsupported for triangles, ErrorCode::invalid for data whose ranges do not
+  /// hold.
   /// @param max_hits  per ray, at least 1
   void all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits = 4096) const;
   void all_hits(const Rays& rays, AllHits& hits, RenderContext& context, std::size_t max_hits = 4096,

@@ -133,8 +133,8 @@ struct Light {
              std::numeric_limits<double>::quiet_NaN()};
   Vec3 color{1, 1, 1};
   bool casts_shadows = false;
-  /// Of shadows. Directional: the angle under which the light is seen, in degrees, 0 to 180. Point:
-  /// its radius, in world units, from 0 up. 0: sharp shadows.
+  /// The size of the light, which makes shadows soft; 0: sharp shadows. Directional: the angle under
+  /// which the light is seen, in degrees, 0 to 180. Point: its radius in world units, from 0 up.
   double size = 0;
   int samples = 16;  ///< shadow rays per hit towards a light with a size, 1 to 4096
 };
