@@ -350,6 +350,27 @@ TEST(Callbacks, that_throw_an_internal_error_end_the_use_of_their_context) {
   EXPECT_TRUE(RenderContext().render(scene, {.size = size}, picture).complete);
 }
 
+/// Expects that an exception of any callback reaches the caller as it was thrown.
+template <class Exception>
+void expect_to_reach_the_caller(const Exception& exception) {
+  EXPECT_THROW(gyroid_grid({.progress = [&](auto, auto, auto) { throw exception; }}), Exception);
+  RenderContext context;
+  Picture picture;
+  const Passes passes{.pass_done = [&](int) -> bool { throw exception; }};
+  EXPECT_THROW(context.refine(plain_scene(), {.size = size}, passes, picture), Exception);
+  const SceneDocument document =
+      SceneDocument::parse(R"({"data": {"a": {"file": "a.rho"}}, "layers": [{"type": "mip"}]})");
+  EXPECT_THROW(resolve(document, [&](const auto&) -> Dataset { throw exception; }), Exception);
+}
+
+TEST(Callbacks, that_throw_exceptions_of_the_standard_library_reach_the_caller_with_them) {
+  const std::error_code denied = std::make_error_code(std::errc::permission_denied);
+  expect_to_reach_the_caller(std::filesystem::filesystem_error("of the caller", denied));
+  expect_to_reach_the_caller(std::system_error(denied));
+  expect_to_reach_the_caller(std::length_error("of the caller"));
+  expect_to_reach_the_caller(7);
+}
+
 TEST(Callbacks, that_open_data_may_throw) {
   const SceneDocument document =
       SceneDocument::parse(R"({"data": {"a": {"file": "a.rho"}}, "layers": [{"type": "mip"}]})");

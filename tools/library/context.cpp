@@ -61,7 +61,7 @@ RenderResult trace(RenderContext::Implementation& context, const Scene& scene, c
     const auto pass_done = [&](int spacing) {
       all_traced = spacing == 1 && !stop.stop_requested();
       hand_over(options, pixels, picture.implementation());
-      was_ended = passes.pass_done && !passes.pass_done(spacing);
+      was_ended = passes.pass_done && !inside::call_back(passes.pass_done, spacing);
       return !was_ended;
     };
     const render::FrameStatistics statistics =

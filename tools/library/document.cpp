@@ -114,7 +114,7 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open) {
     if (!open) inside::refuse("resolve: no function that opens data; files_in(folder) is one");
     const render::SceneSpec& spec = document.implementation().document.scene_spec;
     const auto load = [&](const render::DataSpec& data, formats::Space world) {
-      const Dataset opened = open(data.file);
+      const Dataset opened = inside::call_back(open, data.file);
       if (data.label && opened.kind() == DataKind::grid)
         throw rhoray::Error(rhoray::ErrorCode::unsupported,
                             concat(data.file.string(), ": labels of grids are in the program only"));

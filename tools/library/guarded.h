@@ -1,10 +1,12 @@
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
@@ -12,6 +14,21 @@
 #include "rhoray/error.h"
 
 namespace rhoray::v0_1::inside {
+
+/// Carries what a callback threw through the rooms.
+struct ThrownByCallback {
+  std::exception_ptr exception;
+};
+
+/// Calls a callback of the caller. `guarded` throws its exceptions again as they were.
+template <class Callback, class... Arguments>
+decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
+  try {
+    return callback(std::forward<Arguments>(arguments)...);
+  } catch (...) {
+    throw ThrownByCallback{std::current_exception()};
+  }
+}
 
 /// Calls act() in the default floating-point environment. Errors of the rooms, of the standard
 /// library and of the system become errors of this library; a size above all memory becomes
@@ -21,6 +38,8 @@ decltype(auto) guarded(Act&& act) {
   const DefaultFloatingPoint default_floating_point;
   try {
     return act();
+  } catch (const ThrownByCallback& thrown) {
+    std::rethrow_exception(thrown.exception);
   } catch (const rhoray::Error& error) {
     throw v0_1::Error(static_cast<v0_1::ErrorCode>(error.code()), error.what(), error.hint());
   } catch (const std::filesystem::filesystem_error& error) {

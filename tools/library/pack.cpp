@@ -31,7 +31,7 @@ void end_if_stopped_by_caller(const std::stop_token& stop) {
 preprocess::Progress progress_of(const PackOptions& options) {
   return [&options](std::string_view phase, std::uint64_t done, std::uint64_t total) {
     end_if_stopped_by_caller(options.stop);
-    if (options.progress) options.progress(phase, done, total);
+    if (options.progress) inside::call_back(options.progress, phase, done, total);
   };
 }
 

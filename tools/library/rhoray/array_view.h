@@ -46,8 +46,8 @@ class RHORAY_API ArrayView {
 
   /// @param first          the element with index 0 on every axis
   /// @param shape          the number of elements of each axis
-  /// @param strides_bytes  the distance between neighbours on each axis; may be negative, or 0 for an
-  ///                       axis along which one value is repeated
+  /// @param strides_bytes  the distance between neighbours on each axis; may be negative; 0 repeats
+  ///                       one value along the axis
   /// Refuses more than eight axes, other numbers of strides than of axes, negative sizes, null with
   /// elements, and more than 2^63 - 1 bytes: of all elements, or between the first and the last.
   ArrayView(const void* first, ElementType type, std::span<const std::int64_t> shape,

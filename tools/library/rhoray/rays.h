@@ -68,8 +68,8 @@ class RHORAY_API RayScratch {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Answers arbitrary rays through one dataset. It keeps the data alive. A copy is a handle. Any number of threads may
-/// call at a time, each with a scratch of its own, or with a context of its own.
+/// Answers arbitrary rays through one dataset. It keeps the data alive. A copy is a handle. Any
+/// number of threads may call at a time, each with a scratch or a context of its own.
 ///
 /// With Accuracy::certified a miss is a miss and a hit is within its bound. With Accuracy::exact
 /// the bound is also at most 1e-12 cells, or that of neighbouring doubles. Both hold for the ray in
