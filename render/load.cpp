@@ -110,7 +110,7 @@ Dataset Dataset::load(const formats::PackedFile& file, const std::string& field,
   if (auto implementation = load_view(file, field, world)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::unsupported, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
-                "use it as the texture of a layer of other data");
+                "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
   throw Error(ErrorCode::unsupported,
               concat(file.name(), ": kind '", file.description().kind, "'; expected 'grid', 'tets' or 'surface'"));
 }

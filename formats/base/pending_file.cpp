@@ -152,7 +152,7 @@ void PendingFile::fail(const std::string& act, int error, std::uint64_t needed_b
 
 void PendingFile::refuse_existing() const {
   throw Error(ErrorCode::usage, concat(name_, " already exists"),
-              "choose another name, or ask for the file to be replaced (force)");
+              "use --force to overwrite it, or choose another name");
 }
 
 void PendingFile::open_target(const fs::path& target) {

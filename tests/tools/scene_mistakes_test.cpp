@@ -133,7 +133,7 @@ std::vector<Mistake> mistakes() {
        "s.json: /layers/0/texture: \"color_by\" is also given; expected only one of the two"},
       {R"({"data": {"photo": {"file": "photo.rho"}}, "layers": [{"type": "isosurface"}]})",
        "s.json: /data/photo/file: photo.rho: holds colours; expected a grid, a mesh or a surface",
-       "use it as the texture of a layer of other data", 7},
+       "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer", 7},
       {with("layers", R"([{"type": "mip", "texture": "photo"}])"),
        "s.json: /layers/0/texture: found in a layer of type \"mip\"; expected in one of type \"isosurface\""},
       {with_layer(R"("color_by": "ball", "colormap": "viridsi")"),

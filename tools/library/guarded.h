@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <new>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -30,6 +31,17 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
   }
 }
 
+/// A hint of the rooms; none if it names an option of the program. A whole command in backquotes may
+/// have options.
+inline std::string for_library(const std::string& hint) {
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < hint.size(); ++i) {
+    if (hint[i] == '`') is_quoted = !is_quoted;
+    if (!is_quoted && hint.compare(i, 2, "--") == 0) return {};
+  }
+  return hint;
+}
+
 /// Calls act() in the default floating-point environment. Errors of the rooms, of the standard
 /// library and of the system become errors of this library; a size above all memory becomes
 /// std::bad_alloc. Every public function that can fail calls the rooms through this one.
@@ -41,7 +53,7 @@ decltype(auto) guarded(Act&& act) {
   } catch (const ThrownByCallback& thrown) {
     std::rethrow_exception(thrown.exception);
   } catch (const rhoray::Error& error) {
-    throw v0_1::Error(static_cast<v0_1::ErrorCode>(error.code()), error.what(), error.hint());
+    throw v0_1::Error(static_cast<v0_1::ErrorCode>(error.code()), error.what(), for_library(error.hint()));
   } catch (const std::filesystem::filesystem_error& error) {
     throw v0_1::Error(v0_1::ErrorCode::unreadable, concat(error.path1().string(), ": ", error.code().message()));
   } catch (const std::system_error& error) {

@@ -143,6 +143,7 @@ int run(const ViewCommand& command) {
                                     .threads = command.common.threads,
                                     .tell_program = tell_program});
   display.clear();
+  const InterruptRequest interrupt;  // once the URL is printed, an interrupt ends the server
   const bool prints_json = command.common.json || command.uses_stdio;
   std::puts(prints_json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
   std::fflush(stdout);
@@ -151,7 +152,6 @@ int run(const ViewCommand& command) {
   else if (!command.opens_no_browser)
     open_browser(server.url());
   say(command.common, "Ctrl+C ends it");
-  const InterruptRequest interrupt;
   if (command.uses_stdio)
     serve_and_exchange(server, told, interrupt.token());
   else

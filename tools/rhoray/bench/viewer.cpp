@@ -33,6 +33,7 @@ ViewedScene opened(const BenchOptions& options) {
   viewed.plan = viewed.resolve(scene_spec);
   aim_camera(viewed.scene_spec, viewed.plan);
   viewed.command_of = [](const render::ResolvedScene&) { return std::string(); };
+  viewed.texts_of = [](const render::ResolvedScene&, std::string_view) { return std::vector<PictureText>{}; };
   return viewed;
 }
 
