@@ -21,6 +21,7 @@
 #include "preprocess/subdivide.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/xdmf_files.h"
+#include "tests/support/asked_count.h"
 #include "tests/support/memory_file.h"
 
 namespace rhoray::preprocess {
@@ -435,12 +436,9 @@ void try_mutant(const Seed& seed, std::uint64_t number, Counts& counts) {
   EXPECT_TRUE(left == files) << seed.name << ", mutant " << number << ": something was written";
 }
 
-/// Mutants of each family: 200, or as many as RHORAY_MUTANTS says (nightly 5000). Of slices 40: the
-/// worker that reads one loads OpenImageIO, which takes longer than all else.
-std::uint64_t count_of_mutants(bool is_slice) {
-  const char* asked = std::getenv("RHORAY_MUTANTS");
-  return asked != nullptr ? std::strtoull(asked, nullptr, 10) : is_slice ? 40 : 200;
-}
+/// Mutants of each family. Of slices fewer: the worker that reads one loads OpenImageIO, which takes
+/// longer than all else.
+std::uint64_t count_of_mutants(bool is_slice) { return asked_count("RHORAY_MUTANTS", is_slice ? 40 : 200); }
 
 class Mutants : public testing::TestWithParam<Seed> {
  protected:
