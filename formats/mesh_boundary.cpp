@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "formats/tet_mesh.h"
 
 namespace rhoray::formats {
@@ -45,10 +46,12 @@ void append_single(std::span<HigherPoints> faces, FaceNumbers& single) {
 
 }  // namespace
 
-FaceNumbers boundary_faces(std::span<const Cell> cells, std::uint64_t point_count, std::uint64_t most_at_once) {
+FaceNumbers boundary_faces(std::span<const Cell> cells, std::uint64_t point_count, std::uint64_t most_at_once,
+                           const std::stop_token& stop) {
   std::pmr::vector<std::uint64_t> first(point_count + 1);  // place of a point's first face, by lowest points
-  for (const Cell& cell : cells)
-    for (unsigned k = 0; k < 4; ++k) ++first[lowest_point(cell, k) + 1];
+  for_each_until_stopped(0, cells.size(), light_piece, stop, [&](std::uint64_t c) {
+    for (unsigned k = 0; k < 4; ++k) ++first[lowest_point(cells[c], k) + 1];
+  });
   for (std::uint64_t point = 0; point < point_count; ++point) first[point + 1] += first[point];
 
   FaceNumbers boundary;
@@ -59,14 +62,16 @@ FaceNumbers boundary_faces(std::span<const Cell> cells, std::uint64_t point_coun
     faces.resize(first[end] - first[begin]);
     std::pmr::vector<std::uint64_t> next(first.begin() + static_cast<std::ptrdiff_t>(begin),
                                          first.begin() + static_cast<std::ptrdiff_t>(end));
-    for (std::uint64_t c = 0; c < cells.size(); ++c)
+    for_each_until_stopped(0, cells.size(), light_piece, stop, [&](std::uint64_t c) {
       for (unsigned k = 0; k < 4; ++k)
         if (const std::uint32_t lowest = lowest_point(cells[c], k); lowest >= begin && lowest < end)
           faces[next[lowest - begin]++ - first[begin]] = higher_points(cells[c], {c, k});
+    });
     for_each_range(end - begin, 1 << 14, 0, [&](std::uint64_t from, std::uint64_t to) {
       FaceNumbers found;
-      for (std::uint64_t point = begin + from; point < begin + to; ++point)
+      for_each_until_stopped(begin + from, begin + to, light_piece, stop, [&](std::uint64_t point) {
         append_single(std::span(faces).subspan(first[point] - first[begin], first[point + 1] - first[point]), found);
+      });
       const std::lock_guard lock(guard);
       boundary.insert(boundary.end(), found.begin(), found.end());
     });
@@ -75,19 +80,17 @@ FaceNumbers boundary_faces(std::span<const Cell> cells, std::uint64_t point_coun
   return boundary;
 }
 
-FaceNumbers computed_boundary_faces(const TetMesh& mesh) {
+FaceNumbers computed_boundary_faces(const TetMesh& mesh, const std::stop_token& stop) {
   std::pmr::vector<Cell> cells(mesh.description().cell_count);
-  for_each_range(cells.size(), 1 << 16, 0, [&](std::uint64_t first, std::uint64_t end) {
-    for (std::uint64_t cell = first; cell < end; ++cell) cells[cell] = mesh.cell(cell);
-  });
-  return boundary_faces(cells, mesh.description().point_count);
+  for_each_until_stopped(cells.size(), 1 << 16, light_piece, 0, stop,
+                         [&](std::uint64_t cell) { cells[cell] = mesh.cell(cell); });
+  return boundary_faces(cells, mesh.description().point_count, most_faces_at_once, stop);
 }
 
-FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part) {
-  std::pmr::vector<Cell> cells;
-  cells.reserve(part.size());
-  for (const std::uint64_t cell : part) cells.push_back(mesh.cell(cell));
-  FaceNumbers faces = boundary_faces(cells, mesh.description().point_count);
+FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part, const std::stop_token& stop) {
+  std::pmr::vector<Cell> cells(part.size());
+  for_each_until_stopped(0, part.size(), light_piece, stop, [&](std::uint64_t c) { cells[c] = mesh.cell(part[c]); });
+  FaceNumbers faces = boundary_faces(cells, mesh.description().point_count, most_faces_at_once, stop);
   for (std::uint64_t& number : faces) {
     const CellFace face = face_of_number(number);
     number = face_number({part[face.cell], face.opposite});
@@ -96,10 +99,10 @@ FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> p
   return faces;
 }
 
-FaceNumbers boundary_faces(const TetMesh& mesh) {
+FaceNumbers boundary_faces(const TetMesh& mesh, const std::stop_token& stop) {
   const std::span<const std::uint64_t> stored = mesh.boundary();
   if (!stored.empty()) return {stored.begin(), stored.end()};
-  return computed_boundary_faces(mesh);
+  return computed_boundary_faces(mesh, stop);
 }
 
 }  // namespace rhoray::formats

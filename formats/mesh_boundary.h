@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace rhoray::formats {
@@ -29,25 +30,29 @@ constexpr std::array<std::uint32_t, 3> face_points(const std::array<std::uint32_
   return {cell[corners[opposite][0]], cell[corners[opposite][1]], cell[corners[opposite][2]]};
 }
 
+/// Faces that are compared at a time, with 16 bytes each.
+inline constexpr std::uint64_t most_faces_at_once = std::uint64_t{1} << 24;
+
 /// Grows with the mesh, so the default memory resource decides where it is stored.
 using FaceNumbers = std::pmr::vector<std::uint64_t>;
 
 /// The numbers of the faces that belong to one cell only, ascending. Together they are the boundary
 /// of the mesh. Faces are the same where their points have the same indices.
 /// @param cells         point indices, below point_count
-/// @param most_at_once  faces that are compared at a time, with 16 bytes each
+/// @param most_at_once  faces that are compared at a time
+/// @param stop          ends the search (ErrorCode::interrupted), here and below
 FaceNumbers boundary_faces(std::span<const std::array<std::uint32_t, 4>> cells, std::uint64_t point_count,
-                           std::uint64_t most_at_once = std::uint64_t{1} << 24);
+                           std::uint64_t most_at_once = most_faces_at_once, const std::stop_token& stop = {});
 
 /// The same for a packed mesh: the stored boundary, or else the computed one.
-FaceNumbers boundary_faces(const TetMesh& mesh);
+FaceNumbers boundary_faces(const TetMesh& mesh, const std::stop_token& stop = {});
 
 /// The boundary of a part of a packed mesh: the numbers of the faces that belong to one cell of the
 /// part only, ascending. On the other side of each is no cell, or one outside the part.
 /// @param part  indices of cells, all different
-FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part);
+FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part, const std::stop_token& stop = {});
 
 /// The boundary, computed from the cells even where it is stored.
-FaceNumbers computed_boundary_faces(const TetMesh& mesh);
+FaceNumbers computed_boundary_faces(const TetMesh& mesh, const std::stop_token& stop = {});
 
 }  // namespace rhoray::formats

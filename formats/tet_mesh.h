@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -82,7 +83,8 @@ class TetMesh {
   /// decreasing offsets. Refuses a face of a cell beyond the last one. Refuses a corner beyond its
   /// cluster's table, and entries of the cluster tree beyond its last one. Reads all indices and
   /// points once.
-  explicit TetMesh(PackedFile file);
+  /// @param stop  ends the checks (ErrorCode::interrupted)
+  explicit TetMesh(PackedFile file, const std::stop_token& stop = {});
 
   const TetMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }
@@ -133,9 +135,9 @@ class TetMesh {
   }
 
  private:
-  void view_leaf_lists();
-  void view_clusters();
-  void view_boundary();
+  void view_leaf_lists(const std::stop_token& stop);
+  void view_clusters(const std::stop_token& stop);
+  void view_boundary(const std::stop_token& stop);
 
   PackedFile file_;
   TetMeshDescription description_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,8 @@ class TriangleMesh {
 
   /// Refuses a file of another kind, shapes that differ from the description, a corner not below
   /// point_count, and a point that is not finite. Reads all corners and points once.
-  explicit TriangleMesh(PackedFile file);
+  /// @param stop  ends the checks (ErrorCode::interrupted)
+  explicit TriangleMesh(PackedFile file, const std::stop_token& stop = {});
 
   const TriangleMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }

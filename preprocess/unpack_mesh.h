@@ -1,5 +1,7 @@
 #pragma once
 
+#include <stop_token>
+
 #include "formats/tet_mesh.h"
 #include "preprocess/neutral.h"
 
@@ -8,6 +10,7 @@ namespace rhoray::preprocess {
 /// Converts a packed mesh into a neutral one: points in world coordinates, fields, cell ids. Points
 /// are in the source's order. Cells are ordered by their ids, so those cut from one cell are
 /// consecutive.
-NeutralMesh unpack_mesh(const formats::TetMesh& packed);
+/// @param stop  ends it (ErrorCode::interrupted)
+NeutralMesh unpack_mesh(const formats::TetMesh& packed, const std::stop_token& stop = {});
 
 }  // namespace rhoray::preprocess

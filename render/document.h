@@ -65,8 +65,9 @@ formats::PackedFile open_packed_colors(const DataSpec& data);
 /// is outside its field's range is left out with a note if anything else is shown. Refuses
 /// conflicts: in a document with the JSON pointer (ErrorCode::invalid), on a command line with the
 /// option (ErrorCode::usage).
+/// @param stop  ends the search for boundaries of meshes (ErrorCode::interrupted)
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
-                             const OpenColors& open_colors = open_packed_colors);
+                             const OpenColors& open_colors = open_packed_colors, const std::stop_token& stop = {});
 
 /// All that is shown, world axes.
 struct Shown {
@@ -82,7 +83,8 @@ Shown what_is_shown(const ResolvedScene& plan, const std::stop_token& stop = {})
 /// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the
 /// specification gives it (PictureSpec::size). Looks at every cell of a mesh where any of these is
 /// fitted to what is shown.
-void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan);
+/// @param stop  ends the search for what is shown (ErrorCode::interrupted)
+void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const std::stop_token& stop = {});
 
 /// The axes from which angles of the camera and words of views count.
 ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan);

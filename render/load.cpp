@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <tuple>
 #include <vector>
 
 #include "formats/base/box_corners.h"
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
-#include "formats/base/stopping.h"
+#include "formats/base/stoppable_mutex.h"
 #include "formats/base/text.h"
 #include "formats/color_grid.h"
 #include "formats/range_proof.h"
@@ -66,28 +64,19 @@ std::vector<std::string> color_names(const LoadedDataset& dataset) {
 }
 
 struct Dataset::ProofState {
-  std::mutex guard;
-  std::condition_variable_any ended;
-  bool is_running = false;  ///< one caller proves; others wait
+  StoppableMutex guard;  ///< one caller proves; others wait
   bool is_done = false;
-
-  /// Lets the next caller in when a proof has ended in whatever way.
-  void end(bool has_proven) {
-    const std::lock_guard lock(guard);
-    is_running = false, is_done = has_proven;
-    ended.notify_all();
-  }
 };
 
 /// The boundaries that are in use: what is prepared to trace them stays when a scene changes.
 struct Dataset::Boundaries {
   using Key = std::tuple<std::string, int, std::vector<int>>;  ///< of a label: its field, and those left out
-  std::mutex guard;
+  StoppableMutex guard;
   std::map<Key, std::weak_ptr<const LoadedDataset>> known;
 
   template <class Load>
-  std::shared_ptr<const LoadedDataset> of(const Key& key, const Load& load) {
-    const std::lock_guard lock(guard);
+  std::shared_ptr<const LoadedDataset> of(const Key& key, const std::stop_token& stop, const Load& load) {
+    const StoppableLock lock(guard, stop);
     std::weak_ptr<const LoadedDataset>& place = known[key];
     std::shared_ptr<const LoadedDataset> boundary = place.lock();
     if (!boundary) place = boundary = load();
@@ -100,14 +89,16 @@ Dataset::Dataset(std::shared_ptr<const LoadedDataset> implementation)
       proof_(std::make_shared<ProofState>()),
       boundaries_(std::make_shared<Boundaries>()) {}
 
-Dataset Dataset::load(const std::filesystem::path& path, const std::string& field, formats::Space world) {
+Dataset Dataset::load(const std::filesystem::path& path, const std::string& field, formats::Space world,
+                      const std::stop_token& stop) {
   const DefaultFloatingPoint default_floating_point;
-  return load(formats::PackedFile::open(path), field, world);
+  return load(formats::PackedFile::open(path), field, world, stop);
 }
 
-Dataset Dataset::load(const formats::PackedFile& file, const std::string& field, formats::Space world) {
+Dataset Dataset::load(const formats::PackedFile& file, const std::string& field, formats::Space world,
+                      const std::stop_token& stop) {
   const DefaultFloatingPoint default_floating_point;
-  if (auto implementation = load_view(file, field, world)) return Dataset(std::move(implementation));
+  if (auto implementation = load_view(file, field, world, stop)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::unsupported, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
@@ -166,15 +157,16 @@ const std::vector<std::string>& Dataset::notes() const {
   return implementation_->notes;
 }
 
-Dataset Dataset::boundary() const {
+Dataset Dataset::boundary(const std::stop_token& stop) const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(boundaries_->of({}, [&] { return load_boundary(*implementation_); }));
+  return Dataset(boundaries_->of({}, stop, [&] { return load_boundary(*implementation_, stop); }));
 }
 
-Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without) const {
+Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without,
+                          const std::stop_token& stop) const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(boundaries_->of({cell_field, label, {without.begin(), without.end()}},
-                                 [&] { return load_boundary(*implementation_, cell_field, label, without); }));
+  return Dataset(boundaries_->of({cell_field, label, {without.begin(), without.end()}}, stop,
+                                 [&] { return load_boundary(*implementation_, cell_field, label, without, stop); }));
 }
 
 FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
@@ -192,23 +184,13 @@ FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
 }
 
 RangeProof Dataset::prove_ranges(unsigned threads, const std::stop_token& stop) const {
-  {
-    std::unique_lock lock(proof_->guard);
-    if (proof_->is_running) proof_->ended.wait(lock, stop, [&] { return !proof_->is_running; });
-    if (proof_->is_done) return {};
-    end_if_stopped(stop);  // then another caller may still be proving
-    proof_->is_running = true;
-  }
+  const StoppableLock lock(proof_->guard, stop);
+  if (proof_->is_done) return {};
+  end_if_stopped(stop);
   const auto start = std::chrono::steady_clock::now();
-  std::uint64_t bytes = 0;
-  try {
-    bytes = std::visit([&](const auto& view) { return proven_bytes(view, field().name, threads, stop); },
-                       implementation_->view);
-  } catch (...) {
-    proof_->end(false);
-    throw;
-  }
-  proof_->end(true);
+  const std::uint64_t bytes = std::visit(
+      [&](const auto& view) { return proven_bytes(view, field().name, threads, stop); }, implementation_->view);
+  proof_->is_done = true;
   return {.bytes = bytes, .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
 

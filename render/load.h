@@ -50,24 +50,27 @@ class Dataset {
   ///   that exist (ErrorCode::usage).
   /// @param world  the space that world coordinates are converted to where the file says which is
   ///   its own; unknown: they stay the file's
+  /// @param stop   ends the checks (ErrorCode::interrupted)
   static Dataset load(const std::filesystem::path& path, const std::string& field = {},
-                      formats::Space world = formats::Space::unknown);
+                      formats::Space world = formats::Space::unknown, const std::stop_token& stop = {});
 
   /// As above, for a file that is already open; also accepts the kind "vdb" (formats/vdb_grid.h).
   static Dataset load(const formats::PackedFile& file, const std::string& field = {},
-                      formats::Space world = formats::Space::unknown);
+                      formats::Space world = formats::Space::unknown, const std::stop_token& stop = {});
 
   /// Returns the boundary of a mesh: a surface of the triangles that belong to one cell only. A
   /// triangle has the fields of its cell. If the file does not store the boundary, this function
   /// computes it. While a boundary is in use, further calls return it again; any thread may call.
   /// Refuses a dataset of another kind (ErrorCode::usage).
-  Dataset boundary() const;
+  /// @param stop  ends the call (ErrorCode::interrupted), also while it waits for another caller
+  Dataset boundary(const std::stop_token& stop = {}) const;
   /// Returns the boundary of the cells of a mesh that have this label in a field of cells: a closed
   /// surface, unless a face belongs to three cells. A face between two labels is part of both
   /// surfaces. Refuses a dataset of another kind, an unknown field (ErrorCode::usage) and a label
   /// that no cell has (ErrorCode::invalid).
   /// @param without  labels; the faces to their cells are left out
-  Dataset boundary(const std::string& cell_field, int label, std::span<const int> without = {}) const;
+  Dataset boundary(const std::string& cell_field, int label, std::span<const int> without = {},
+                   const std::stop_token& stop = {}) const;
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;    ///< of a surface: without a name and values

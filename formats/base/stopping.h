@@ -9,10 +9,17 @@
 
 namespace rhoray {
 
+[[noreturn]] inline void throw_interrupted() {
+  throw Error(ErrorCode::interrupted, "interrupted");
+}
+
 /// Throws ErrorCode::interrupted if a stop was requested.
 inline void end_if_stopped(const std::stop_token& stop) {
-  if (stop.stop_requested()) throw Error(ErrorCode::interrupted, "interrupted");
+  if (stop.stop_requested()) throw_interrupted();
 }
+
+/// Indices between two looks for a stop request where each takes some nanoseconds.
+inline constexpr std::uint64_t light_piece = 1 << 12;
 
 /// Calls act(index) for first <= index < last, in order. Throws ErrorCode::interrupted at the first
 /// multiple of `piece` after a stop was requested.

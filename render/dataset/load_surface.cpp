@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/lower_case.h"
+#include "formats/base/stopping.h"
 #include "formats/base/text.h"
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
@@ -23,15 +24,15 @@ bool has_y_up(const std::string& source_name) {
 }  // namespace
 
 std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
-                                                  formats::Space) {
-  const formats::TriangleMesh mesh(file);
+                                                  formats::Space, const std::stop_token& stop) {
+  const formats::TriangleMesh mesh(file, stop);
   if (!field.empty())
     throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));
   Box3 bounds;
-  for (std::uint64_t p = 0; p < mesh.description().point_count; ++p) {
+  for_each_until_stopped(0, mesh.description().point_count, light_piece, stop, [&](std::uint64_t p) {
     const std::array<double, 3> point = mesh.point(p);
     bounds.extendBy(Vec3(point[0], point[1], point[2]));
-  }
+  });
   const formats::FieldSummary no_field;
   return std::make_shared<LoadedDataset>(
       LoadedDataset{.file = file,

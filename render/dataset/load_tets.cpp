@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/stopping.h"
 #include "formats/base/text.h"
 #include "formats/base/word_list.h"
 #include "render/dataset/load_view.h"
@@ -13,8 +14,8 @@
 namespace rhoray::render {
 
 std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field,
-                                               formats::Space) {
-  const formats::TetMesh mesh(file);
+                                               formats::Space, const std::stop_token& stop) {
+  const formats::TetMesh mesh(file, stop);
   const formats::TetMeshDescription& description = mesh.description();
   std::vector<std::string> names;
   for (const formats::FieldSummary& summary : description.fields) names.push_back(summary.name);
@@ -23,7 +24,9 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
   const std::size_t chosen = field.empty() ? 0 : *mesh.find_field(field);
   const formats::FieldSummary& summary = description.fields[chosen];
   Box3 bounds;
-  for (const auto& p : mesh.points()) bounds.extendBy(Vec3(p[0], p[1], p[2]));
+  const auto points = mesh.points();
+  for_each_until_stopped(0, points.size(), light_piece, stop,
+                         [&](std::uint64_t p) { bounds.extendBy(Vec3(points[p][0], points[p][1], points[p][2])); });
   return std::make_shared<LoadedDataset>(
       LoadedDataset{.file = file,
                     .field = summary,
@@ -66,12 +69,12 @@ std::shared_ptr<const LoadedDataset> with_boundary(const LoadedDataset& mesh,
 
 }  // namespace
 
-std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh) {
-  return with_boundary(mesh, std::make_shared<const MeshBoundary>(mesh_of(mesh)));
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::stop_token& stop) {
+  return with_boundary(mesh, std::make_shared<const MeshBoundary>(mesh_of(mesh), stop));
 }
 
 std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::string& cell_field, int label,
-                                                   std::span<const int> without) {
+                                                   std::span<const int> without, const std::stop_token& stop) {
   const TetData& view = mesh_of(mesh);
   const std::optional<std::size_t> field = view.mesh().find_cell_field(cell_field);
   if (!field) {
@@ -79,7 +82,7 @@ std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, co
     throw Error(ErrorCode::usage, concat(mesh.file.name(), ": no field '", cell_field, "' of cells; it has ",
                                          known.empty() ? "none" : joined(known, ", ", "'")));
   }
-  auto boundary = std::make_shared<const MeshBoundary>(view, *field, label, without);
+  auto boundary = std::make_shared<const MeshBoundary>(view, *field, label, without, stop);
   if (boundary->cells.empty() && without.empty())
     throw Error(ErrorCode::invalid,
                 concat(mesh.file.name(), ": no cell has label ", label, " in field '", cell_field, "'"));

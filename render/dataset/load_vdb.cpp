@@ -4,8 +4,8 @@
 
 namespace rhoray::render {
 
-std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, const std::string& field,
-                                              formats::Space) {
+std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, const std::string& field, formats::Space,
+                                              const std::stop_token&) {
   const formats::VdbGrid grid(file);
   const formats::VdbGridDescription& description = grid.description();
   check_field_name(file, field, {description.field.name});

@@ -165,10 +165,10 @@ void note_camera_inside(ResolvedScene& plan) {
 
 }  // namespace
 
-void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan) {
+void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const std::stop_token& stop) {
   std::optional<Shown> shown;
   const FindShown find_shown = [&]() -> const Shown& {
-    if (!shown) shown = what_is_shown(plan);
+    if (!shown) shown = what_is_shown(plan, stop);
     return *shown;
   };
   const CameraSpec& camera = scene_spec.camera;

@@ -33,8 +33,9 @@ Interval<double> projected_window(const formats::FieldSummary& field) {
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
-  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors)
-      : scene_spec_(scene_spec), open_(open), open_colors_(open_colors) {
+  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors,
+               const std::stop_token& stop)
+      : scene_spec_(scene_spec), open_(open), open_colors_(open_colors), stop_(stop) {
     if (scene_spec.space == "lps") plan_.space = formats::Space::lps;
   }
 
@@ -122,7 +123,7 @@ class LayerPlanner {
   std::size_t boundary_of(std::size_t mesh) {
     for (std::size_t i = mesh + 1; i < plan_.datasets.size(); ++i)
       if (plan_.datasets[i].is_surface() && plan_.data[i].name == plan_.data[mesh].name) return i;
-    plan_.datasets.push_back(plan_.datasets[mesh].boundary());
+    plan_.datasets.push_back(plan_.datasets[mesh].boundary(stop_));
     plan_.data.push_back(DataSpec(plan_.data[mesh]));
     return plan_.datasets.size() - 1;
   }
@@ -152,7 +153,7 @@ class LayerPlanner {
   std::size_t boundary_of_label(std::size_t index, std::size_t mesh) {
     const DataSpec data = plan_.data[mesh];
     plan_.datasets.push_back(at_place(root(scene_spec_).at("data").at(data.name).at("label"), [&] {
-      return plan_.datasets[mesh].boundary(data.field, *data.label, labels_instead(index));
+      return plan_.datasets[mesh].boundary(data.field, *data.label, labels_instead(index), stop_);
     }));
     plan_.data.push_back(data);
     return plan_.datasets.size() - 1;
@@ -328,14 +329,16 @@ class LayerPlanner {
   const SceneSpec& scene_spec_;
   const OpenData& open_;
   const OpenColors& open_colors_;
+  const std::stop_token& stop_;
   ResolvedScene plan_;
   std::vector<Outside> outside_;
 };
 
 }  // namespace
 
-ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors) {
-  ResolvedScene plan = LayerPlanner(scene_spec, open, open_colors).plan();
+ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors,
+                             const std::stop_token& stop) {
+  ResolvedScene plan = LayerPlanner(scene_spec, open, open_colors, stop).plan();
   plan_image(scene_spec, plan);
   const Place clip = root(scene_spec).at("clip");
   plan.scene.clip = choose_clip(scene_spec.clip, clip);

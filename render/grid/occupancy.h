@@ -54,7 +54,7 @@ class OccupancyCache {
  public:
   std::shared_ptr<const Occupancy> of(const formats::MacroRanges& ranges, double isovalue,
                                       const std::stop_token& stop = {}) {
-    return last_.of(isovalue, [&] { return std::make_shared<const Occupancy>(ranges, isovalue, stop); });
+    return last_.of(isovalue, stop, [&] { return std::make_shared<const Occupancy>(ranges, isovalue, stop); });
   }
 
  private:

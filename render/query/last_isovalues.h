@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
+#include <stop_token>
 #include <utility>
 #include <vector>
+
+#include "formats/base/stoppable_mutex.h"
 
 namespace rhoray::render {
 
@@ -15,9 +17,10 @@ class LastIsovalues {
  public:
   /// @param prepare  creates it (a shared pointer) where it is not kept; it may use the memory of
   ///   the oldest, which is dropped first
+  /// @param stop  ends the waiting for another thread (ErrorCode::interrupted)
   template <class Prepare>
-  std::shared_ptr<const Prepared> of(double isovalue, const Prepare& prepare) {
-    const std::lock_guard lock(mutex_);
+  std::shared_ptr<const Prepared> of(double isovalue, const std::stop_token& stop, const Prepare& prepare) {
+    const StoppableLock lock(mutex_, stop);
     const auto found = std::find_if(last_.begin(), last_.end(), [&](const Entry& e) { return e.isovalue == isovalue; });
     if (found != last_.end()) {
       std::rotate(last_.begin(), found, found + 1);
@@ -35,7 +38,7 @@ class LastIsovalues {
   };
   static constexpr std::size_t kept = 4;
 
-  std::mutex mutex_;
+  StoppableMutex mutex_;
   std::vector<Entry> last_;  ///< newest first
 };
 

@@ -3,11 +3,11 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <utility>
 
+#include "formats/base/stoppable_mutex.h"
 #include "render/query/kernels.h"
 #include "render/shadow/occluder_heights.h"
 
@@ -43,17 +43,18 @@ class LightOccluders {
   explicit LightOccluders(Find find) : find_(std::move(find)) {}
 
   /// @param side  not unknown
-  /// @param stop  ends the computation (ErrorCode::interrupted); then the next request repeats it
+  /// @param stop  ends the computation, which the next request then repeats, and the waiting for
+  ///   another thread (ErrorCode::interrupted)
   const Occluders& of(StartSide side, const std::stop_token& stop = {}) const {
     OfSide& asked = sides_[side == StartSide::inside];
-    const std::lock_guard lock(asked.mutex);
+    const StoppableLock lock(asked.mutex, stop);
     if (!asked.found) asked.found = find_(side, stop);
     return *asked.found;
   }
 
  private:
   struct OfSide {
-    std::mutex mutex;
+    StoppableMutex mutex;
     std::optional<Occluders> found;
   };
   Find find_;

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <stop_token>
+
+#include "formats/base/stoppable_mutex.h"
 
 namespace rhoray::render {
 
@@ -11,16 +12,17 @@ template <class Computed>
 class ComputedOnce {
  public:
   /// @param threads  0 = all cores
-  /// @param stop     ends it (ErrorCode::interrupted); then nothing is kept
+  /// @param stop     ends it and the waiting for another caller (ErrorCode::interrupted); what was
+  ///   ended is not kept
   template <class View>
   std::shared_ptr<const Computed> of(const View& view, unsigned threads, const std::stop_token& stop = {}) {
-    const std::lock_guard lock(mutex_);
+    const StoppableLock lock(mutex_, stop);
     if (!computed_) computed_ = std::make_shared<const Computed>(view, threads, stop);
     return computed_;
   }
 
  private:
-  std::mutex mutex_;
+  StoppableMutex mutex_;
   std::shared_ptr<const Computed> computed_;
 };
 

@@ -448,7 +448,7 @@ void Facets::build_levels() {
 }
 
 const FacetNeighbours& Facets::neighbours(const std::stop_token& stop) const {
-  const std::lock_guard lock(neighbours_mutex_);
+  const StoppableLock lock(neighbours_mutex_, stop);
   if (!neighbours_) neighbours_ = std::make_unique<FacetNeighbours>(blocks_.data(), fields_.data(), count_, stop);
   return *neighbours_;
 }

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <stop_token>
 #include <vector>
 
+#include "formats/base/stoppable_mutex.h"
 #include "formats/base/vector.h"
 #include "render/query/last_isovalues.h"
 #include "render/tets/tet_data.h"
@@ -77,7 +77,7 @@ class Facets {
   Vec3 anchor_;
   double scale_ = 1;
   std::array<float, 3> low_{}, high_{};
-  mutable std::mutex neighbours_mutex_;
+  mutable StoppableMutex neighbours_mutex_;
   mutable std::unique_ptr<const FacetNeighbours> neighbours_;
 };
 
@@ -87,13 +87,13 @@ class FacetsCache {
  public:
   std::shared_ptr<const Facets> of(const TetData& view, const Box3& bounds, double isovalue, unsigned threads,
                                    const std::stop_token& stop = {}) {
-    return last_.of(isovalue,
+    return last_.of(isovalue, stop,
                     [&] { return std::make_shared<const Facets>(view, bounds, isovalue, threads, stop, pool_); });
   }
   /// Ignores the isovalue: a surface has none.
   std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads,
                                    const std::stop_token& stop = {}) {
-    return last_.of(0, [&] { return std::make_shared<const Facets>(view, bounds, threads, stop); });
+    return last_.of(0, stop, [&] { return std::make_shared<const Facets>(view, bounds, threads, stop); });
   }
 
  private:

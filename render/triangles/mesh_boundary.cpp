@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "formats/base/error.h"
+#include "formats/base/stopping.h"
 #include "formats/base/text.h"
 
 namespace rhoray::render {
@@ -31,13 +32,14 @@ class CellLabels {
 
 /// Faces between a label and labels to leave out belong to no cell alone in the part of both.
 formats::FaceNumbers faces_of(const formats::TetMesh& mesh, std::size_t cell_field, int label,
-                              std::span<const int> without) {
+                              std::span<const int> without, const std::stop_token& stop) {
   const CellLabels labels(mesh, cell_field);
   std::vector<std::uint64_t> part;
-  for (std::uint64_t cell = 0; cell < labels.count(); ++cell)
+  for_each_until_stopped(0, labels.count(), light_piece, stop, [&](std::uint64_t cell) {
     if (labels[cell] == label || std::find(without.begin(), without.end(), labels[cell]) != without.end())
       part.push_back(cell);
-  formats::FaceNumbers faces = formats::boundary_faces(mesh, part);
+  });
+  formats::FaceNumbers faces = formats::boundary_faces(mesh, part, stop);
   if (!without.empty())
     std::erase_if(faces, [&](std::uint64_t number) { return labels[formats::face_of_number(number).cell] != label; });
   return faces;
@@ -45,26 +47,29 @@ formats::FaceNumbers faces_of(const formats::TetMesh& mesh, std::size_t cell_fie
 
 }  // namespace
 
-MeshBoundary::MeshBoundary(const TetData& of) : MeshBoundary(of, formats::boundary_faces(of.mesh())) {}
+MeshBoundary::MeshBoundary(const TetData& of, const std::stop_token& stop)
+    : MeshBoundary(of, formats::boundary_faces(of.mesh(), stop), stop) {}
 
-MeshBoundary::MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without)
-    : MeshBoundary(of, faces_of(of.mesh(), cell_field, label, without)) {}
+MeshBoundary::MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without,
+                           const std::stop_token& stop)
+    : MeshBoundary(of, faces_of(of.mesh(), cell_field, label, without, stop), stop) {}
 
-MeshBoundary::MeshBoundary(const TetData& of, const formats::FaceNumbers& faces) : mesh(of) {
+MeshBoundary::MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const std::stop_token& stop)
+    : mesh(of) {
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   if (faces.size() >= none)
     throw Error(ErrorCode::unsupported, concat(mesh.mesh().file().name(), ": a boundary of ", faces.size(),
                                                " faces; expected fewer than ", none));
   triangles.reserve(faces.size()), cells.reserve(faces.size());
   std::vector<std::uint32_t> place(mesh.points().size(), none);
-  for (const std::uint64_t number : faces) {
-    const auto [cell, opposite] = formats::face_of_number(number);
+  for_each_until_stopped(0, faces.size(), light_piece, stop, [&](std::uint64_t f) {
+    const auto [cell, opposite] = formats::face_of_number(faces[f]);
     cells.push_back(static_cast<std::uint32_t>(cell));
     std::array<std::uint32_t, 3> corners = formats::face_points(mesh.vertices(cells.back()), opposite);
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     for (const std::uint32_t corner : corners) place[corner] = 0;
     triangles.push_back(corners);
-  }
+  });
   for (std::size_t point = 0; point < place.size(); ++point)
     if (place[point] != none) {
       place[point] = static_cast<std::uint32_t>(points.size());

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "formats/mesh_boundary.h"
@@ -19,10 +20,12 @@ namespace rhoray::render {
 /// order of indices and start with the same corner, so kernels compute the same t for both.
 struct MeshBoundary {
   /// Refuses a boundary of 2^32 faces or more (ErrorCode::unsupported).
-  explicit MeshBoundary(const TetData& of);
+  /// @param stop  ends the search (ErrorCode::interrupted)
+  explicit MeshBoundary(const TetData& of, const std::stop_token& stop = {});
   /// The boundary of the cells that have a label in a cell field; without triangles if there are no
   /// such cells. See Dataset::boundary.
-  MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without);
+  MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without,
+               const std::stop_token& stop = {});
 
   TetData mesh;
   std::vector<std::array<double, 3>> points;            ///< of the mesh that are corners; in its order
@@ -30,7 +33,7 @@ struct MeshBoundary {
   std::vector<std::uint32_t> cells;                     ///< of each triangle
 
  private:
-  MeshBoundary(const TetData& of, const formats::FaceNumbers& faces);
+  MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const std::stop_token& stop);
 };
 
 }  // namespace rhoray::render

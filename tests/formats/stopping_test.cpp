@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "formats/base/stoppable_mutex.h"
 #include "tests/support/expect_error.h"
 
 // Loops that a caller can stop. Their work after a stop request is counted.
@@ -73,6 +74,45 @@ TEST(ForEachUntilStopped, lets_every_thread_finish_one_piece) {
   });
   EXPECT_GE(calls, 8);
   EXPECT_LE(calls, static_cast<int>(threads * 8));
+}
+
+TEST(StoppableMutex, lets_one_caller_in_at_a_time) {
+  StoppableMutex mutex;
+  int count = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int thread = 0; thread < 4; ++thread)
+      threads.emplace_back([&](const std::stop_token& stop) {
+        for (int time = 0; time < 1000; ++time) {
+          const StoppableLock lock(mutex, stop);
+          ++count;
+        }
+      });
+    for (std::jthread& thread : threads) thread.join();
+  }
+  EXPECT_EQ(count, 4000);
+}
+
+TEST(StoppableMutex, ends_the_waiting_of_one_caller_and_lets_another_in) {
+  for (int time = 0; time < 100; ++time) {
+    StoppableMutex mutex;
+    std::stop_source stop;
+    std::atomic<bool> is_in = false;
+    mutex.lock({});
+    std::jthread other([&] {
+      const StoppableLock lock(mutex, {});
+      is_in = true;
+    });
+    std::jthread stopped(
+        [&] { expect_error(ErrorCode::interrupted, "interrupted", [&] { StoppableLock(mutex, stop.get_token()); }); });
+    stop.request_stop();
+    stopped.join();
+    EXPECT_FALSE(is_in);
+    mutex.unlock();
+    other.join();
+    EXPECT_TRUE(is_in);
+    const StoppableLock lock(mutex, stop.get_token());  // nobody holds it: a request changes nothing
+  }
 }
 
 }  // namespace

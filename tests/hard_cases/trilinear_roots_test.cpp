@@ -16,8 +16,8 @@
 #include "formats/base/parallel.h"
 #include "render/exact.h"
 #include "render/grid/isosurface/cubic-inl.h"
-#include "tests/support/asked_count.h"
 #include "tests/hard_cases/trilinear_root_cells.h"
+#include "tests/support/asked_count.h"
 
 namespace rhoray::tests {
 namespace {

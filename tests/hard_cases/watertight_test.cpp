@@ -8,8 +8,8 @@
 
 #include "formats/base/parallel.h"
 #include "render/query/machine.h"
-#include "tests/support/asked_count.h"
 #include "tests/hard_cases/watertight_tally.h"
+#include "tests/support/asked_count.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {

@@ -284,6 +284,57 @@ TEST(Stopping, of_a_search_through_all_data_throws) {
     expect_refused(ErrorCode::interrupted, "", [&] { grid.damaged_blocks(threads, stop.get_token()); });
 }
 
+void expect_stopped(const std::function<void()>& act) {
+  expect_refused(ErrorCode::interrupted, "interrupted", act);
+}
+
+TEST(Stopping, of_opening_copying_and_saving_throws) {
+  const TemporaryFolder folder;
+  ball_mesh(3, {.file = folder / "ball.rho"});
+  octahedron({.file = folder / "octahedron.rho"});
+  const std::stop_token stop = stopped_before();
+  expect_stopped([&] { Dataset::open(folder / "ball.rho", stop); });
+  expect_stopped([&] { Dataset::open(folder / "octahedron.rho", stop); });
+  const Dataset mesh = Dataset::open(folder / "ball.rho");
+  expect_stopped([&] { mesh.boundary(stop); });
+  expect_stopped([&] { mesh.boundary("part", 1, stop); });
+  expect_stopped([&] { unpack_mesh(mesh, stop); });
+  expect_stopped([&] { unpack_grid(gyroid_grid(), {}, stop); });
+  expect_stopped([&] { ball_mesh().save(folder / "saved.rho", false, stop); });
+  EXPECT_FALSE(std::filesystem::exists(folder / "saved.rho"));
+  EXPECT_EQ(unpack_mesh(mesh).points.size(), 64U);
+  EXPECT_EQ(mesh.boundary("part", 1).kind(), DataKind::triangles);
+}
+
+TEST(Stopping, ends_the_loading_of_another_field) {
+  const std::stop_token stop = stopped_before();
+  const Dataset mesh = ball_mesh(3);
+  Scene scene{.layers = {{.data = mesh, .show = Isosurface{0.1}, .field = "x"}}};
+  scene.camera = fit_camera(mesh.bounds(), size);
+  RenderContext context;
+  Picture picture;
+  EXPECT_FALSE(context.render(scene, {.size = size}, picture, stop).complete);
+  EXPECT_EQ(picture.size(), size);
+  EXPECT_EQ(picture.color().size(), 4U * 128 * 96);
+  expect_stopped([&] { context.probe(scene, size, 4, 4, 16, stop); });
+  expect_stopped([&] { fit_camera(scene, size, {}, stop); });
+  expect_stopped([&] { RayCaster(mesh, Isosurface{0.1}, Accuracy::float32, "x", stop); });
+  expect_stopped([&] { FieldSampler(mesh, "x", Accuracy::float32, stop); });
+  EXPECT_TRUE(context.render(scene, {.size = size}, picture).complete);
+}
+
+TEST(Stopping, of_a_documents_choices_throws) {
+  const TemporaryFolder folder;
+  ball_mesh(3, {.file = folder / "ball.rho"});
+  for (const std::string layer : {R"({"type": "isosurface", "isovalue": 0.5})", R"({"type": "boundary"})"}) {
+    const SceneDocument document =
+        SceneDocument::parse(R"({"data": {"a": {"file": "ball.rho"}}, "layers": [)" + layer + "]}");
+    expect_stopped([&] { resolve(document, files_in(folder.path(), stopped_before())); });
+    expect_stopped([&] { resolve(document, files_in(folder.path()), stopped_before()); });
+    EXPECT_TRUE(resolve(document, files_in(folder.path())).scene.camera);
+  }
+}
+
 TEST(Stopping, of_packing_leaves_no_file) {
   const TemporaryFolder folder;
   for (const bool before : {true, false}) {

@@ -36,7 +36,7 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
                            std::stop_token stop) {
   return inside::guarded([&] {
     check(goal);
-    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, stop);
     resolved.frame.machine = inside::machine_of(goal.machine, "Goal::machine");
     if (layer >= resolved.scene.layers.size())
       inside::refuse("choose_method: layer ", layer, " of ", resolved.scene.layers.size());
@@ -60,7 +60,7 @@ SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheck
     if (pixels.pixel_count() == 0 || pixels.width != size.width || pixels.height != size.height)
       inside::refuse("self_check: the picture is empty or a window; expected a whole picture");
     if (options.pixels < 1) inside::refuse("SelfCheckOptions::pixels: found 0; expected at least 1");
-    const render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    const render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, options.stop);
     if (const std::string why = render::why_not_checkable(resolved); !why.empty()) inside::refuse("self_check: ", why);
     const bool is_projection = resolved.scene.layers[0].mode == render::Mode::mip;
     if (is_projection ? pixels.value.empty() : pixels.depth.empty())

@@ -54,9 +54,17 @@ RenderResult trace(RenderContext::Implementation& context, const Scene& scene, c
     const int spacings[] = {1, 2, 4, 8, 16};
     if (std::find(std::begin(spacings), std::end(spacings), passes.first_spacing) == std::end(spacings))
       inside::refuse("Passes::first_spacing: found ", passes.first_spacing, "; expected 1, 2, 4, 8 or 16");
-    render::ResolvedScene resolved = inside::resolved_with_camera(scene, options);
-    resolved.frame.threads = context.threads(), resolved.frame.machine = context.machine();
     render::Framebuffer& pixels = options.window ? context.whole : picture.implementation().pixels;
+    render::ResolvedScene resolved;
+    try {
+      resolved = inside::resolved_with_camera(scene, options, stop);
+    } catch (const rhoray::Error& error) {
+      if (error.code() != rhoray::ErrorCode::interrupted) throw;
+      pixels.reshape(options.size.width, options.size.height, inside::inside_of(options.channels));
+      hand_over(options, pixels, picture.implementation());
+      return RenderResult();
+    }
+    resolved.frame.threads = context.threads(), resolved.frame.machine = context.machine();
     bool all_traced = false, was_ended = false;
     const auto pass_done = [&](int spacing) {
       all_traced = spacing == 1 && !stop.stop_requested();
@@ -141,7 +149,7 @@ std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size,
                                            std::stop_token stop) {
   return implementation_->call([&](render::RenderContext&) {
     if (max_hits < 1) inside::refuse("RenderContext::probe: max_hits is ", max_hits, "; expected at least 1");
-    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size});
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, stop);
     resolved.frame.threads = implementation_->threads(), resolved.frame.machine = implementation_->machine();
     std::vector<ProbeHit> hits;
     for (const render::ProbeHit& hit : render::probe(resolved.datasets, resolved.scene, resolved.frame, {x, y},

@@ -28,10 +28,12 @@ ChannelSet outside_of(const render::ChannelSet& channels);
 /// The scene with its datasets, and everything else that a document says. Without a camera it has
 /// that of render::Scene.
 /// Refuses what no scene may hold; the rest is refused where it is used.
-render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options);
+/// @param stop  ends the loading of fields (ErrorCode::interrupted)
+render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const std::stop_token& stop = {});
 
 /// Refuses a scene without a camera. Otherwise as above.
-render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options);
+render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options,
+                                           const std::stop_token& stop = {});
 
 /// The scene of a document whose choices are made.
 Scene outside_of(const render::ResolvedScene& resolved);

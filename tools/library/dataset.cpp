@@ -11,6 +11,7 @@
 #include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/pending_file.h"
+#include "formats/base/stopping.h"
 #include "formats/base/word_list.h"
 #include "tools/library/arrays.h"
 #include "tools/library/guarded.h"
@@ -83,13 +84,13 @@ void Dataset::Implementation::require_whole_file(std::string_view call) const {
                       "pack the arrays with Memory::copy");
 }
 
-render::Dataset Dataset::Implementation::of(std::string_view name) const {
+render::Dataset Dataset::Implementation::of(std::string_view name, const std::stop_token& stop) const {
   if (first_.is_surface()) return first_;
   const std::string field(name.empty() ? std::string_view(this->field({}).name) : name);
   if (field == first_.field().name) return first_;
-  const std::lock_guard lock(guard_);
+  const StoppableLock lock(guard_, stop);
   if (const auto known = loaded_.find(field); known != loaded_.end()) return known->second;
-  return loaded_.emplace(field, render::Dataset::load(first_.file(), field, first_.space())).first->second;
+  return loaded_.emplace(field, render::Dataset::load(first_.file(), field, first_.space(), stop)).first->second;
 }
 
 Dataset inside::handle_of(const render::Dataset& dataset, Origin origin) {
@@ -98,8 +99,9 @@ Dataset inside::handle_of(const render::Dataset& dataset, Origin origin) {
 
 Dataset::Dataset(std::shared_ptr<const Implementation> implementation) : implementation_(std::move(implementation)) {}
 
-Dataset Dataset::open(const std::filesystem::path& path) {
-  return inside::guarded([&] { return inside::handle_of(render::Dataset::load(open_packed(path), {}, world_space)); });
+Dataset Dataset::open(const std::filesystem::path& path, std::stop_token stop) {
+  return inside::guarded(
+      [&] { return inside::handle_of(render::Dataset::load(open_packed(path), {}, world_space, stop)); });
 }
 
 DataKind Dataset::kind() const {
@@ -140,16 +142,17 @@ std::filesystem::path Dataset::path() const {
   return implementation_->first().file().name();
 }
 
-Dataset Dataset::boundary() const {
+Dataset Dataset::boundary(std::stop_token stop) const {
   return inside::guarded([&] {
-    return inside::handle_of(implementation_->first().boundary(), {.is_in_memory = implementation_->is_in_memory()});
+    return inside::handle_of(implementation_->first().boundary(stop),
+                             {.is_in_memory = implementation_->is_in_memory()});
   });
 }
 
-Dataset Dataset::boundary(std::string_view cell_field, int label) const {
+Dataset Dataset::boundary(std::string_view cell_field, int label, std::stop_token stop) const {
   return inside::guarded([&] {
     const inside::MeshPart part{std::string(cell_field), label};
-    return inside::handle_of(implementation_->first().boundary(part.field, label),
+    return inside::handle_of(implementation_->first().boundary(part.field, label, {}, stop),
                              {.is_in_memory = implementation_->is_in_memory(), .part = part});
   });
 }
@@ -182,7 +185,7 @@ std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads, std::stop_to
   });
 }
 
-void Dataset::save(const std::filesystem::path& path, bool replace_existing) const {
+void Dataset::save(const std::filesystem::path& path, bool replace_existing, std::stop_token stop) const {
   inside::guarded([&] {
     implementation_->require_whole_file("save");
     const Descriptor& memory = implementation_->memory();
@@ -191,7 +194,11 @@ void Dataset::save(const std::filesystem::path& path, bool replace_existing) con
     const MappedFile bytes(memory.number(), file.file_bytes(), file.name());
     PendingFile output(path, {.replace_existing = replace_existing});
     output.reserve(file.file_bytes());
-    output.write(0, bytes.bytes());
+    constexpr std::size_t piece = 1 << 22;  // bytes between two looks for a stop request
+    for (std::size_t first = 0; first < bytes.bytes().size(); first += piece) {
+      end_if_stopped(stop);
+      output.write(first, bytes.bytes().subspan(first, std::min(piece, bytes.bytes().size() - first)));
+    }
     output.publish();
   });
 }

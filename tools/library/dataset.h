@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "formats/base/descriptor.h"
+#include "formats/base/stoppable_mutex.h"
 #include "render/load.h"
 #include "render/texture.h"
 #include "rhoray/dataset.h"
@@ -39,7 +40,8 @@ class Dataset::Implementation {
   explicit Implementation(render::Dataset first, Descriptor memory = Descriptor(), inside::Origin origin = {});
 
   /// The dataset with this field; it is loaded at its first use. Empty: that of Dataset::field().
-  render::Dataset of(std::string_view field = {}) const;
+  /// @param stop  ends the loading, and the waiting for another caller (ErrorCode::interrupted)
+  render::Dataset of(std::string_view field = {}, const std::stop_token& stop = {}) const;
 
   const render::Dataset& first() const { return first_; }
   const std::vector<FieldInfo>& fields() const { return fields_; }
@@ -57,7 +59,7 @@ class Dataset::Implementation {
   inside::Origin origin_;
   std::vector<FieldInfo> fields_;
   std::uint64_t id_;
-  mutable std::mutex guard_;
+  mutable StoppableMutex guard_;
   mutable std::map<std::string, render::Dataset, std::less<>> loaded_;  ///< by field
 };
 

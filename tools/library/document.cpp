@@ -63,7 +63,7 @@ std::span<const std::string> SceneDocument::warnings() const {
   return implementation_->document.warnings;
 }
 
-OpenData files_in(const fs::path& folder) {
+OpenData files_in(const fs::path& folder, std::stop_token stop) {
   const fs::path real = inside::guarded([&] {
     std::error_code error;
     const fs::path found = fs::canonical(folder, error);
@@ -71,14 +71,14 @@ OpenData files_in(const fs::path& folder) {
       throw v0_1::Error(v0_1::ErrorCode::unreadable, concat(folder.string(), ": is no folder that can be read"));
     return found;
   });
-  return [real](const fs::path& file) {
+  return [real, stop = std::move(stop)](const fs::path& file) {
     return inside::guarded([&] {
       std::error_code error;
       const fs::path found = fs::weakly_canonical(real / file, error);
       const fs::path relative = found.lexically_relative(real);
       if (error || relative.empty() || *relative.begin() == "..")
         inside::refuse(file.string(), ": is outside of ", real.string());
-      return Dataset::open(found);
+      return Dataset::open(found, stop);
     });
   };
 }
@@ -109,7 +109,7 @@ SceneDocument document_of(const render::ResolvedScene& resolved) {
 
 }  // namespace
 
-ResolvedScene resolve(const SceneDocument& document, const OpenData& open) {
+ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::stop_token stop) {
   return inside::guarded([&] {
     if (!open) inside::refuse("resolve: no function that opens data; files_in(folder) is one");
     const render::SceneSpec& spec = document.implementation().document.scene_spec;
@@ -119,17 +119,17 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open) {
         throw rhoray::Error(rhoray::ErrorCode::unsupported,
                             concat(data.file.string(), ": labels of grids are in the program only"));
       // The field of a label is one of cells.
-      const render::Dataset known = opened.implementation().of(data.label ? "" : data.field);
+      const render::Dataset known = opened.implementation().of(data.label ? "" : data.field, stop);
       if (known.space() == world || known.space() == formats::Space::unknown) return known;
-      return render::Dataset::load(known.file(), known.is_surface() ? "" : known.field().name, world);
+      return render::Dataset::load(known.file(), known.is_surface() ? "" : known.field().name, world, stop);
     };
     const auto refuse_colors = [](const render::DataSpec& data) -> formats::PackedFile {
       throw rhoray::Error(rhoray::ErrorCode::unsupported,
                           concat(data.file.string(), ": textures of documents are in the program only"));
     };
-    render::ResolvedScene resolved = render::resolve_layers(spec, load, refuse_colors);
+    render::ResolvedScene resolved = render::resolve_layers(spec, load, refuse_colors, stop);
     leave_out_annotations(spec.annotations, resolved);
-    render::aim_camera(spec, resolved);
+    render::aim_camera(spec, resolved, stop);
     return ResolvedScene{.scene = inside::outside_of(resolved),
                          .options = inside::options_of(resolved),
                          .document = document_of(resolved),

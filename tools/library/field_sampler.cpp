@@ -12,7 +12,7 @@ class FieldSampler::Implementation {
  public:
   Implementation(const Dataset& handle, std::string_view field, const Method& method, const std::stop_token& stop)
       : data(handle),
-        dataset(of_field(handle, field)),
+        dataset(of_field(handle, field, stop)),
         proves_errors(method.proves_errors()),
         // No crossing is asked for. A field without values has an empty range.
         caster(dataset, dataset.field().range.is_empty() ? 0 : dataset.field().range.lo, inside::inside_of(method), 1,
@@ -24,12 +24,12 @@ class FieldSampler::Implementation {
   render::RayCaster caster;
 
  private:
-  static render::Dataset of_field(const Dataset& handle, std::string_view field) {
+  static render::Dataset of_field(const Dataset& handle, std::string_view field, const std::stop_token& stop) {
     if (handle.kind() == DataKind::triangles)
       throw v0_1::Error(v0_1::ErrorCode::unsupported,
                         concat(handle.implementation().first().file().name(), ": a surface has no values in space"));
     if (!field.empty()) static_cast<void>(handle.field(field));  // refuses an unknown one
-    return handle.implementation().of(field);
+    return handle.implementation().of(field, stop);
   }
 };
 

@@ -14,7 +14,7 @@ class RayCaster::Implementation {
   Implementation(const Dataset& handle, const std::variant<Isosurface, Triangles>& surface, const Method& method,
                  std::string_view field, const std::stop_token& stop)
       : data(handle),
-        dataset(of_field(handle, field)),
+        dataset(of_field(handle, field, stop)),
         isovalue(isovalue_of(surface)),
         is_isosurface(std::holds_alternative<Isosurface>(surface)),
         proves_errors(method.proves_errors()),
@@ -34,9 +34,9 @@ class RayCaster::Implementation {
   render::RayCaster caster;
 
  private:
-  static render::Dataset of_field(const Dataset& handle, std::string_view field) {
+  static render::Dataset of_field(const Dataset& handle, std::string_view field, const std::stop_token& stop) {
     if (!field.empty()) static_cast<void>(handle.field(field));  // refuses an unknown one
-    return handle.implementation().of(field);
+    return handle.implementation().of(field, stop);
   }
 
   double isovalue_of(const std::variant<Isosurface, Triangles>& surface) const {

@@ -46,7 +46,7 @@ Method Method::paper() {
 Camera fit_camera(const Scene& scene, const Size& size, const View& view, std::stop_token stop) {
   return inside::guarded([&] {
     const double aspect = aspect_of(size);
-    const render::ResolvedScene resolved = inside::resolved(scene, {.size = size});
+    const render::ResolvedScene resolved = inside::resolved(scene, {.size = size}, stop);
     const render::ViewAxes axes = render::view_axes({}, resolved);
     return inside::outside_of(
         render::fit_camera_to(render::what_is_shown(resolved, stop).corners, inside_of(view, axes), aspect));

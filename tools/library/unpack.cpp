@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "formats/base/parallel.h"
+#include "formats/base/stopping.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/unpack_mesh.h"
@@ -17,7 +18,7 @@ namespace {
 
 /// Copies all samples, x fastest.
 template <class T>
-void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* to) {
+void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* to, const std::stop_token& stop) {
   const formats::BrickLayout& layout = grid.description().layout;
   const Index3& count = layout.sample_count;
   const std::span<const T> samples = grid.samples<T>(field);
@@ -25,6 +26,7 @@ void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* 
   if (layout.is_sparse) sparse.emplace(layout, grid.tables(), grid.brick_slots());
   parallel_for(static_cast<std::size_t>(count.y * count.z), 16, [&](const IndexRange& rows) {
     for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+      end_if_stopped(stop);
       const auto j = static_cast<std::int64_t>(row) % count.y, k = static_cast<std::int64_t>(row) / count.y;
       std::byte* target = to + row * static_cast<std::size_t>(count.x) * sizeof(T);
       for (std::int64_t i = 0; i < count.x; ++i, target += sizeof(T)) {
@@ -48,7 +50,7 @@ void take_fields(std::vector<preprocess::NeutralField>& fields, bool is_of_cells
 
 }  // namespace
 
-GridCopy unpack_grid(const Dataset& grid, std::string_view field) {
+GridCopy unpack_grid(const Dataset& grid, std::string_view field, std::stop_token stop) {
   return inside::guarded([&] {
     const Dataset::Implementation& data = grid.implementation();
     if (grid.kind() != DataKind::grid) inside::refuse("unpack_grid: ", data.first().file().name(), " is no grid");
@@ -58,17 +60,17 @@ GridCopy unpack_grid(const Dataset& grid, std::string_view field) {
     const formats::ElementType type = packed.description().fields[number].type;
     GridCopy copy{.shape = {count.z, count.y, count.x}, .type = static_cast<ElementType>(type)};
     copy.samples.resize(static_cast<std::size_t>(volume(count)) * formats::element_bytes(type));
-    formats::with_element_type(type, [&]<class T>(T) { copy_samples<T>(packed, number, copy.samples.data()); });
+    formats::with_element_type(type, [&]<class T>(T) { copy_samples<T>(packed, number, copy.samples.data(), stop); });
     return copy;
   });
 }
 
-MeshCopy unpack_mesh(const Dataset& mesh) {
+MeshCopy unpack_mesh(const Dataset& mesh, std::stop_token stop) {
   return inside::guarded([&] {
     const render::Dataset& data = mesh.implementation().first();
     if (mesh.kind() != DataKind::tetrahedra)
       inside::refuse("unpack_mesh: ", data.file().name(), " holds no tetrahedra");
-    preprocess::NeutralMesh unpacked = preprocess::unpack_mesh(formats::TetMesh(data.file()));
+    preprocess::NeutralMesh unpacked = preprocess::unpack_mesh(formats::TetMesh(data.file(), stop), stop);
     MeshCopy copy;
     copy.points.assign(unpacked.points.begin(), unpacked.points.end());
     copy.tetrahedra.assign(unpacked.cells.begin(), unpacked.cells.end());

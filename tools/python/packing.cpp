@@ -109,10 +109,18 @@ Dataset pack_surface(const py::array& points, const py::array& triangles, const 
   return packed(file, replace, progress, [&](const PackOptions& options) { return pack(surface, options); });
 }
 
+/// What make(stop token) returns. Ctrl+C ends it.
+template <class Make>
+Dataset dataset_of(const Make& make) {
+  std::optional<Dataset> made;
+  interruptible([&](const std::stop_token& stop) { made = make(stop); });
+  return *made;
+}
+
 /// (points, tetrahedra, fields of points, fields of cells), as pack_mesh takes them.
 py::tuple unpacked_mesh(const Dataset& data) {
   MeshCopy copy;
-  interruptible([&](const std::stop_token&) { copy = unpack_mesh(data); });
+  interruptible([&](const std::stop_token& stop) { copy = unpack_mesh(data, stop); });
   py::dict of_points, of_cells;
   for (FieldCopy& field : copy.fields) {
     const auto size = static_cast<std::int64_t>(field.values.size());
@@ -134,7 +142,10 @@ py::tuple unpacked_mesh(const Dataset& data) {
 void define_datasets(py::module_& module) {
   py::class_<Field>(module, "Field").def(py::init<std::string, py::array, std::string, std::map<int, std::string>>());
   py::class_<Dataset>(module, "Dataset")
-      .def_static("open", &Dataset::open, py::call_guard<py::gil_scoped_release>())
+      .def_static("open",
+                  [](const std::filesystem::path& path) {
+                    return dataset_of([&](const std::stop_token& stop) { return Dataset::open(path, stop); });
+                  })
       .def_property_readonly("path", [](const Dataset& data) { return data.path().string(); })
       .def_property_readonly("kind",
                              [](const Dataset& data) {
@@ -158,23 +169,30 @@ void define_datasets(py::module_& module) {
       .def("unpack_grid",
            [](const Dataset& data, const std::string& field) {
              GridCopy copy;
-             interruptible([&](const std::stop_token&) { copy = unpack_grid(data, field); });
+             interruptible([&](const std::stop_token& stop) { copy = unpack_grid(data, field, stop); });
              return array_of(std::move(copy.samples), copy.type, {copy.shape.begin(), copy.shape.end()});
            })
       .def("unpack_mesh", &unpacked_mesh)
-      .def("boundary", [](const Dataset& data) { return data.boundary(); })
       .def("boundary",
-           [](const Dataset& data, const std::string& field, int label) { return data.boundary(field, label); })
-      .def(
-          "damaged_blocks",
-          [](const Dataset& data) {
-            std::vector<std::pair<std::uint64_t, std::uint64_t>> blocks;
-            for (const DamagedBlock& block : data.damaged_blocks())
-              blocks.emplace_back(block.first_byte, block.byte_count);
-            return blocks;
-          },
-          py::call_guard<py::gil_scoped_release>())
-      .def("save", &Dataset::save, py::call_guard<py::gil_scoped_release>());
+           [](const Dataset& data) {
+             return dataset_of([&](const std::stop_token& stop) { return data.boundary(stop); });
+           })
+      .def("boundary",
+           [](const Dataset& data, const std::string& field, int label) {
+             return dataset_of([&](const std::stop_token& stop) { return data.boundary(field, label, stop); });
+           })
+      .def("damaged_blocks",
+           [](const Dataset& data) {
+             std::vector<std::pair<std::uint64_t, std::uint64_t>> blocks;
+             interruptible([&](const std::stop_token& stop) {
+               for (const DamagedBlock& block : data.damaged_blocks(0, stop))
+                 blocks.emplace_back(block.first_byte, block.byte_count);
+             });
+             return blocks;
+           })
+      .def("save", [](const Dataset& data, const std::filesystem::path& path, bool replace) {
+        interruptible([&](const std::stop_token& stop) { data.save(path, replace, stop); });
+      });
   module.def("pack_grid", &pack_grid);
   module.def("pack_mesh", &pack_mesh);
   module.def("pack_surface", &pack_surface);

@@ -54,8 +54,8 @@ class RHORAY_API Dataset {
   /// (damaged_blocks).
   ///
   /// Throws ErrorCode::unreadable, invalid (damaged), or unsupported (a newer version; a file that
-  /// is not packed, with the command that packs it).
-  static Dataset open(const std::filesystem::path& path);
+  /// is not packed, with the command that packs it); ErrorCode::interrupted if stopped.
+  static Dataset open(const std::filesystem::path& path, std::stop_token stop = {});
 
   DataKind kind() const;
   std::span<const FieldInfo> fields() const;  ///< fields of points or samples first; none of triangles
@@ -75,11 +75,12 @@ class RHORAY_API Dataset {
   std::filesystem::path path() const;
 
   /// Returns the outside of a mesh: the triangles that belong to one cell only, with the fields of
-  /// their cells. Throws ErrorCode::usage for other kinds.
-  Dataset boundary() const;
+  /// their cells. Throws ErrorCode::usage for other kinds, ErrorCode::interrupted if stopped.
+  Dataset boundary(std::stop_token stop = {}) const;
   /// Returns the surface of the cells that have this label in a field of cells. Throws
-  /// ErrorCode::usage for an unknown field, ErrorCode::invalid for a label that no cell has.
-  Dataset boundary(std::string_view cell_field, int label) const;
+  /// ErrorCode::usage for an unknown field, ErrorCode::invalid for a label that no cell has,
+  /// ErrorCode::interrupted if stopped.
+  Dataset boundary(std::string_view cell_field, int label, std::stop_token stop = {}) const;
 
   /// The arrays of the packed file, in the layout that formats/SPEC.md describes.
   std::vector<std::string> array_names() const;
@@ -96,8 +97,9 @@ class RHORAY_API Dataset {
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
   /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without
   /// `replace_existing`, for wrapped arrays, and for data that are not in memory;
-  /// ErrorCode::resource for a full disk or a folder in which no file may be made.
-  void save(const std::filesystem::path& path, bool replace_existing = false) const;
+  /// ErrorCode::resource for a full disk or a folder in which no file may be made;
+  /// ErrorCode::interrupted if stopped.
+  void save(const std::filesystem::path& path, bool replace_existing = false, std::stop_token stop = {}) const;
 
   // Copies only: a moved-from handle would be a handle of nothing.
   Dataset(const Dataset&) = default;

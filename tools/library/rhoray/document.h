@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +51,8 @@ using OpenData = std::function<Dataset(const std::filesystem::path& file)>;
 
 /// Opens packed files in a folder and below it. Refuses names that lead out of it, by `..` or by
 /// symbolic links (ErrorCode::usage).
-RHORAY_API OpenData files_in(const std::filesystem::path& folder);
+/// @param stop  of Dataset::open
+RHORAY_API OpenData files_in(const std::filesystem::path& folder, std::stop_token stop = {});
 
 /// A document whose choices have all been made: isovalues, camera, lights, methods.
 struct ResolvedScene {
@@ -64,8 +66,8 @@ struct ResolvedScene {
 /// feature edges and heat maps are drawn by the program only; a note says so.
 /// Throws ErrorCode::invalid for a document that contradicts itself or its data, with the JSON
 /// pointer; ErrorCode::unsupported for one that needs what this library does not do (labels of
-/// grids, textures).
-RHORAY_API ResolvedScene resolve(const SceneDocument& document, const OpenData& open);
+/// grids, textures); ErrorCode::interrupted if stopped. A stop request does not end `open`.
+RHORAY_API ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::stop_token stop = {});
 
 /// Returns the document that says every choice of a scene. `resolve` makes the same picture of it.
 /// Datasets are named by the files that they were opened from.

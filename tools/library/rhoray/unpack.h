@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,11 +37,12 @@ struct MeshCopy {
 };
 
 /// Copies a field of a grid. Empty: that of Dataset::field().
-/// Throws ErrorCode::usage for data of another kind and for an unknown field.
-RHORAY_API GridCopy unpack_grid(const Dataset& grid, std::string_view field = {});
+/// Throws ErrorCode::usage for data of another kind and for an unknown field,
+/// ErrorCode::interrupted if stopped.
+RHORAY_API GridCopy unpack_grid(const Dataset& grid, std::string_view field = {}, std::stop_token stop = {});
 
 /// Copies a mesh with all its fields.
-/// Throws ErrorCode::usage for data of another kind.
-RHORAY_API MeshCopy unpack_mesh(const Dataset& mesh);
+/// Throws ErrorCode::usage for data of another kind, ErrorCode::interrupted if stopped.
+RHORAY_API MeshCopy unpack_mesh(const Dataset& mesh, std::stop_token stop = {});
 
 }  // namespace rhoray::RHORAY_ABI
