@@ -17,7 +17,11 @@
 #include "render/dataset/load_view.h"
 #include "render/dataset/loaded_dataset.h"
 #include "render/dataset/shown_boxes.h"
+#include "render/grid/occupancy.h"
+#include "render/triangles/corner_normals.h"
+#include "render/triangles/facets.h"
 #include "render/triangles/feature_edges.h"
+#include "render/triangles/point_gradients.h"
 
 namespace rhoray::render {
 
@@ -192,6 +196,23 @@ RangeProof Dataset::prove_ranges(unsigned threads, const std::stop_token& stop) 
       [&](const auto& view) { return proven_bytes(view, field().name, threads, stop); }, implementation_->view);
   proof_->is_done = true;
   return {.bytes = bytes, .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+}
+
+std::uint64_t Dataset::prepared_bytes() const {
+  const LoadedDataset& dataset = *implementation_;
+  std::uint64_t bytes = dataset.occupancies->size_bytes();
+  if (dataset.facets) bytes += dataset.facets->size_bytes();
+  if (dataset.point_gradients) bytes += dataset.point_gradients->size_bytes();
+  if (dataset.corner_normals) bytes += dataset.corner_normals->size_bytes();
+  return bytes;
+}
+
+void Dataset::drop_prepared() const {
+  const LoadedDataset& dataset = *implementation_;
+  dataset.occupancies->clear();
+  if (dataset.facets) dataset.facets->clear();
+  if (dataset.point_gradients) dataset.point_gradients->clear();
+  if (dataset.corner_normals) dataset.corner_normals->clear();
 }
 
 Box3 Dataset::bounds() const {

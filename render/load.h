@@ -130,6 +130,15 @@ class Dataset {
   /// @param threads  0 = all cores
   RangeProof prove_ranges(unsigned threads = 0, const std::stop_token& stop = {}) const;
 
+  /// Bytes of memory that hold what was prepared for tracing and is kept for the next picture:
+  /// facets and occupied blocks of the last four isovalues, normals, gradients. Not those of the
+  /// file, nor of boundaries, which count their own. Any thread may call; waits while something is
+  /// being prepared.
+  std::uint64_t prepared_bytes() const;
+  /// Frees what was prepared. What is in use stays until its user is done. Changes no picture: the
+  /// next one prepares again what it needs. Any thread may call.
+  void drop_prepared() const;
+
   /// For use inside render only.
   const LoadedDataset& implementation() const { return *implementation_; }
 

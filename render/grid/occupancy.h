@@ -57,6 +57,11 @@ class OccupancyCache {
     return last_.of(isovalue, stop, [&] { return std::make_shared<const Occupancy>(ranges, isovalue, stop); });
   }
 
+  std::size_t size_bytes() {
+    return last_.sum([](const Occupancy& occupancy) { return occupancy.size_bytes(); });
+  }
+  void clear() { last_.clear(); }
+
  private:
   LastIsovalues<Occupancy> last_;
 };

@@ -31,6 +31,19 @@ class LastIsovalues {
     return last_.front().prepared;
   }
 
+  /// Sums of(const Prepared&) over all that is kept.
+  template <class Of>
+  std::size_t sum(const Of& of) {
+    const StoppableLock lock(mutex_, {});
+    std::size_t total = 0;
+    for (const Entry& entry : last_) total += of(*entry.prepared);
+    return total;
+  }
+  void clear() {
+    const StoppableLock lock(mutex_, {});
+    last_.clear();
+  }
+
  private:
   struct Entry {
     double isovalue;

@@ -61,6 +61,18 @@ class ArrayPool {
     unused_.erase(unused_.begin());
   }
 
+  std::size_t unused_bytes() {
+    const std::lock_guard lock(mutex_);
+    std::size_t bytes = 0;
+    for (const Memory& memory : unused_) bytes += memory.bytes;
+    return bytes;
+  }
+  void release_unused() {
+    const std::lock_guard lock(mutex_);
+    for (const Memory& memory : unused_) release(memory);
+    unused_.clear();
+  }
+
  private:
   /// The arrays of one isovalue: blocks and fields of facets, and three lists of cells (20 bytes
   /// per facet), which stay here while the facets are in use.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <stop_token>
 
@@ -7,7 +8,8 @@
 
 namespace rhoray::render {
 
-/// A result that belongs to one mesh or surface. The first call computes it. Any thread may call.
+/// A result that belongs to one mesh or surface. The first call computes it, and so does the first
+/// one after `clear`. Any thread may call.
 template <class Computed>
 class ComputedOnce {
  public:
@@ -19,6 +21,15 @@ class ComputedOnce {
     const StoppableLock lock(mutex_, stop);
     if (!computed_) computed_ = std::make_shared<const Computed>(view, threads, stop);
     return computed_;
+  }
+
+  std::size_t size_bytes() {
+    const StoppableLock lock(mutex_, {});
+    return computed_ ? computed_->size_bytes() : 0;
+  }
+  void clear() {
+    const StoppableLock lock(mutex_, {});
+    computed_.reset();
   }
 
  private:

@@ -32,6 +32,10 @@ class CornerNormals {
   /// The normal at a corner of a triangle, of length 1; zero where there is none.
   Vec3 of(std::uint32_t triangle, std::size_t corner) const { return normals_[of_corners_[triangle][corner]]; }
 
+  std::size_t size_bytes() const {
+    return normals_.size() * sizeof(normals_[0]) + of_corners_.size() * sizeof(of_corners_[0]);
+  }
+
  private:
   std::vector<Vec3> normals_;  ///< one of each point, then the others of points at creases
   std::vector<std::array<std::uint32_t, 3>> of_corners_;

@@ -456,7 +456,8 @@ const FacetNeighbours& Facets::neighbours(const std::stop_token& stop) const {
 std::size_t Facets::size_bytes() const {
   std::size_t bytes = block_count() * sizeof(FacetBlock) + count_ * sizeof(FacetField);
   for (const auto& nodes : levels_) bytes += nodes.size() * sizeof(FacetNode);
-  return bytes;
+  const StoppableLock lock(neighbours_mutex_, {});
+  return bytes + (neighbours_ ? neighbours_->size_bytes() : 0);
 }
 
 }  // namespace rhoray::render

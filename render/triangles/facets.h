@@ -62,7 +62,7 @@ class Facets {
   /// @param stop  ends it (ErrorCode::interrupted); then the next call repeats it
   const FacetNeighbours& neighbours(const std::stop_token& stop = {}) const;
 
-  std::size_t size_bytes() const;  ///< without neighbours
+  std::size_t size_bytes() const;  ///< with neighbours, if they are computed
 
  private:
   std::size_t block_count() const { return (std::size_t{count_} + FacetBlock::size - 1) / FacetBlock::size; }
@@ -94,6 +94,14 @@ class FacetsCache {
   std::shared_ptr<const Facets> of(const TriangleData& view, const Box3& bounds, double, unsigned threads,
                                    const std::stop_token& stop = {}) {
     return last_.of(0, stop, [&] { return std::make_shared<const Facets>(view, bounds, threads, stop); });
+  }
+
+  std::size_t size_bytes() {
+    return last_.sum([](const Facets& facets) { return facets.size_bytes(); }) + pool_->unused_bytes();
+  }
+  void clear() {
+    last_.clear();
+    pool_->release_unused();
   }
 
  private:

@@ -25,6 +25,8 @@ class PointGradients {
   /// Gradients in the mesh's frame.
   std::span<const std::array<double, 3>> of_points() const { return gradients_; }
 
+  std::size_t size_bytes() const { return of_points().size_bytes(); }
+
  private:
   std::vector<std::array<double, 3>> gradients_;
 };

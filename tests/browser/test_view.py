@@ -117,6 +117,31 @@ class Motion(PageTest):
         ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
         self.wait("!document.getElementById('help').open")
 
+    def test_keys_of_one_character_can_be_switched_off(self):
+        viewer = self.volume()
+
+        def switch():
+            self.find("help-button").click()
+            self.find("character-keys").click()
+            ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
+            self.wait("!document.getElementById('help').open")
+
+        def press(keys):
+            self.canvas().click()
+            ActionChains(self.driver).send_keys(keys).perform()
+
+        switch()
+        self.open(viewer)  # the browser remembers it
+        camera = "JSON.stringify(rhoray.active.camera)"
+        before = self.js(camera)
+        press("o3")
+        self.assertEqual(self.js(camera), before)
+        press(Keys.ARROW_LEFT)  # the other keys stay
+        self.wait(f"{camera} !== {json.dumps(before)}")
+        switch()
+        press("o")
+        self.wait("rhoray.active.camera.ortho_height")
+
 
 class Tools(PageTest):
     def test_probe_says_position_value_cell_and_proven_error(self):
@@ -166,35 +191,6 @@ class Tools(PageTest):
         self.assertTrue(self.js("rhoray.active.document.clip.box"))
         self.find("clip-handles").click()
         self.wait("document.querySelectorAll('.face').length === 0")
-        self.check_console()
-
-    def test_layers_fields_colours_and_effects(self):
-        self.mesh("--iso", "0.5", "--field", "height")
-        seen = {self.pixels()}
-
-        def changed(why):
-            self.settle()
-            now = self.pixels()
-            self.assertNotIn(now, seen, why)
-            seen.add(now)
-
-        self.find("data-0-histogram-add").click()
-        changed("another isovalue")
-        self.assertEqual(self.js("rhoray.active.layers.filter(l => l.spec.type === 'isosurface').length"), 2)
-        self.find("layer-0-visible").click()
-        changed("a hidden layer")
-        self.find("layer-0-visible").click()
-        self.settle()
-        Select(self.find("layer-0-color-by")).select_by_value("distance")
-        changed("coloured by a field")
-        self.open_section("scene")
-        self.find("annotation-box").click()
-        changed("box")
-        self.check_against_command()
-        Select(self.find("style")).select_by_value("paper")
-        changed("style")
-        Select(self.find("show")).select_by_value("cost")
-        changed("heat map")
         self.check_console()
 
     def test_effects_cost_rays_only_where_they_are_used(self):
@@ -259,7 +255,6 @@ class Tools(PageTest):
         self.find("compare").click()
         self.wait("rhoray.views.length === 1")
         self.check_console()
-
 
     def test_two_files_in_two_views(self):
         for name, wave in (("a", 9), ("b", 4)):

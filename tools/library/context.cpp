@@ -107,7 +107,15 @@ RenderContext::Implementation::Implementation(const ContextOptions& options)
     : threads_(std::min(options.threads, available_cores())),
       machine_(inside::machine_of(options.machine, "ContextOptions::machine")),
       process_(::getpid()),
-      context_(options.uses_callers_arena ? render::Arena::callers : render::Arena::own) {}
+      arena_(options.uses_callers_arena ? render::Arena::callers : render::Arena::own),
+      context_(std::make_unique<render::RenderContext>(arena_)) {}
+
+void RenderContext::Implementation::trim() {
+  call([&](render::RenderContext&) {
+    context_ = std::make_unique<render::RenderContext>(arena_);
+    whole = {};
+  });
+}
 
 void RenderContext::Implementation::begin() {
   if (::getpid() != process_)
@@ -157,6 +165,10 @@ std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size,
       hits.push_back(inside::outside_of(hit));
     return hits;
   });
+}
+
+void RenderContext::trim() {
+  implementation_->trim();
 }
 
 Machine RenderContext::machine() const {

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <memory>
 
 #include "render/render.h"
 #include "rhoray/context.h"
@@ -21,12 +22,15 @@ class RenderContext::Implementation {
     begin();
     const End end{*this};
     try {
-      return inside::guarded([&] { return act(context_); });
+      return inside::guarded([&] { return act(*context_); });
     } catch (const v0_1::Error& error) {
       if (error.code() == v0_1::ErrorCode::internal) is_broken_ = true;
       throw;
     }
   }
+
+  /// Ends the threads and frees the memory.
+  void trim();
 
   unsigned threads() const { return threads_; }
   render::Machine machine() const { return machine_; }
@@ -43,7 +47,8 @@ class RenderContext::Implementation {
   unsigned threads_;
   render::Machine machine_;
   pid_t process_;
-  render::RenderContext context_;
+  render::Arena arena_;
+  std::unique_ptr<render::RenderContext> context_;
   std::atomic_flag is_busy_;
   bool is_broken_ = false;
 };

@@ -185,6 +185,18 @@ std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads, std::stop_to
   });
 }
 
+std::uint64_t Dataset::prepared_bytes() const {
+  return inside::guarded([&] {
+    std::uint64_t bytes = 0;
+    implementation_->for_each_loaded([&](const render::Dataset& dataset) { bytes += dataset.prepared_bytes(); });
+    return bytes;
+  });
+}
+
+void Dataset::drop_prepared() const {
+  inside::guarded([&] { implementation_->for_each_loaded([](const render::Dataset& data) { data.drop_prepared(); }); });
+}
+
 void Dataset::save(const std::filesystem::path& path, bool replace_existing, std::stop_token stop) const {
   inside::guarded([&] {
     implementation_->require_whole_file("save");

@@ -43,6 +43,14 @@ class Dataset::Implementation {
   /// @param stop  ends the loading, and the waiting for another caller (ErrorCode::interrupted)
   render::Dataset of(std::string_view field = {}, const std::stop_token& stop = {}) const;
 
+  /// Calls act(const render::Dataset&) with each field that is loaded.
+  template <class Act>
+  void for_each_loaded(const Act& act) const {
+    act(first_);
+    const StoppableLock lock(guard_, {});
+    for (const auto& [field, dataset] : loaded_) act(dataset);
+  }
+
   const render::Dataset& first() const { return first_; }
   const std::vector<FieldInfo>& fields() const { return fields_; }
   const FieldInfo& field(std::string_view name) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numeric>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -160,7 +161,11 @@ std::string document_to_change(const ViewedScene& viewed) {
 }
 
 ChangedScene changed_scene(const ViewedScene& viewed, const std::string& document, const std::string& patch) {
-  if (patch.empty()) return {viewed.scene_spec, viewed.plan};
+  if (patch.empty()) {  // the document has one layer for each of the plan, whatever was asked for
+    std::vector<std::size_t> numbers(viewed.plan.scene.layers.size());
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+    return {viewed.scene_spec, viewed.plan, std::move(numbers)};
+  }
   Json changed = Json::parse(document);
   const Json changes = Json::parse(patch);
   require_allowed(changes, changed);
@@ -171,8 +176,9 @@ ChangedScene changed_scene(const ViewedScene& viewed, const std::string& documen
   if (!read.warnings.empty()) throw Error(ErrorCode::invalid, read.warnings.front());
   if (most_samples(read.scene_spec) > std::max(view_limits::samples, most_samples(viewed.scene_spec)))
     refuse(concat("more than ", view_limits::samples, " samples"));
-  ChangedScene scene{std::move(read.scene_spec), {}};
+  ChangedScene scene{std::move(read.scene_spec), {}, {}};
   scene.plan = viewed.resolve(scene.scene_spec);
+  for (const render::LayerOrigin& origin : scene.plan.origins) scene.layer_numbers.push_back(origin.spec);
   return scene;
 }
 
@@ -257,12 +263,11 @@ std::string resolved_text(const ChangedScene& scene, std::uint32_t request) {
   scene_spec.camera = {};
   Json document = Json::parse(scene_text(scene_spec));
   for (auto& [name, value] : document["data"].items()) value.erase("file");
-  Json origins = Json::array(), fields = Json::array(), legend = Json::array();
+  Json fields = Json::array(), legend = Json::array();
   for (std::size_t i = 0; i < plan.scene.layers.size(); ++i) {
     const render::Layer& layer = plan.scene.layers[i];
     const render::Dataset& dataset = plan.datasets[layer.dataset];
     const auto& colors = layer.material.color_by;
-    origins.push_back(plan.origins[i].spec);
     legend.push_back(colors ? Json() : Json(css_color(layer.material.color)));
     std::optional<formats::FieldSummary> field;
     if (layer.mode != render::Mode::triangles)
@@ -278,7 +283,7 @@ std::string resolved_text(const ChangedScene& scene, std::uint32_t request) {
   return dump(Json{{"resolved",
                     {{"n", request},
                      {"document", document},
-                     {"origins", origins},
+                     {"origins", scene.layer_numbers},
                      {"fields", fields},
                      {"legend", legend},
                      {"notes", plan.notes}}}});

@@ -32,7 +32,8 @@ struct ViewedScene {
 /// A scene as a client changed it.
 struct ChangedScene {
   render::SceneSpec scene_spec;
-  render::ResolvedScene plan;  ///< without a camera of its own
+  render::ResolvedScene plan;              ///< without a camera of its own
+  std::vector<std::size_t> layer_numbers;  ///< in the document, of the plan's layers
 };
 
 /// The scene that clients change, as a document (PROTOCOL.md). It contains every choice about

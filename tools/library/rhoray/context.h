@@ -163,6 +163,10 @@ class RHORAY_API RenderContext {
 
   Machine machine() const;  ///< the instruction set of all calls
 
+  /// Ends the context's threads and frees the memory that it keeps between calls. Changes no
+  /// result: the next call makes them again. Throws ErrorCode::usage during another call.
+  void trim();
+
   class RHORAY_INSIDE Implementation;
   Implementation& implementation() { return *implementation_; }  ///< for the library's own sources
 

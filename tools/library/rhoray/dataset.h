@@ -94,6 +94,14 @@ class RHORAY_API Dataset {
   /// @param threads  0: all cores
   std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, std::stop_token stop = {}) const;
 
+  /// Returns the bytes of memory that hold what calls have prepared of these data and keep for the
+  /// next one: surfaces and blocks of the last four isovalues of each field, normals, gradients.
+  /// Neither the file nor other handles' boundaries count. Waits while something is prepared.
+  std::uint64_t prepared_bytes() const;
+  /// Frees them. A call that runs keeps what it uses until it ends. Changes no result: the next
+  /// call prepares again what it needs.
+  void drop_prepared() const;
+
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
   /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without
   /// `replace_existing`, for wrapped arrays, and for data that are not in memory;

@@ -240,6 +240,27 @@ const keys = {
 };
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
+/**
+ * Whether keys of one character act. Who speaks to the computer switches them off, because every
+ * word would press some. The browser remembers it, where the page may ask it to.
+ */
+const characterKeys = {
+  key: "rhoray-character-keys",
+  box: $("character-keys"),
+  restore() {
+    try {
+      this.box.checked = localStorage.getItem(this.key) !== "off";
+    } catch { /* no storage in this frame */ }
+  },
+  store() {
+    try {
+      localStorage.setItem(this.key, this.box.checked ? "on" : "off");
+    } catch { /* no storage in this frame */ }
+  },
+};
+characterKeys.restore();
+characterKeys.box.addEventListener("change", () => characterKeys.store());
+
 /** What a key does; in panels the arrow keys and Enter keep their own meaning. */
 function actOf(event) {
   const arrow = arrows[event.key], isPicture = event.target.matches("body, .view canvas");
@@ -250,6 +271,7 @@ function actOf(event) {
     if (event.shiftKey) return () => move((camera) => pan(camera, x * keyPan, y * keyPan));
     return () => move((camera, up) => turn(camera, up, x * keyStep, y * keyStep));
   }
+  if (!characterKeys.box.checked) return undefined;
   if (event.key >= "1" && event.key <= "6") return () => lookFrom(Number(event.key) - 1);
   return keys[event.key.toLowerCase()];
 }
