@@ -69,7 +69,7 @@ FaceNumbers boundary_faces(std::span<const Cell> cells, std::uint64_t point_coun
     });
     for_each_range(end - begin, 1 << 14, 0, [&](std::uint64_t from, std::uint64_t to) {
       FaceNumbers found;
-      for_each_until_stopped(begin + from, begin + to, light_piece, stop, [&](std::uint64_t point) {
+      for_each_until_stopped(begin + from, begin + to, light_piece / 16, stop, [&](std::uint64_t point) {
         append_single(std::span(faces).subspan(first[point] - first[begin], first[point + 1] - first[point]), found);
       });
       const std::lock_guard lock(guard);

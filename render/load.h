@@ -135,8 +135,8 @@ class Dataset {
   /// file, nor of boundaries, which count their own. Any thread may call; waits while something is
   /// being prepared.
   std::uint64_t prepared_bytes() const;
-  /// Frees what was prepared. What is in use stays until its user is done. Changes no picture: the
-  /// next one prepares again what it needs. Any thread may call.
+  /// Frees what was prepared, but what contexts and callers hold. Changes no picture: whoever needs
+  /// something prepares it again. Any thread may call; waits while something is being prepared.
   void drop_prepared() const;
 
   /// For use inside render only.

@@ -18,7 +18,7 @@ inline void end_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw_interrupted();
 }
 
-/// Indices between two looks for a stop request where each takes some nanoseconds.
+/// Indices of a loop between two looks for a stop request, if an index takes some nanoseconds.
 inline constexpr std::uint64_t light_piece = 1 << 12;
 
 /// Calls act(index) for first <= index < last, in order. Throws ErrorCode::interrupted at the first

@@ -58,9 +58,11 @@ class OccupancyCache {
   }
 
   std::size_t size_bytes() {
-    return last_.sum([](const Occupancy& occupancy) { return occupancy.size_bytes(); });
+    return last_.sum([](const Occupancy& occupancy) { return occupancy.size_bytes(); }, [] { return std::size_t{0}; });
   }
-  void clear() { last_.clear(); }
+  void clear() {
+    last_.clear([] {});
+  }
 
  private:
   LastIsovalues<Occupancy> last_;

@@ -31,17 +31,21 @@ class LastIsovalues {
     return last_.front().prepared;
   }
 
-  /// Sums of(const Prepared&) over all that is kept.
-  template <class Of>
-  std::size_t sum(const Of& of) {
+  /// Sums of(const Prepared&) over all that is kept, and more(). Nothing is prepared meanwhile.
+  template <class Of, class More>
+  std::size_t sum(const Of& of, const More& more) {
     const StoppableLock lock(mutex_, {});
-    std::size_t total = 0;
+    std::size_t total = more();
     for (const Entry& entry : last_) total += of(*entry.prepared);
     return total;
   }
-  void clear() {
+  /// Keeps nothing any more. Calls act() before anything else is prepared.
+  template <class Act>
+  void clear(const Act& act) {
+    std::vector<Entry> dropped;  // freed when others may go on
     const StoppableLock lock(mutex_, {});
-    last_.clear();
+    dropped.swap(last_);
+    act();
   }
 
  private:

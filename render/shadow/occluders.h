@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -47,8 +48,12 @@ class LightOccluders {
   ///   another thread (ErrorCode::interrupted)
   const Occluders& of(StartSide side, const std::stop_token& stop = {}) const {
     OfSide& asked = sides_[side == StartSide::inside];
+    if (const Occluders* const known = asked.known.load(std::memory_order_acquire)) return *known;
     const StoppableLock lock(asked.mutex, stop);
-    if (!asked.found) asked.found = find_(side, stop);
+    if (!asked.found) {
+      asked.found = find_(side, stop);
+      asked.known.store(&*asked.found, std::memory_order_release);
+    }
     return *asked.found;
   }
 
@@ -56,6 +61,7 @@ class LightOccluders {
   struct OfSide {
     StoppableMutex mutex;
     std::optional<Occluders> found;
+    std::atomic<const Occluders*> known = nullptr;  ///< found, for readers without the mutex
   };
   Find find_;
   mutable std::array<OfSide, 2> sides_;

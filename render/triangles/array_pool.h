@@ -67,11 +67,6 @@ class ArrayPool {
     for (const Memory& memory : unused_) bytes += memory.bytes;
     return bytes;
   }
-  void release_unused() {
-    const std::lock_guard lock(mutex_);
-    for (const Memory& memory : unused_) release(memory);
-    unused_.clear();
-  }
 
  private:
   /// The arrays of one isovalue: blocks and fields of facets, and three lists of cells (20 bytes

@@ -97,15 +97,15 @@ class FacetsCache {
   }
 
   std::size_t size_bytes() {
-    return last_.sum([](const Facets& facets) { return facets.size_bytes(); }) + pool_->unused_bytes();
+    return last_.sum([](const Facets& facets) { return facets.size_bytes(); }, [&] { return pool_->unused_bytes(); });
   }
+  /// Arrays that are in use go back to the old pool, which ends with the last of them.
   void clear() {
-    last_.clear();
-    pool_->release_unused();
+    last_.clear([&] { pool_ = std::make_shared<ArrayPool>(); });
   }
 
  private:
-  const std::shared_ptr<ArrayPool> pool_ = std::make_shared<ArrayPool>();
+  std::shared_ptr<ArrayPool> pool_ = std::make_shared<ArrayPool>();
   LastIsovalues<Facets> last_;
 };
 

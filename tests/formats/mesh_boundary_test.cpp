@@ -8,8 +8,10 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <stop_token>
 
 #include "formats/tet_mesh.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/packed_samples.h"
 #include "tests/support/temporary_folder.h"
 
@@ -127,6 +129,20 @@ TEST(MeshBoundary, is_kept_in_the_file_and_computed_without_it) {
   EXPECT_EQ(with.file().version(), "1.7");
   EXPECT_EQ(boundary_faces(with), faces);
   EXPECT_THAT(deep_findings(with), testing::IsEmpty());
+}
+
+TEST(MeshBoundary, is_not_computed_after_a_stop_request) {
+  const TetSample sample = box(2);
+  const TemporaryFolder folder;
+  const TetMesh mesh = packed(sample, folder / "m.rho");
+  std::stop_source stop;
+  stop.request_stop();
+  const std::vector<std::uint64_t> part{0, 1};
+  const auto expect_interrupted = [](const auto& act) { tests::expect_error(ErrorCode::interrupted, "", act); };
+  expect_interrupted([&] { boundary_faces(cells_of(sample), 27, most_faces_at_once, stop.get_token()); });
+  expect_interrupted([&] { boundary_faces(mesh, stop.get_token()); });
+  expect_interrupted([&] { boundary_faces(mesh, part, stop.get_token()); });
+  expect_interrupted([&] { TetMesh(mesh.file(), stop.get_token()); });
 }
 
 TEST(MeshBoundary, that_is_wrong_is_found_by_the_deep_check) {

@@ -1,4 +1,4 @@
-// Compares the first root in a million trilinear cells, hard in every way known to us, with exact
+// Compares the first root in 250,000 trilinear cells, hard in every way known to us, with exact
 // arithmetic. No change of side is missed, none is invented, and only the first is reported. The
 // environment variable RHORAY_ROOT_CELLS sets a larger number of cells (tests/nightly).
 #include <gtest/gtest.h>

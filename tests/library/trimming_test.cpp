@@ -1,7 +1,7 @@
 // Memory that datasets and contexts keep between calls, and freeing it.
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <stop_token>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -36,11 +36,17 @@ TEST(PreparedData, are_counted_freed_and_prepared_again_with_the_same_bits) {
     Picture before, after;
     context.render(scene, {.size = size, .channels = {.depth = true}}, before);
     EXPECT_GT(data.prepared_bytes(), 0U);
+    for (const bool drops_first : {true, false}) {
+      if (drops_first) data.drop_prepared();
+      context.trim();
+      data.drop_prepared();
+      EXPECT_EQ(data.prepared_bytes(), 0U);
+      context.render(scene, {.size = size, .channels = {.depth = true}}, after);
+      EXPECT_TRUE(bits_of(before) == bits_of(after));
+    }
     data.drop_prepared();
     context.trim();
-    EXPECT_EQ(data.prepared_bytes(), 0U);
-    context.render(scene, {.size = size, .channels = {.depth = true}}, after);
-    EXPECT_TRUE(bits_of(before) == bits_of(after));
+    EXPECT_EQ(data.prepared_bytes(), 0U) << "what the context kept goes back to nobody";
   }
 }
 
@@ -68,9 +74,8 @@ TEST(PreparedData, may_be_freed_while_they_are_used) {
   const Dataset mesh = ball_mesh(8);
   const Scene scene = shaded(mesh, Isosurface{0.5});
   const std::string expected = bits_of(rendered(scene, {.size = size}));
-  std::atomic<bool> has_ended = false;
-  std::jthread other([&] {
-    while (!has_ended) mesh.drop_prepared();
+  const std::jthread other([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) mesh.drop_prepared();
   });
   RenderContext context;
   Picture picture;
@@ -78,7 +83,6 @@ TEST(PreparedData, may_be_freed_while_they_are_used) {
     context.render(scene, {.size = size}, picture);
     EXPECT_TRUE(bits_of(picture) == expected);
   }
-  has_ended = true;
 }
 
 TEST(TrimmedContext, draws_windows_again_and_is_not_trimmed_during_a_call) {

@@ -54,16 +54,14 @@ RenderResult trace(RenderContext::Implementation& context, const Scene& scene, c
     const int spacings[] = {1, 2, 4, 8, 16};
     if (std::find(std::begin(spacings), std::end(spacings), passes.first_spacing) == std::end(spacings))
       inside::refuse("Passes::first_spacing: found ", passes.first_spacing, "; expected 1, 2, 4, 8 or 16");
-    render::Framebuffer& pixels = options.window ? context.whole : picture.implementation().pixels;
     render::ResolvedScene resolved;
     try {
       resolved = inside::resolved_with_camera(scene, options, stop);
     } catch (const rhoray::Error& error) {
       if (error.code() != rhoray::ErrorCode::interrupted) throw;
-      pixels.reshape(options.size.width, options.size.height, inside::inside_of(options.channels));
-      hand_over(options, pixels, picture.implementation());
       return RenderResult();
     }
+    render::Framebuffer& pixels = options.window ? context.whole : picture.implementation().pixels;
     resolved.frame.threads = context.threads(), resolved.frame.machine = context.machine();
     bool all_traced = false, was_ended = false;
     const auto pass_done = [&](int spacing) {

@@ -29,7 +29,7 @@ class RenderContext::Implementation {
     }
   }
 
-  /// Ends the threads and frees the memory.
+  /// Frees the memory that is kept between calls.
   void trim();
 
   unsigned threads() const { return threads_; }

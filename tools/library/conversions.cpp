@@ -285,6 +285,7 @@ render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options,
     } catch (const v0_1::Error& error) {
       throw v0_1::Error(error.code(), concat("layer ", i, ": ", error.what()), error.hint());
     } catch (const rhoray::Error& error) {
+      if (error.code() == rhoray::ErrorCode::interrupted) throw;
       throw rhoray::Error(error.code(), concat("layer ", i, ": ", error.what()), error.hint());
     }
   }

@@ -46,9 +46,12 @@ class Dataset::Implementation {
   /// Calls act(const render::Dataset&) with each field that is loaded.
   template <class Act>
   void for_each_loaded(const Act& act) const {
-    act(first_);
-    const StoppableLock lock(guard_, {});
-    for (const auto& [field, dataset] : loaded_) act(dataset);
+    std::vector<render::Dataset> all{first_};
+    {
+      const StoppableLock lock(guard_, {});
+      for (const auto& [field, dataset] : loaded_) all.push_back(dataset);
+    }
+    for (const render::Dataset& dataset : all) act(dataset);
   }
 
   const render::Dataset& first() const { return first_; }

@@ -9,13 +9,15 @@
 #include <optional>
 #include <stop_token>
 #include <thread>
+#include <type_traits>
+#include <utility>
 
 namespace rhoray::python {
 
 /// Calls act(stop token) on another thread, without the GIL, and heeds Ctrl+C meanwhile: signals
 /// are looked at every 50 ms. What act throws is rethrown here.
 template <class Act>
-void interruptible(const Act& act) {
+void run_interruptible(const Act& act) {
   std::stop_source stop;
   std::exception_ptr failure;
   std::optional<pybind11::error_already_set> interrupt;
@@ -48,6 +50,19 @@ void interruptible(const Act& act) {
   }
   if (interrupt) throw std::move(*interrupt);
   if (failure) std::rethrow_exception(failure);
+}
+
+/// The same, and returns what act returns.
+template <class Act>
+auto interruptible(const Act& act) {
+  using Result = std::invoke_result_t<const Act&, std::stop_token>;
+  if constexpr (std::is_void_v<Result>) {
+    run_interruptible(act);
+  } else {
+    std::optional<Result> result;
+    run_interruptible([&](const std::stop_token& stop) { result.emplace(act(stop)); });
+    return *std::move(result);
+  }
 }
 
 }  // namespace rhoray::python

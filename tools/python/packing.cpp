@@ -109,18 +109,9 @@ Dataset pack_surface(const py::array& points, const py::array& triangles, const 
   return packed(file, replace, progress, [&](const PackOptions& options) { return pack(surface, options); });
 }
 
-/// What make(stop token) returns. Ctrl+C ends it.
-template <class Make>
-Dataset dataset_of(const Make& make) {
-  std::optional<Dataset> made;
-  interruptible([&](const std::stop_token& stop) { made = make(stop); });
-  return *made;
-}
-
 /// (points, tetrahedra, fields of points, fields of cells), as pack_mesh takes them.
 py::tuple unpacked_mesh(const Dataset& data) {
-  MeshCopy copy;
-  interruptible([&](const std::stop_token& stop) { copy = unpack_mesh(data, stop); });
+  MeshCopy copy = interruptible([&](const std::stop_token& stop) { return unpack_mesh(data, stop); });
   py::dict of_points, of_cells;
   for (FieldCopy& field : copy.fields) {
     const auto size = static_cast<std::int64_t>(field.values.size());
@@ -144,7 +135,7 @@ void define_datasets(py::module_& module) {
   py::class_<Dataset>(module, "Dataset")
       .def_static("open",
                   [](const std::filesystem::path& path) {
-                    return dataset_of([&](const std::stop_token& stop) { return Dataset::open(path, stop); });
+                    return interruptible([&](const std::stop_token& stop) { return Dataset::open(path, stop); });
                   })
       .def_property_readonly("path", [](const Dataset& data) { return data.path().string(); })
       .def_property_readonly("kind",
@@ -168,18 +159,17 @@ void define_datasets(py::module_& module) {
                        const std::string& name) { return array_of(self.cast<const Dataset&>().array(name), self); })
       .def("unpack_grid",
            [](const Dataset& data, const std::string& field) {
-             GridCopy copy;
-             interruptible([&](const std::stop_token& stop) { copy = unpack_grid(data, field, stop); });
+             GridCopy copy = interruptible([&](const std::stop_token& stop) { return unpack_grid(data, field, stop); });
              return array_of(std::move(copy.samples), copy.type, {copy.shape.begin(), copy.shape.end()});
            })
       .def("unpack_mesh", &unpacked_mesh)
       .def("boundary",
            [](const Dataset& data) {
-             return dataset_of([&](const std::stop_token& stop) { return data.boundary(stop); });
+             return interruptible([&](const std::stop_token& stop) { return data.boundary(stop); });
            })
       .def("boundary",
            [](const Dataset& data, const std::string& field, int label) {
-             return dataset_of([&](const std::stop_token& stop) { return data.boundary(field, label, stop); });
+             return interruptible([&](const std::stop_token& stop) { return data.boundary(field, label, stop); });
            })
       .def("damaged_blocks",
            [](const Dataset& data) {

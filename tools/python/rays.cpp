@@ -13,9 +13,7 @@ namespace {
 /// A caster or sampler, made without the GIL.
 template <class Made, class... Arguments>
 std::unique_ptr<Made> make(const Arguments&... arguments) {
-  std::unique_ptr<Made> made;
-  interruptible([&](const std::stop_token& stop) { made = std::make_unique<Made>(arguments..., stop); });
-  return made;
+  return interruptible([&](const std::stop_token& stop) { return std::make_unique<Made>(arguments..., stop); });
 }
 
 Method method_named(const std::string& accuracy) {

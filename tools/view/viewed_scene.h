@@ -33,7 +33,7 @@ struct ViewedScene {
 struct ChangedScene {
   render::SceneSpec scene_spec;
   render::ResolvedScene plan;              ///< without a camera of its own
-  std::vector<std::size_t> layer_numbers;  ///< in the document, of the plan's layers
+  std::vector<std::size_t> layer_numbers;  ///< for each layer of the plan, its number in the document
 };
 
 /// The scene that clients change, as a document (PROTOCOL.md). It contains every choice about

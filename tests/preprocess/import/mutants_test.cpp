@@ -439,7 +439,8 @@ void try_mutant(const Seed& seed, std::uint64_t number, Counts& counts) {
 /// Mutants of each family. Of slices fewer: the worker that reads one loads OpenImageIO, which takes
 /// longer than all else.
 std::uint64_t count_of_mutants(bool is_slice) {
-  return asked_count("RHORAY_MUTANTS", is_slice ? 40 : 200);
+  const std::uint64_t count = asked_count("RHORAY_MUTANTS", 200);
+  return is_slice ? count / 5 : count;
 }
 
 class Mutants : public testing::TestWithParam<Seed> {

@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "formats/base/error.h"
+#include "preprocess/unpack_mesh.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -246,6 +249,14 @@ TEST(PackMesh, keeps_the_boundary_in_at_most_5_percent_of_the_file) {
   EXPECT_EQ(opened.boundary().size(), 12U * 30 * 30);
   EXPECT_LT(static_cast<double>(opened.boundary().size_bytes()),
             0.05 * static_cast<double>(opened.file().file_bytes()));
+}
+
+TEST(UnpackMesh, ends_after_a_stop_request) {
+  const TetMesh opened = packed(tests::box_mesh({.cells = {3, 3, 3}}, tests::product_field()));
+  std::stop_source stop;
+  stop.request_stop();
+  tests::expect_error(ErrorCode::interrupted, "interrupted", [&] { unpack_mesh(opened, stop.get_token()); });
+  EXPECT_EQ(unpack_mesh(opened).cells.size(), opened.description().cell_count);
 }
 
 TEST(PackMesh, writes_the_same_bytes_on_any_number_of_threads) {

@@ -124,7 +124,8 @@ class RHORAY_API RenderContext {
 
   /// Traces a picture, or a window of it. `stop` ends it between tiles of 32 x 32 pixels: that is
   /// not an error, and the result says that it is not complete. It also ends the proof of stored
-  /// ranges and, between its steps, the preparation; then nothing is traced.
+  /// ranges and, between its steps, the preparation; then nothing is traced. If it ends the loading
+  /// of a field, the picture stays as it was.
   ///
   /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found
   /// and what was expected; ErrorCode::invalid for certified and exact pictures of data whose
@@ -132,8 +133,8 @@ class RHORAY_API RenderContext {
   RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
 
   /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop`
-  /// ends neither the first pass nor the preparation and the proof before it, so that something of
-  /// every request is shown; it ends a later pass at once.
+  /// ends neither the first pass nor the loading, the preparation and the proof before it, so that
+  /// something of every request is shown; it ends a later pass at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
                       std::stop_token stop = {});
 
@@ -157,14 +158,14 @@ class RHORAY_API RenderContext {
   /// @param size  of the picture; sides from 1 to 65,536
   /// @param x, y  in pixels; the centre of pixel (i, j) is at (i, j), so that the picture extends
   ///              from (-0.5, -0.5) to (width - 0.5, height - 0.5)
-  /// @param stop  ends the proof (ErrorCode::interrupted)
+  /// @param stop  ends the loading of fields and the proof (ErrorCode::interrupted)
   std::vector<ProbeHit> probe(const Scene& scene, const Size& size, double x, double y, int max_hits = 64,
                               std::stop_token stop = {});
 
   Machine machine() const;  ///< the instruction set of all calls
 
-  /// Ends the context's threads and frees the memory that it keeps between calls. Changes no
-  /// result: the next call makes them again. Throws ErrorCode::usage during another call.
+  /// Frees the memory that the context keeps between calls. Changes no result. Throws
+  /// ErrorCode::usage during another call.
   void trim();
 
   class RHORAY_INSIDE Implementation;

@@ -54,7 +54,8 @@ class RHORAY_API Dataset {
   /// (damaged_blocks).
   ///
   /// Throws ErrorCode::unreadable, invalid (damaged), or unsupported (a newer version; a file that
-  /// is not packed, with the command that packs it); ErrorCode::interrupted if stopped.
+  /// is not packed, with the command that packs it); ErrorCode::interrupted if stopped while it
+  /// reads points and cells.
   static Dataset open(const std::filesystem::path& path, std::stop_token stop = {});
 
   DataKind kind() const;
@@ -96,10 +97,11 @@ class RHORAY_API Dataset {
 
   /// Returns the bytes of memory that hold what calls have prepared of these data and keep for the
   /// next one: surfaces and blocks of the last four isovalues of each field, normals, gradients.
-  /// Neither the file nor other handles' boundaries count. Waits while something is prepared.
+  /// The file does not count; boundaries count their own. Waits while something is prepared.
   std::uint64_t prepared_bytes() const;
-  /// Frees them. A call that runs keeps what it uses until it ends. Changes no result: the next
-  /// call prepares again what it needs.
+  /// Frees them, except those that contexts and scratches keep (RenderContext::trim). Changes no
+  /// result: a call that needs them, also one that runs, prepares them again. Waits while something
+  /// is prepared.
   void drop_prepared() const;
 
   /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has

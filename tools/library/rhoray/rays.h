@@ -88,7 +88,7 @@ class RHORAY_API RayCaster {
   /// ErrorCode::invalid for data whose ranges do not hold. A proof that was stopped
   /// (ErrorCode::interrupted) is made again by the next call that needs it.
   /// @param field  empty: the first that is not constant
-  /// @param stop   ends the proof
+  /// @param stop   ends the loading of the field and the proof
   RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,
             std::string_view field = {}, std::stop_token stop = {});
   ~RayCaster();

@@ -241,8 +241,8 @@ const keys = {
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
- * Whether keys of one character act. Who speaks to the computer switches them off, because every
- * word would press some. The browser remembers it, where the page may ask it to.
+ * Whether keys of one character act. Users who dictate switch them off, because spoken words would
+ * press them. The browser remembers this for the page's address, unless its frame has no storage.
  */
 const characterKeys = {
   key: "rhoray-character-keys",
@@ -250,12 +250,12 @@ const characterKeys = {
   restore() {
     try {
       this.box.checked = localStorage.getItem(this.key) !== "off";
-    } catch { /* no storage in this frame */ }
+    } catch { /* no storage */ }
   },
   store() {
     try {
       localStorage.setItem(this.key, this.box.checked ? "on" : "off");
-    } catch { /* no storage in this frame */ }
+    } catch { /* no storage */ }
   },
 };
 characterKeys.restore();
