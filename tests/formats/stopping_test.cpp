@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -85,12 +86,32 @@ TEST(StoppableMutex, lets_one_caller_in_at_a_time) {
       threads.emplace_back([&](const std::stop_token& stop) {
         for (int time = 0; time < 1000; ++time) {
           const StoppableLock lock(mutex, stop);
-          ++count;
+          const int before = count;
+          std::this_thread::yield();
+          count = before + 1;
         }
       });
     for (std::jthread& thread : threads) thread.join();
   }
   EXPECT_EQ(count, 4000);
+}
+
+/// Gives threads the time to begin to wait.
+void let_wait() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+TEST(StoppableMutex, wakes_each_waiter_in_turn) {
+  for (int time = 0; time < 50; ++time) {
+    StoppableMutex mutex;
+    mutex.lock({});
+    std::jthread first([&] { StoppableLock(mutex, {}); });
+    std::jthread second([&] { StoppableLock(mutex, {}); });
+    let_wait();
+    mutex.unlock();
+    first.join();  // or waits for ever
+    second.join();
+  }
 }
 
 TEST(StoppableMutex, ends_the_waiting_after_a_stop_request) {
@@ -99,6 +120,7 @@ TEST(StoppableMutex, ends_the_waiting_after_a_stop_request) {
   std::stop_source stop;
   std::jthread waiter(
       [&] { expect_error(ErrorCode::interrupted, "interrupted", [&] { StoppableLock(mutex, stop.get_token()); }); });
+  let_wait();
   stop.request_stop();
   waiter.join();
   mutex.unlock();
@@ -106,7 +128,7 @@ TEST(StoppableMutex, ends_the_waiting_after_a_stop_request) {
 }
 
 TEST(StoppableMutex, wakes_another_waiter_if_one_is_stopped_as_the_mutex_is_released) {
-  for (int time = 0; time < 300; ++time) {
+  for (int time = 0; time < 50; ++time) {
     StoppableMutex mutex;
     std::stop_source stop;
     mutex.lock({});
@@ -118,6 +140,7 @@ TEST(StoppableMutex, wakes_another_waiter_if_one_is_stopped_as_the_mutex_is_rele
         EXPECT_EQ(error.code(), ErrorCode::interrupted);
       }
     });
+    let_wait();
     std::jthread stopping([&] { stop.request_stop(); });
     mutex.unlock();
     other.join();  // or waits for ever
