@@ -130,13 +130,13 @@ class Dataset {
   /// @param threads  0 = all cores
   RangeProof prove_ranges(unsigned threads = 0, const std::stop_token& stop = {}) const;
 
-  /// Bytes of memory that hold what was prepared for tracing and is kept for the next picture:
-  /// facets and occupied blocks of the last four isovalues, normals, gradients. Not those of the
-  /// file, nor of boundaries, which count their own. Any thread may call; waits while something is
+  /// Returns the bytes of memory that hold what was prepared for tracing and is kept for the next
+  /// picture: facets and occupied blocks of the last four isovalues, normals, gradients. The file
+  /// does not count. Boundaries count their own. Any thread may call. Waits while something is
   /// being prepared.
   std::uint64_t prepared_bytes() const;
-  /// Frees what was prepared, but what contexts and callers hold. Changes no picture: whoever needs
-  /// something prepares it again. Any thread may call; waits while something is being prepared.
+  /// Frees what was prepared, except what contexts and callers hold. Changes no picture: the next
+  /// one prepares again. Any thread may call. Waits while something is being prepared.
   void drop_prepared() const;
 
   /// For use inside render only.

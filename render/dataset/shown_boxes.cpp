@@ -9,8 +9,6 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr std::uint64_t piece = 4096;  ///< cells or triangles between looks at the stop token
-
 /// A block of crossed cells, so far.
 struct CrossedCells {
   CellBlock block{{0, 0, 0}, {0, 0, 0}};
@@ -144,7 +142,7 @@ class Columns {
 std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, double isovalue,
                            const std::stop_token& stop) {
   Columns columns(dataset.bounds_data);
-  for_each_until_stopped(0, view.description().cell_count, piece, stop, [&](std::uint64_t cell) {
+  for_each_until_stopped(0, view.description().cell_count, light_piece, stop, [&](std::uint64_t cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
     const auto values = view.values_at(vertices);
     const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
@@ -164,7 +162,7 @@ std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, do
 std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& dataset, double,
                            const std::stop_token& stop) {
   Columns columns(dataset.bounds_data);
-  for_each_until_stopped(0, view.triangle_count(), piece, stop, [&](std::uint64_t triangle) {
+  for_each_until_stopped(0, view.triangle_count(), light_piece, stop, [&](std::uint64_t triangle) {
     for (const auto& [x, y, z] : view.points_at(view.vertices(static_cast<std::uint32_t>(triangle))))
       columns.include({x, y, z});
   });
