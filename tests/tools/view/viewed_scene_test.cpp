@@ -34,17 +34,21 @@ TEST(ChangedScene, of_a_patch_that_changes_nothing_draws_the_same_picture) {
 }
 
 TEST(ChangedScene, numbers_its_layers_as_the_document_does) {
-  const TemporaryFolder folder;
-  ViewedScene viewed = viewed_box(folder);
-  viewed.scene_spec.layers[0].isovalues = {"0.5", "0.8"};  // one layer is asked for, two are drawn
-  viewed.plan = viewed.resolve(viewed.scene_spec);
-  aim_camera(viewed.scene_spec, viewed.plan);
-  const std::string document = document_to_change(viewed);
-  ASSERT_EQ(Json::parse(document)["layers"].size(), 2U);
-  for (const std::string patch : {"", R"({"style": "paper"})"})
-    EXPECT_EQ(changed_scene(viewed, document, patch).layer_numbers, (std::vector<std::size_t>{0, 1})) << patch;
-  const std::string without_first = R"({"layers": {"0": {"visible": false}}})";
-  EXPECT_EQ(changed_scene(viewed, document, without_first).layer_numbers, std::vector<std::size_t>{1});
+  const TemporaryFolder folder, other_folder;
+  ViewedScene two_isovalues = viewed_box(folder), with_boundary = viewed_box(other_folder);
+  two_isovalues.scene_spec.layers[0].isovalues = {"0.5", "0.8"};
+  with_boundary.scene_spec.layers[0].context = 0.25;  // the boundary's opacity
+  // One layer is asked for, two are drawn.
+  for (ViewedScene* const viewed : {&two_isovalues, &with_boundary}) {
+    viewed->plan = viewed->resolve(viewed->scene_spec);
+    aim_camera(viewed->scene_spec, viewed->plan);
+    const std::string document = document_to_change(*viewed);
+    ASSERT_EQ(Json::parse(document)["layers"].size(), 2U);
+    for (const std::string patch : {"", R"({"style": "paper"})"})
+      EXPECT_EQ(changed_scene(*viewed, document, patch).layer_numbers, (std::vector<std::size_t>{0, 1})) << patch;
+    const std::string without_first = R"({"layers": {"0": {"visible": false}}})";
+    EXPECT_EQ(changed_scene(*viewed, document, without_first).layer_numbers, std::vector<std::size_t>{1});
+  }
 }
 
 TEST(ChangedScene, takes_every_method_and_accuracy_that_hello_names) {
