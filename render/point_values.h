@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 
 #include "formats/base/vector.h"
 #include "render/load.h"
@@ -25,6 +26,8 @@ struct PointValue {
 /// time.
 /// @param points  finite, world axes
 /// @param values  as many
-void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values);
+/// @param stop    ends the evaluation (ErrorCode::interrupted), but not the sorting of the points
+void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values,
+                  const std::stop_token& stop = {});
 
 }  // namespace rhoray::render

@@ -10,6 +10,7 @@
 
 #include "formats/base/checks.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/stopping.h"
 #include "formats/intact.h"
 #include "render/dataset/loaded_dataset.h"
 #include "render/shade/place_lookup.h"
@@ -60,7 +61,8 @@ double rounding_in(const Box3& box_world, const Affine& data_from_world, int axi
 
 }  // namespace
 
-void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values) {
+void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values,
+                  const std::stop_token& stop) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(points.size() == values.size());
   const LoadedDataset& loaded = dataset.implementation();
@@ -77,6 +79,7 @@ void point_values(const Dataset& dataset, std::span<const Vec3> points, std::spa
   for (int axis = 0; axis < 3; ++axis)
     places->slack[static_cast<std::size_t>(axis)] = rounding_in(bounds, data_from_world, axis);
   for (std::size_t first = 0; first < order.size(); first += group_size) {
+    end_if_stopped(stop);
     const std::size_t count = std::min(group_size, order.size() - first);
     for (std::size_t i = 0; i < group_size; ++i) {
       places->is_asked[i] = i < count;

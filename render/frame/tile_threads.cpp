@@ -16,6 +16,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <optional>
 #endif
@@ -71,6 +72,8 @@ TileThreads::TileThreads(unsigned threads, Arena arena) : threads_(threads) {
 TileThreads::~TileThreads() = default;
 
 void TileThreads::for_each_tile(std::size_t count, const std::function<void(std::size_t, std::size_t)>& act) const {
+  // A group of its own: oneTBB leaves out what belongs to a cancelled group of the caller's.
+  tbb::task_group_context group(tbb::task_group_context::isolated);
   const auto work = [&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
@@ -81,7 +84,7 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
           const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
           for (std::size_t tile = tiles.begin(); tile != tiles.end(); ++tile) act(tile, worker);
         },
-        tbb::simple_partitioner());
+        tbb::simple_partitioner(), group);
   };
   // Isolated: a thread that waits here takes no task of the caller, which might wait for this one.
   if (!arena_) return tbb::this_task_arena::isolate(work);

@@ -2,15 +2,19 @@
 
     measure.py FILE [OPTION...]      options as for `rhoray view`
 
-The canvas has 1024 x 1024 pixels. Prints one line for each motion, as milliseconds at the 50th and 95th percentile.
+The canvas has 1024 x 1024 pixels. Prints one line for each motion, as milliseconds at the 50th and 95th percentile,
+and the CPU time of the server while the page is open and nobody touches it.
 """
+import os
 import pathlib
 import sys
 import tempfile
+import time
 
 from browser import BrowserTest, Viewer
 
 SIDE, SECONDS = 1024, 5
+CHECKING_S, IDLE_S = 15, 30  # the server checks the picture at rest; after that it has nothing to do
 
 # Moves the pointer once in each frame of the display.
 DRAG = """
@@ -65,6 +69,12 @@ requestAnimationFrame(step);
 """
 
 
+def cpu_seconds(pid):
+    """Of a process, all its threads."""
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 class Measurement(BrowserTest):
     def runTest(self):
         """Is called by main."""
@@ -97,6 +107,11 @@ def main(words):
             print(f"  {name}: p50 {found['p50']:.0f} ms, p95 {found['p95']:.0f} ms, {found['rate']:.0f} pictures/s, "
                   f"spacing {found['spacing']}")
             page.settle()
+        time.sleep(CHECKING_S)
+        before = cpu_seconds(viewer.process.pid)
+        time.sleep(IDLE_S)
+        share = (cpu_seconds(viewer.process.pid) - before) / IDLE_S
+        print(f"  idle: {100 * share:.2f} % of a core")
         viewer.stop()
     Measurement.doClassCleanups()
 

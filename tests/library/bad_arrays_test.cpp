@@ -88,13 +88,13 @@ TEST(LargeArrays, of_a_repeated_value_are_refused_or_there_is_no_memory) {
   std::stop_source stop;
   stop.request_stop();
   const PackOptions stopped{.stop = stop.get_token()};
-  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+  expect_refused(ErrorCode::interrupted, "interrupted", [&] {
     pack(SurfaceArrays{.points = view({many, 3}), .triangles = {}}, stopped);
   });
-  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+  expect_refused(ErrorCode::interrupted, "interrupted", [&] {
     pack(MeshArrays{.points = view({many, 3}), .tetrahedra = {}}, stopped);
   });
-  expect_refused(ErrorCode::interrupted, "packing was stopped", [&] {
+  expect_refused(ErrorCode::interrupted, "interrupted", [&] {
     pack(GridArrays{.fields = {{.name = "f", .values = view({many / 4, 2, 2})}}}, AxisOrder::zyx, stopped);
   });
 }
@@ -160,10 +160,16 @@ TEST(BadGrids, are_refused_for_their_positions) {
   refuse_grid("its position is not finite", [&](GridArrays& grid) {
     grid.world_from_grid = Affine{.y_axis = {0, nan, 0}};
   });
-  refuse_grid("GridArrays::world_from_grid: its axes are linearly dependent", [&](GridArrays& grid) {
+  refuse_grid("GridArrays::world_from_grid: a cell has the volume 0; expected independent axes", [&](GridArrays& grid) {
     grid.world_from_grid = Affine{.y_axis = {2, 0, 0}};
   });
-  refuse_grid("linearly dependent", [&](GridArrays& grid) { grid.world_from_grid = Affine{.z_axis = {0, 0, 0}}; });
+  refuse_grid("expected independent axes", [&](GridArrays& grid) {
+    grid.world_from_grid = Affine{.z_axis = {0, 0, 0}};
+  });
+  for (const double step : {1e-110, 1e150})
+    refuse_grid("GridArrays::spacing: a cell has the volume", [&](GridArrays& grid) {
+      grid.spacing = {step, step, step};
+    });
   const std::array<std::vector<double>, 3> good{{{0, 1, 2, 3}, {0, 1, 2}, {0, 1}}};
   refuse_grid("GridArrays: positions and world_from_grid are both given", [&](GridArrays& grid) {
     grid.positions = good;
@@ -247,6 +253,13 @@ TEST(BadMeshes, are_refused_for_their_points) {
   });
   for (const double bad : {nan, infinite, -infinite})
     refuse_mesh("MeshArrays::points: point 5 is (", [&](GoodMesh& good) { good.mesh.points[16] = bad; });
+}
+
+TEST(BadMeshes, are_refused_for_their_shape) {
+  refuse_mesh("1e+101", [](GoodMesh& good) { good.mesh.points[16] = 1e101; });
+  refuse_mesh("volume", [](GoodMesh& good) {
+    for (std::size_t z = 2; z < good.mesh.points.size(); z += 3) good.mesh.points[z] = 0;
+  });
 }
 
 TEST(BadMeshes, are_refused_for_their_cells) {

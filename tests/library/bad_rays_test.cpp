@@ -95,6 +95,21 @@ TEST_F(BadRays, that_are_not_finite_or_have_no_direction) {
   refuse("Rays::t_max[11]: NaN; expected a number", rays);
 }
 
+/// Kernels would miss hits beyond these limits. Within them first_hits_test.cpp finds all.
+TEST_F(BadRays, that_are_out_of_range) {
+  const std::vector<double> good_origins = made_.origins, good_directions = made_.directions;
+  for (const double far : {1e151, -1e290, std::numeric_limits<double>::max()}) {
+    made_.origins[3 * 17 + 1] = far;
+    refuse("is too far from the data; expected at most 1e+150 cells", made_.rays());
+    made_.origins = good_origins;
+  }
+  for (const double length : {5e-324, 1e-295, 1e-112, 1e112, 1e300}) {
+    std::fill_n(made_.directions.begin() + 57, 3, length);
+    refuse("expected a length between 1e-110 and 1e+110 cells", made_.rays());
+  }
+  made_.directions = good_directions;
+}
+
 TEST_F(BadRays, with_too_little_room_for_answers) {
   std::vector<double> numbers(60);
   std::vector<std::uint64_t> cells(21);

@@ -202,6 +202,28 @@ TEST_F(Documents, warn_of_unknown_keys_and_note_what_is_left_out) {
   EXPECT_EQ(SceneDocument::parse(plain.json()).json(), plain.json());
 }
 
+TEST_F(Documents, show_the_data_that_were_opened_for_them) {
+  const SceneDocument of_memory = SceneDocument::parse(
+      document(R"({"file": "memory"})", R"({"type": "isosurface", "isovalue": 0.7}, {"type": "boundary"})"));
+  const Dataset mesh = ball_mesh();
+  const ResolvedScene made = resolve(of_memory, [&](const std::filesystem::path&) { return mesh; });
+  ASSERT_EQ(made.scene.layers.size(), 2U);
+  EXPECT_EQ(made.scene.layers[0].data.id(), mesh.id());
+  EXPECT_EQ(made.scene.layers[0].data.path(), mesh.path());
+  EXPECT_EQ(made.scene.layers[1].data.kind(), DataKind::triangles);
+  expect_refused(ErrorCode::usage, "boundary of a mesh in memory", [&] { made.scene.layers[1].data.path(); });
+  expect_refused(ErrorCode::usage, "in memory", [&] { to_document(made.scene, made.options); });
+  made.scene.layers[0].data.save(folder_ / "saved.rho");
+  EXPECT_EQ(Dataset::open(folder_ / "saved.rho").bounds(), mesh.bounds());
+}
+
+TEST_F(Documents, are_of_whole_pictures) {
+  const Scene scene = certified_scene(Dataset::open(inside() / "grid.rho"), 0.1, {8, 8});
+  expect_refused(ErrorCode::usage, "a document is of a whole picture", [&] {
+    to_document(scene, {.size = {8, 8}, .window = Rect{0, 0, 4, 4}});
+  });
+}
+
 TEST_F(Documents, of_data_in_memory_are_refused) {
   const Scene scene = certified_scene(gyroid_grid(), 0.1, {8, 8});
   expect_refused(ErrorCode::usage, "in memory", [&] { to_document(scene, {.size = {8, 8}}); });

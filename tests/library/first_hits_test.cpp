@@ -89,6 +89,42 @@ TEST(FirstHits, of_a_ramp_are_where_it_has_the_isovalue) {
   }
 }
 
+/// A distance field around the middle of a cube of 15^3 cells.
+Dataset ball_grid(double spacing) {
+  const Samples<double> samples = samples_of<double>(16, 16, 16, [](auto i, auto j, auto k) {
+    const auto from_middle = [](auto index) { return static_cast<double>(index) - 7.5; };
+    return std::hypot(from_middle(i), from_middle(j), from_middle(k));
+  });
+  return pack({.fields = {samples.field("radius")}, .spacing = {spacing, spacing, spacing}}, AxisOrder::zyx);
+}
+
+TEST(FirstHits, are_found_at_both_ends_of_the_range_of_rays) {
+  for (const double spacing : {1.0, 1e90, 1e-90}) {
+    const Dataset grid = ball_grid(spacing);
+    const RayCaster certified(grid, Isosurface{5}, Accuracy::certified), exact(grid, Isosurface{5}, Accuracy::exact);
+    RayScratch scratch;
+    for (const double length : {1e-109, 1e-50, 1.0, 1e50, 1e109})
+      for (const double distance : {5.0, 1e10, 1e100, 0.9e150}) {
+        MadeRays rays;
+        for (int axis = 0; axis < 3; ++axis)
+          for (const double way : {1.0, -1.0}) {
+            std::array<double, 3> from{7.4 * spacing, 7.4 * spacing, 7.4 * spacing}, direction{};
+            from[static_cast<std::size_t>(axis)] = -way * distance * spacing + (way < 0 ? 15 * spacing : 0);
+            direction[static_cast<std::size_t>(axis)] = way * length * spacing;
+            rays.add({from[0], from[1], from[2]}, {direction[0], direction[1], direction[2]});
+          }
+        Answers found(rays.size()), expected(rays.size());
+        certified.first_hits(rays.rays(), found.hits(), scratch);
+        exact.first_hits(rays.rays(), expected.hits(), scratch);
+        for (std::size_t ray = 0; ray < rays.size(); ++ray) {
+          EXPECT_LT(expected.t[ray], infinite) << spacing << ' ' << length << ' ' << distance << ' ' << ray;
+          EXPECT_LE(std::abs(found.t[ray] - expected.t[ray]), found.error[ray] + expected.error[ray])
+              << spacing << ' ' << length << ' ' << distance << ' ' << ray;
+        }
+      }
+  }
+}
+
 /// Interpolated linearly, the distance from the middle is at least the distance, and at most by the
 /// square of a cell's diameter over 8 radii above it.
 TEST(FirstHits, of_a_ball_in_a_mesh_are_near_the_ball) {

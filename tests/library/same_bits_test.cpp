@@ -280,6 +280,10 @@ TEST(Pictures, are_values) {
   const Picture copy = picture;
   Picture moved = std::move(picture);
   EXPECT_TRUE(bits_of(moved) == bits);
+  EXPECT_EQ(picture.size(), (Size{0, 0}));  // NOLINT(bugprone-use-after-move): it is empty
+  EXPECT_TRUE(picture.color().empty() && Picture(picture).color().empty());
+  RenderContext().render(scene, {.size = {8, 8}}, picture);
+  EXPECT_EQ(picture.color().size(), 4U * 64);
   picture = rendered(scene, {.size = {8, 8}});
   EXPECT_EQ(picture.size(), (Size{8, 8}));
   EXPECT_TRUE(bits_of(copy) == bits);

@@ -306,6 +306,28 @@ TEST(Stopping, of_opening_copying_and_saving_throws) {
   EXPECT_EQ(mesh.boundary("part", 1).kind(), DataKind::triangles);
 }
 
+TEST(Stopping, of_queries_on_the_calling_thread_writes_no_answer) {
+  const std::stop_token stop = stopped_before();
+  const Dataset grid = gyroid_grid();
+  const MadeRays rays = random_rays(grid.bounds(), 20);
+  const RayCaster caster(grid, Isosurface{0}, Accuracy::certified);
+  const FieldSampler sampler(grid);
+  RayScratch scratch;
+  std::vector<double> t(20, -7);
+  std::vector<std::uint8_t> is_hit(20, 7);
+  AllHits all;
+  expect_stopped([&] { caster.first_hits(rays.rays(), {.t = t}, scratch, stop); });
+  expect_stopped([&] { caster.any_hits(rays.rays(), is_hit, scratch, stop); });
+  expect_stopped([&] { caster.all_hits(rays.rays(), all, scratch, 10, stop); });
+  expect_stopped([&] { sampler.largest_values(rays.rays(), {.value = t}, scratch, stop); });
+  expect_stopped([&] { sampler.at(rays.rays().origins, t, {}, stop); });
+  EXPECT_EQ(t, std::vector<double>(20, -7));
+  EXPECT_EQ(is_hit, std::vector<std::uint8_t>(20, 7));
+  EXPECT_TRUE(all.first.empty());
+  sampler.at(rays.rays().origins, t);
+  EXPECT_TRUE(std::isnan(t[0])) << "it starts outside";
+}
+
 TEST(Stopping, ends_the_loading_of_another_field) {
   const std::stop_token stop = stopped_before();
   const Dataset mesh = ball_mesh(3);
@@ -345,9 +367,9 @@ TEST(Stopping, of_packing_leaves_no_file) {
     PackOptions options{.progress = [&](auto, auto, auto) { stop.request_stop(); }, .stop = stop.get_token()};
     for (const std::filesystem::path& file : {std::filesystem::path(), folder / "stopped.rho"}) {
       options.file = file;
-      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { gyroid_grid(options); });
-      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { ball_mesh(3, options); });
-      expect_refused(ErrorCode::interrupted, "packing was stopped by its caller", [&] { octahedron(options); });
+      expect_refused(ErrorCode::interrupted, "interrupted", [&] { gyroid_grid(options); });
+      expect_refused(ErrorCode::interrupted, "interrupted", [&] { ball_mesh(3, options); });
+      expect_refused(ErrorCode::interrupted, "interrupted", [&] { octahedron(options); });
     }
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));

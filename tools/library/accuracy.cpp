@@ -43,8 +43,9 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
     const render::Mode mode = resolved.scene.layers[layer].mode;
     if (mode != render::Mode::isosurface && mode != render::Mode::mip)
       inside::refuse("choose_method: layer ", layer, " is neither an isosurface nor a projection");
-    const render::Choice choice = render::choose_method(
-        resolved, layer, {.max_error = goal.max_error, .budget_ms = goal.budget_ms}, 0, std::move(stop));
+    const render::Choice choice =
+        render::choose_method(resolved, layer, {.max_error = goal.max_error, .budget_ms = goal.budget_ms},
+                              std::min(goal.threads, available_cores()), std::move(stop));
     return MethodChoice{.method = inside::outside_of(choice.chosen.method),
                         .error = choice.chosen.error,
                         .predicted_ms = choice.chosen.foreseen_ms,

@@ -15,9 +15,9 @@ constexpr std::int64_t most_bytes = std::numeric_limits<std::int64_t>::max();
 
 /// The bytes between the first and the last element of an axis; nothing if they exceed most_bytes.
 bool add_extent(std::int64_t size, std::int64_t stride, std::int64_t& total) {
+  if (stride == std::numeric_limits<std::int64_t>::min()) return false;  // its negation overflows
   std::int64_t extent = 0;
-  const std::int64_t distance = stride < 0 ? -stride : stride;
-  return stride != std::numeric_limits<std::int64_t>::min() && !__builtin_mul_overflow(size - 1, distance, &extent) &&
+  return !__builtin_mul_overflow(size - 1, stride < 0 ? -stride : stride, &extent) &&
          !__builtin_add_overflow(total, extent, &total);
 }
 

@@ -311,16 +311,26 @@ render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptio
   return resolved(scene, options, stop);
 }
 
-Scene outside_of(const render::ResolvedScene& resolved) {
+namespace {
+
+/// A handle of the data that a document names, of their boundary, or of the same file in another
+/// space.
+Dataset handle_in_scene(const render::Dataset& dataset, const render::DataSpec& spec, const Dataset& opened) {
+  const render::Dataset& first = opened.implementation().first();
+  if (dataset.is_surface() == first.is_surface() && dataset.space() == first.space()) return opened;
+  const bool is_part = spec.label && dataset.is_surface();
+  return handle_of(dataset, {.is_in_memory = opened.implementation().is_in_memory(),
+                             .part = is_part ? std::optional(MeshPart{spec.field, *spec.label}) : std::nullopt});
+}
+
+}  // namespace
+
+Scene outside_of(const render::ResolvedScene& resolved, const OpenedData& opened) {
   const render::Scene& scene = resolved.scene;
   Scene out;
   std::vector<Dataset> handles;
-  for (std::size_t i = 0; i < resolved.datasets.size(); ++i) {
-    const render::DataSpec& data = resolved.data[i];
-    const bool is_part = data.label && resolved.datasets[i].is_surface();
-    handles.push_back(handle_of(resolved.datasets[i],
-                                {.part = is_part ? std::optional(MeshPart{data.field, *data.label}) : std::nullopt}));
-  }
+  for (std::size_t i = 0; i < resolved.datasets.size(); ++i)
+    handles.push_back(handle_in_scene(resolved.datasets[i], resolved.data[i], opened.at(resolved.data[i].name)));
   for (const render::Layer& layer : scene.layers) {
     out.layers.push_back(converted(layer, handles[layer.dataset]));
     if (!resolved.datasets[layer.dataset].is_surface())

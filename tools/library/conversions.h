@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "render/probe.h"
@@ -35,8 +37,11 @@ render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options,
 render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options,
                                            const std::stop_token& stop = {});
 
+/// The data that a document names, by render::DataSpec::name.
+using OpenedData = std::map<std::string, Dataset>;
+
 /// The scene of a document whose choices are made.
-Scene outside_of(const render::ResolvedScene& resolved);
+Scene outside_of(const render::ResolvedScene& resolved, const OpenedData& opened);
 RenderOptions options_of(const render::ResolvedScene& resolved);
 
 Statistics outside_of(const render::FrameStatistics& statistics);

@@ -113,8 +113,10 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::
   return inside::guarded([&] {
     if (!open) inside::refuse("resolve: no function that opens data; files_in(folder) is one");
     const render::SceneSpec& spec = document.implementation().document.scene_spec;
+    inside::OpenedData all_opened;
     const auto load = [&](const render::DataSpec& data, formats::Space world) {
       const Dataset opened = inside::call_back(open, data.file);
+      all_opened.insert_or_assign(data.name, opened);
       if (data.label && opened.kind() == DataKind::grid)
         throw rhoray::Error(rhoray::ErrorCode::unsupported,
                             concat(data.file.string(), ": labels of grids are in the program only"));
@@ -130,7 +132,7 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::
     render::ResolvedScene resolved = render::resolve_layers(spec, load, refuse_colors, stop);
     leave_out_annotations(spec.annotations, resolved);
     render::aim_camera(spec, resolved, stop);
-    return ResolvedScene{.scene = inside::outside_of(resolved),
+    return ResolvedScene{.scene = inside::outside_of(resolved, all_opened),
                          .options = inside::options_of(resolved),
                          .document = document_of(resolved),
                          .notes = resolved.notes};
@@ -139,6 +141,8 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::
 
 SceneDocument to_document(const Scene& scene, const RenderOptions& options) {
   return inside::guarded([&] {
+    if (options.window)
+      inside::refuse("to_document: RenderOptions::window is given; expected none: a document is of a whole picture");
     for (std::size_t i = 0; i < scene.layers.size(); ++i) {
       scene.layers[i].data.implementation().require_whole_file("to_document");
       if (scene.layers[i].data.implementation().is_in_memory())

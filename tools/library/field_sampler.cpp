@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "formats/base/stopping.h"
 #include "render/point_values.h"
 #include "tools/library/conversions.h"
 #include "tools/library/dataset.h"
@@ -54,11 +55,11 @@ FieldSampler::~FieldSampler() = default;
 FieldSampler::FieldSampler(const FieldSampler&) = default;
 FieldSampler& FieldSampler::operator=(const FieldSampler&) = default;
 
-void FieldSampler::largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch) const {
+void FieldSampler::largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     inside::check(hits, checked.count(), implementation_->proves_errors);
-    inside::for_each_batch(checked.count(), scratch, largest_of(*implementation_, checked, hits));
+    inside::for_each_batch(checked.count(), scratch, stop, largest_of(*implementation_, checked, hits));
   });
 }
 
@@ -72,24 +73,24 @@ void FieldSampler::largest_values(const Rays& rays, const Hits& hits, RenderCont
   });
 }
 
-void FieldSampler::at(const ArrayView& points, std::span<double> values, std::span<std::uint64_t> cells) const {
+void FieldSampler::at(const ArrayView& points, std::span<double> values, std::span<std::uint64_t> cells,
+                      std::stop_token stop) const {
   inside::guarded([&] {
     inside::require_floats(points, "points", -1, 3);
-    const std::int64_t count = points.shape()[0];
-    if (static_cast<std::int64_t>(values.size()) != count)
-      inside::refuse("values: room for ", values.size(), " numbers; expected ", count);
+    const auto count = static_cast<std::size_t>(points.shape()[0]);
+    if (values.size() != count) inside::refuse("values: room for ", values.size(), " numbers; expected ", count);
     if (!cells.empty() && cells.size() != values.size())
       inside::refuse("cells: room for ", cells.size(), " numbers; expected ", count, ", or none");
-    std::vector<rhoray::Vec3> at(values.size());
-    for (std::int64_t point = 0; point < count; ++point) {
-      const Vec3 v = inside::vector(points, point);
+    std::vector<rhoray::Vec3> at(count);
+    for_each_until_stopped(0, count, light_piece, stop, [&](std::uint64_t point) {
+      const Vec3 v = inside::vector(points, static_cast<std::int64_t>(point));
       if (!inside::is_finite(v))
         inside::refuse("points[", point, "]: (", v.x, ", ", v.y, ", ", v.z, "); expected finite numbers");
-      at[static_cast<std::size_t>(point)] = inside::inside_of(v);
-    }
-    std::vector<render::PointValue> found(at.size());
-    render::point_values(implementation_->dataset, at, found);
-    for (std::size_t point = 0; point < found.size(); ++point) {
+      at[point] = inside::inside_of(v);
+    });
+    std::vector<render::PointValue> found(count);
+    render::point_values(implementation_->dataset, at, found, stop);
+    for (std::size_t point = 0; point < count; ++point) {
       values[point] = found[point].value;
       if (!cells.empty()) cells[point] = found[point].cell;
     }

@@ -9,7 +9,8 @@
 #include <system_error>
 
 #include "formats/base/descriptor.h"
-#include "formats/base/parallel.h"
+#include "formats/base/invertible.h"
+#include "formats/base/stopping.h"
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_surface.h"
 #include "preprocess/pack_volume.h"
@@ -24,15 +25,22 @@ namespace {
 
 constexpr const char* source_name = "arrays";
 
-void end_if_stopped_by_caller(const std::stop_token& stop) {
-  if (stop.stop_requested()) throw rhoray::Error(rhoray::ErrorCode::interrupted, "packing was stopped by its caller");
-}
-
 preprocess::Progress progress_of(const PackOptions& options) {
   return [&options](std::string_view phase, std::uint64_t done, std::uint64_t total) {
-    end_if_stopped_by_caller(options.stop);
+    end_if_stopped(options.stop);
     if (options.progress) inside::call_back(options.progress, phase, done, total);
   };
+}
+
+/// Runs a packer. What it calls invalid are the caller's arrays.
+template <class Act>
+decltype(auto) of_arrays(const Act& act) {
+  try {
+    return act();
+  } catch (const rhoray::Error& error) {
+    if (error.code() != rhoray::ErrorCode::invalid) throw;
+    throw v0_1::Error(v0_1::ErrorCode::usage, error.what());  // its hint is for users of the program
+  }
 }
 
 Descriptor file_in_memory() {
@@ -50,13 +58,14 @@ Dataset packed(const PackOptions& options, const Write& write) {
     inside::refuse("PackOptions::memory: only the samples of a grid can be wrapped; expected Memory::copy");
   if (options.owner) inside::refuse("PackOptions::owner: found one; expected none with Memory::copy, which copies");
   if (!options.file.empty()) {
-    write(formats::Destination(options.file), progress_of(options));
-    return Dataset::open(options.file);
+    of_arrays([&] { write(formats::Destination(options.file), progress_of(options)); });
+    return Dataset::open(options.file, options.stop);
   }
   Descriptor memory = file_in_memory();
-  write(formats::Destination(memory.number()), progress_of(options));
+  of_arrays([&] { write(formats::Destination(memory.number()), progress_of(options)); });
   const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name);
-  return Dataset(std::make_shared<const Dataset::Implementation>(render::Dataset::load(file), std::move(memory)));
+  return Dataset(std::make_shared<const Dataset::Implementation>(
+      render::Dataset::load(file, {}, formats::Space::unknown, options.stop), std::move(memory)));
 }
 
 std::string name_of(std::string_view list, std::size_t index) {
@@ -115,9 +124,10 @@ bool is_plain(const Lattice& lattice, const void* first, std::int64_t bytes) {
 
 /// Copies samples of one size, x fastest.
 template <class Bits>
-void copy_samples(const Lattice& from, const void* first, std::byte* to) {
+void copy_samples(const Lattice& from, const void* first, std::byte* to, const std::stop_token& stop) {
   const auto [nx, ny, nz] = from.count;
   parallel_for(static_cast<std::size_t>(ny * nz), 64, [&, nx = nx, ny = ny](const IndexRange& rows) {
+    end_if_stopped(stop);
     for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
       const auto j = static_cast<std::int64_t>(row) % ny, k = static_cast<std::int64_t>(row) / ny;
       const std::byte* source = static_cast<const std::byte*>(first) + j * from.stride[1] + k * from.stride[2];
@@ -152,7 +162,10 @@ void place(const GridArrays& grid, const Lattice& lattice, preprocess::NeutralVo
   for (const rhoray::Vec3& axis : {map.x_axis, map.y_axis, map.z_axis, map.origin})
     if (!inside::is_finite(inside::outside_of(axis)))
       inside::refuse("GridArrays: its position is not finite; expected finite numbers");
-  if (map.determinant() == 0) inside::refuse("GridArrays::world_from_grid: its axes are linearly dependent");
+  if (!is_invertible(map))
+    inside::refuse("GridArrays::", grid.world_from_grid ? "world_from_grid" : "spacing", ": a cell has the volume ",
+                   map.determinant(),
+                   "; expected independent axes, and a volume and an inverse within the range of doubles");
   if (!has_positions) return;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<double>& along = positions[axis];
@@ -177,18 +190,19 @@ bool fits_double(T value) {
 }
 
 /// Refuses samples that no double holds.
-void require_doubles(std::string_view name, ElementType type, const preprocess::NeutralVolume& volume) {
+void require_doubles(std::string_view name, ElementType type, const preprocess::NeutralVolume& volume,
+                     const std::stop_token& stop) {
   formats::with_element_type(inside::inside_of(type), [&]<class T>(T) {
     if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
-      for (std::size_t at = 0; at < volume.samples.size(); at += sizeof(T)) {
+      for_each_until_stopped(0, volume.samples.size() / sizeof(T), light_piece, stop, [&](std::uint64_t at) {
         T value;
-        std::memcpy(&value, volume.samples.data() + at, sizeof(T));
-        if (fits_double(value)) continue;
-        const auto sample = static_cast<std::int64_t>(at / sizeof(T));
+        std::memcpy(&value, volume.samples.data() + at * sizeof(T), sizeof(T));
+        if (fits_double(value)) return;
+        const auto sample = static_cast<std::int64_t>(at);
         const auto& count = volume.sample_count;
         inside::refuse(name, ": sample (", sample % count.x, ", ", sample / count.x % count.y, ", ",
                        sample / count.x / count.y, ") is ", value, ", which does not fit a double exactly");
-      }
+      });
   });
 }
 
@@ -209,14 +223,15 @@ void require_wrappable(const std::string& name, const ArrayView& values, const L
            bytes * lattice.count[0] * lattice.count[1], ": contiguous, x fastest");
 }
 
-preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, AxisOrder order, Memory memory) {
+preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, AxisOrder order,
+                                    const PackOptions& options) {
   const FieldArray& field = grid.fields[index];
   const std::string name = name_of("GridArrays::fields", index) + ".values";
   const Lattice lattice = lattice_of(name, field.values, order);
   preprocess::NeutralVolume volume;
   volume.sample_count = Index3(lattice.count[0], lattice.count[1], lattice.count[2]);
   volume.type = inside::inside_of(field.values.type());
-  if (memory == Memory::wrap) require_wrappable(name, field.values, lattice);
+  if (options.memory == Memory::wrap) require_wrappable(name, field.values, lattice);
   place(grid, lattice, volume);
   const std::size_t bytes = formats::element_bytes(inside::inside_of(field.values.type()));
   const void* const first = field.values.first();
@@ -226,13 +241,13 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   } else {
     volume.owned_samples.resize(total);
     std::byte* const to = volume.owned_samples.data();
-    if (bytes == 1) copy_samples<std::uint8_t>(lattice, first, to);
-    if (bytes == 2) copy_samples<std::uint16_t>(lattice, first, to);
-    if (bytes == 4) copy_samples<std::uint32_t>(lattice, first, to);
-    if (bytes == 8) copy_samples<std::uint64_t>(lattice, first, to);
+    if (bytes == 1) copy_samples<std::uint8_t>(lattice, first, to, options.stop);
+    if (bytes == 2) copy_samples<std::uint16_t>(lattice, first, to, options.stop);
+    if (bytes == 4) copy_samples<std::uint32_t>(lattice, first, to, options.stop);
+    if (bytes == 8) copy_samples<std::uint64_t>(lattice, first, to, options.stop);
     volume.samples = volume.owned_samples;
   }
-  require_doubles(name, field.values.type(), volume);
+  require_doubles(name, field.values.type(), volume, options.stop);
   volume.length_unit = grid.length_unit;
   volume.field_name = field.name, volume.field_unit = field.unit;
   volume.label_names = label_names(field);
@@ -246,48 +261,54 @@ Dataset wrapped(const std::vector<preprocess::NeutralVolume>& volumes, const Pac
     inside::refuse("PackOptions::file: found ", options.file.string(),
                    "; expected none with Memory::wrap, which writes no samples");
   Descriptor memory = file_in_memory();
-  const preprocess::PackVolumeReport report = preprocess::pack_grid(
-      volumes, formats::Destination(memory.number()),
-      {.order = preprocess::SampleOrder::linear, .source_name = source_name, .leaves_out_samples = true},
-      progress_of(options));
+  const preprocess::PackVolumeReport report = of_arrays([&] {
+    return preprocess::pack_grid(
+        volumes, formats::Destination(memory.number()),
+        {.order = preprocess::SampleOrder::linear, .source_name = source_name, .leaves_out_samples = true},
+        progress_of(options));
+  });
   std::vector<formats::OutsideArray> samples;
   for (std::size_t f = 0; f < volumes.size(); ++f) samples.push_back({report.left_out[f], volumes[f].samples});
   const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name, samples, options.owner);
-  return Dataset(std::make_shared<const Dataset::Implementation>(render::Dataset::load(file), std::move(memory),
-                                                                 inside::Origin{.is_wrapped = true}));
+  return Dataset(std::make_shared<const Dataset::Implementation>(
+      render::Dataset::load(file, {}, formats::Space::unknown, options.stop), std::move(memory),
+      inside::Origin{.is_wrapped = true}));
 }
 
 // ---- meshes and surfaces ------------------------------------------------------------------------
 
-preprocess::Array<std::array<double, 3>> points_of(std::string_view name, const ArrayView& array) {
+preprocess::Array<std::array<double, 3>> points_of(std::string_view name, const ArrayView& array,
+                                                   const std::stop_token& stop) {
   inside::require_floats(array, name, -1, 3);
   preprocess::Array<std::array<double, 3>> points(static_cast<std::size_t>(array.shape()[0]));
-  for (std::size_t p = 0; p < points.size(); ++p) {
+  for_each_until_stopped(0, points.size(), light_piece, stop, [&](std::uint64_t p) {
     const Vec3 point = inside::vector(array, static_cast<std::int64_t>(p));
     if (!inside::is_finite(point))
       inside::refuse(name, ": point ", p, " is (", point.x, ", ", point.y, ", ", point.z, "); expected finite numbers");
     points[p] = {point.x, point.y, point.z};
-  }
+  });
   return points;
 }
 
-/// Calls take(row, column, index) for every index of an array of the shape [n, columns].
+/// Calls take(column, index) for every index of an array of the shape [n, columns].
 template <class Take>
 void for_each_index(std::string_view name, const ArrayView& array, std::int64_t columns, std::size_t point_count,
-                    const Take& take) {
+                    const std::stop_token& stop, const Take& take) {
   if (!array.is_given()) inside::refuse(name, ": not given; expected integers of the shape [n, ", columns, "]");
   if (array.shape().size() != 2 || array.shape()[1] != columns)
     inside::refuse(name, ": an array of the shape ", inside::text_of(array.shape()), "; expected [n, ", columns, "]");
   formats::with_element_type(inside::inside_of(array.type()), [&]<class T>(T) {
     if constexpr (std::is_integral_v<T>) {
-      for (std::int64_t row = 0; row < array.shape()[0]; ++row)
+      const auto rows = static_cast<std::uint64_t>(array.shape()[0]);
+      for_each_until_stopped(0, rows, light_piece, stop, [&](std::uint64_t row) {
         for (std::int64_t column = 0; column < columns; ++column) {
-          const T index = inside::element<T>(array, row, column);
+          const T index = inside::element<T>(array, static_cast<std::int64_t>(row), column);
           if (std::cmp_less(index, 0) || std::cmp_greater_equal(index, point_count))
             inside::refuse(name, "[", row, "][", column, "]: found ", index, "; expected an index of ", point_count,
                            " points");
-          take(row, column, static_cast<std::uint64_t>(index));
+          take(column, static_cast<std::uint64_t>(index));
         }
+      });
     } else {
       inside::refuse(name, ": floating-point numbers; expected integers");
     }
@@ -298,7 +319,6 @@ std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std
                                                 std::int64_t count, const std::stop_token& stop) {
   std::vector<preprocess::NeutralField> out;
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    end_if_stopped_by_caller(stop);
     const ArrayView& values = fields[i].values;
     check_shape(name_of(list, i) + ".values", values, std::array{count});
     preprocess::NeutralField& field = out.emplace_back();
@@ -307,12 +327,12 @@ std::vector<preprocess::NeutralField> fields_of(std::string_view list, const std
     field.values.resize(static_cast<std::size_t>(count));
     formats::with_element_type(inside::inside_of(values.type()), [&]<class T>(T) {
       field.was_single_precision = std::is_same_v<T, float> || sizeof(T) <= 2;
-      for (std::size_t v = 0; v < field.values.size(); ++v) {
+      for_each_until_stopped(0, field.values.size(), light_piece, stop, [&](std::uint64_t v) {
         const T value = inside::element<T>(values, static_cast<std::int64_t>(v));
         field.values[v] = static_cast<double>(value);
         if (!fits_double(value))
           inside::refuse(name_of(list, i), ".values[", v, "]: ", value, " does not fit a double exactly");
-      }
+      });
     });
   }
   return out;
@@ -331,8 +351,8 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
     std::vector<preprocess::NeutralVolume> volumes;
     volumes.reserve(grid.fields.size());  // a volume's span is of its own samples
     for (std::size_t i = 0; i < grid.fields.size(); ++i) {
-      end_if_stopped_by_caller(options.stop);
-      volumes.push_back(volume_of(grid, i, order, options.memory));
+      end_if_stopped(options.stop);
+      volumes.push_back(volume_of(grid, i, order, options));
     }
     if (options.memory == Memory::wrap) return wrapped(volumes, options);
     return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
@@ -344,12 +364,11 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
 
 Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
-    end_if_stopped_by_caller(options.stop);
+    end_if_stopped(options.stop);
     preprocess::NeutralMesh mesh;
-    mesh.points = points_of("MeshArrays::points", arrays.points);
-    end_if_stopped_by_caller(options.stop);
-    for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(),
-                   [&](std::int64_t, std::int64_t column, std::uint64_t index) {
+    mesh.points = points_of("MeshArrays::points", arrays.points, options.stop);
+    for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(), options.stop,
+                   [&](std::int64_t column, std::uint64_t index) {
                      if (column == 0) mesh.cells.emplace_back();
                      mesh.cells.back()[static_cast<std::size_t>(column)] = index;
                    });
@@ -372,11 +391,11 @@ Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
 
 Dataset pack(const SurfaceArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
-    end_if_stopped_by_caller(options.stop);
+    end_if_stopped(options.stop);
     preprocess::NeutralSurface surface;
-    surface.points = points_of("SurfaceArrays::points", arrays.points);
-    for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(),
-                   [&](std::int64_t, std::int64_t column, std::uint64_t index) {
+    surface.points = points_of("SurfaceArrays::points", arrays.points, options.stop);
+    for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(), options.stop,
+                   [&](std::int64_t column, std::uint64_t index) {
                      surface.facet_corners.push_back(index);
                      if (column == 2) surface.facet_offsets.push_back(surface.facet_corners.size());
                    });

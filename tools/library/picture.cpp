@@ -8,57 +8,60 @@
 
 namespace rhoray::v0_1 {
 
-Picture::Picture() : implementation_(std::make_unique<Implementation>()) {}
+Picture::Picture() = default;
 Picture::~Picture() = default;
-Picture::Picture(const Picture& other) : implementation_(std::make_unique<Implementation>(*other.implementation_)) {}
-// What was moved from is an empty picture, not a null pointer.
-Picture::Picture(Picture&& other) noexcept : Picture() {
-  implementation_.swap(other.implementation_);
-}
+Picture::Picture(const Picture& other) : implementation_(std::make_unique<Implementation>(other.implementation())) {}
+Picture::Picture(Picture&&) noexcept = default;
 Picture& Picture::operator=(const Picture& other) {
-  *implementation_ = *other.implementation_;
+  implementation() = other.implementation();
   return *this;
 }
-Picture& Picture::operator=(Picture&& other) noexcept {
-  implementation_.swap(other.implementation_);
-  return *this;
+Picture& Picture::operator=(Picture&&) noexcept = default;
+
+Picture::Implementation& Picture::implementation() {
+  if (!implementation_) implementation_ = std::make_unique<Implementation>();
+  return *implementation_;
+}
+const Picture::Implementation& Picture::implementation() const {
+  static const Implementation empty;
+  return implementation_ ? *implementation_ : empty;
 }
 
 Size Picture::size() const {
-  return implementation_->size;
+  return implementation().size;
 }
 Rect Picture::window() const {
-  return implementation_->window;
+  return implementation().window;
 }
 std::span<const float> Picture::color() const {
-  return implementation_->pixels.color;
+  return implementation().pixels.color;
 }
 std::span<const float> Picture::depth() const {
-  return implementation_->pixels.depth;
+  return implementation().pixels.depth;
 }
 std::span<const float> Picture::normal() const {
-  return implementation_->pixels.normal;
+  return implementation().pixels.normal;
 }
 std::span<const std::uint64_t> Picture::cell() const {
-  return implementation_->pixels.cell;
+  return implementation().pixels.cell;
 }
 std::span<const double> Picture::value() const {
-  return implementation_->pixels.value;
+  return implementation().pixels.value;
 }
 std::span<const float> Picture::error() const {
-  return implementation_->pixels.error;
+  return implementation().pixels.error;
 }
 std::span<const std::uint32_t> Picture::cost() const {
-  return implementation_->pixels.cost;
+  return implementation().pixels.cost;
 }
 
 int Picture::srgb8_channels() const {
-  return implementation_->pixels.is_transparent ? 4 : 3;
+  return implementation().pixels.is_transparent ? 4 : 3;
 }
 
 void Picture::to_srgb8(std::span<std::uint8_t> bytes) const {
   inside::guarded([&] {
-    const render::Framebuffer& pixels = implementation_->pixels;
+    const render::Framebuffer& pixels = implementation().pixels;
     const std::size_t expected = pixels.pixel_count() * static_cast<std::size_t>(srgb8_channels());
     if (bytes.size() != expected)
       inside::refuse("Picture::to_srgb8: found room for ", bytes.size(), " bytes; expected ", expected);
@@ -69,9 +72,9 @@ void Picture::to_srgb8(std::span<std::uint8_t> bytes) const {
 
 void Picture::save_png(const std::filesystem::path& path, bool replace_existing) const {
   inside::guarded([&] {
-    if (implementation_->pixels.pixel_count() == 0)
+    if (implementation().pixels.pixel_count() == 0)
       inside::refuse(path.string(), ": the picture is empty; render to it first");
-    write_whole_file(path, render::encode_png(implementation_->pixels, {}), replace_existing);
+    write_whole_file(path, render::encode_png(implementation().pixels, {}), replace_existing);
   });
 }
 

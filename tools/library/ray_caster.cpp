@@ -135,11 +135,11 @@ RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(const RayCaster&) = default;
 RayCaster& RayCaster::operator=(const RayCaster&) = default;
 
-void RayCaster::first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch) const {
+void RayCaster::first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     inside::check(hits, checked.count(), implementation_->proves_errors);
-    inside::for_each_batch(checked.count(), scratch, first_hits_of(*implementation_, checked, hits));
+    inside::for_each_batch(checked.count(), scratch, stop, first_hits_of(*implementation_, checked, hits));
   });
 }
 
@@ -152,11 +152,12 @@ void RayCaster::first_hits(const Rays& rays, const Hits& hits, RenderContext& co
   });
 }
 
-void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch) const {
+void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch,
+                         std::stop_token stop) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     check_flags(is_hit, checked.count());
-    inside::for_each_batch(checked.count(), scratch, any_hits_of(*implementation_, checked, is_hit));
+    inside::for_each_batch(checked.count(), scratch, stop, any_hits_of(*implementation_, checked, is_hit));
   });
 }
 
@@ -170,12 +171,13 @@ void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, Rende
   });
 }
 
-void RayCaster::all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits) const {
+void RayCaster::all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits,
+                         std::stop_token stop) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     find_all(*implementation_, checked, hits, max_hits, [&](const auto& act) {
-      implementation_->dataset.prove_ranges(1);  // on this thread alone
-      inside::for_each_batch(checked.count(), scratch, act);
+      implementation_->dataset.prove_ranges(1, stop);  // on this thread alone
+      inside::for_each_batch(checked.count(), scratch, stop, act);
     });
   });
 }

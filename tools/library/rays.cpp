@@ -1,5 +1,6 @@
 #include "tools/library/rays.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "tools/library/conversions.h"
@@ -25,18 +26,65 @@ void require_limits(const ArrayView& limits, std::string_view name, std::int64_t
     if (std::isnan(number(limits, ray))) refuse(name, "[", ray, "]: NaN; expected a number");
 }
 
+double largest_of(const rhoray::Vec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// The largest number of a map's axes.
+double largest_of(const rhoray::Affine& map) {
+  return std::max({largest_of(map.x_axis), largest_of(map.y_axis), largest_of(map.z_axis)});
+}
+
+/// The rays that are answered, by the largest coordinate of their start and of their direction in
+/// the frame of the data. They pass planes at times below 1e260; kernels need times below 2^959
+/// (render/traverse/ray_group.h).
+constexpr double farthest_start = 1e150, shortest_direction = 1e-110, longest_direction = 1e110;
+
+/// Finds rays that are out of range.
+class RangeOfRays {
+ public:
+  explicit RangeOfRays(const rhoray::Affine& data_from_world)
+      : data_from_world_(data_from_world),
+        surely_near_((farthest_start - largest_of(data_from_world.origin)) / (3 * largest_of(data_from_world))),
+        surely_long_(shortest_direction * 3 * largest_of(data_from_world.inverse())),
+        surely_short_(longest_direction / (3 * largest_of(data_from_world))) {}
+
+  // Nearly all rays are found in range without being moved to the frame of the data.
+  bool holds_start(const rhoray::Vec3& p) const {
+    return largest_of(p) <= surely_near_ || largest_of(data_from_world_.point(p)) <= farthest_start;
+  }
+  bool holds_direction(const rhoray::Vec3& d) const {
+    const double length = largest_of(d);
+    if (length >= surely_long_ && length <= surely_short_) return true;
+    const double in_data = largest_of(data_from_world_.vector(d));
+    return in_data >= shortest_direction && in_data <= longest_direction;
+  }
+
+ private:
+  rhoray::Affine data_from_world_;
+  double surely_near_, surely_long_, surely_short_;  ///< of coordinates in world axes
+};
+
 }  // namespace
 
 CheckedRays::CheckedRays(const Rays& rays, const render::Dataset& dataset)
     : rays_(rays), data_from_world_(render::world_from_ray_frame(dataset).inverse()) {
+  const RangeOfRays range(data_from_world_);
+  const char* const unit = dataset.is_mesh() || dataset.is_surface() ? "units" : "cells";
   require_floats(rays.origins, "Rays::origins", -1, 3);
   count_ = rays.origins.shape()[0];
   require_floats(rays.directions, "Rays::directions", count_, 3);
   for (std::int64_t ray = 0; ray < count_; ++ray) {
     if (const Vec3 v = vector(rays.origins, ray); !is_finite(v))
       refuse("Rays::origins[", ray, "]: (", v.x, ", ", v.y, ", ", v.z, "); expected finite numbers");
+    else if (!range.holds_start(inside_of(v)))
+      refuse("Rays::origins[", ray, "]: (", v.x, ", ", v.y, ", ", v.z, ") is too far from the data; expected at most ",
+             farthest_start, " ", unit);
     if (const Vec3 v = vector(rays.directions, ray); !is_finite(v) || v == Vec3{})
       refuse("Rays::directions[", ray, "]: (", v.x, ", ", v.y, ", ", v.z, "); expected a finite direction, not 0");
+    else if (!range.holds_direction(inside_of(v)))
+      refuse("Rays::directions[", ray, "]: (", v.x, ", ", v.y, ", ", v.z, "); expected a length between ",
+             shortest_direction, " and ", longest_direction, " ", unit);
   }
   require_limits(rays.t_min, "Rays::t_min", count_);
   require_limits(rays.t_max, "Rays::t_max", count_);

@@ -29,7 +29,8 @@ inline constexpr std::int64_t batch_size = 1024;
 /// The caller's rays, checked, in the frame of the data.
 class CheckedRays {
  public:
-  /// Refuses arrays of wrong shapes and rays that are not finite or have no direction.
+  /// Refuses arrays of wrong shapes, rays that are not finite or have no direction, and rays that
+  /// are out of range in the frame of the data (rhoray::Rays).
   CheckedRays(const Rays& rays, const render::Dataset& dataset);
 
   std::int64_t count() const { return count_; }
@@ -41,14 +42,17 @@ class CheckedRays {
   std::int64_t count_;
 };
 
-/// Calls act(first, count, scratch) for batches of rays, on the calling thread.
+/// Calls act(first, count, scratch) for batches of rays, on the calling thread. Throws
+/// ErrorCode::interrupted if stopped.
 template <class Act>
-void for_each_batch(std::int64_t count, RayScratch& scratch, const Act& act) {
-  for (std::int64_t first = 0; first < count; first += batch_size)
+void for_each_batch(std::int64_t count, RayScratch& scratch, const std::stop_token& stop, const Act& act) {
+  for (std::int64_t first = 0; first < count; first += batch_size) {
+    end_if_stopped(stop);
     act(first, std::min(batch_size, count - first), scratch.implementation());
+  }
 }
 
-/// The same on the threads of a context. Throws ErrorCode::interrupted if stopped.
+/// The same on the threads of a context.
 template <class Act>
 void for_each_batch(std::int64_t count, RenderContext::Implementation& context, render::RenderContext& threads,
                     const std::stop_token& stop, const Act& act) {

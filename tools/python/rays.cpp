@@ -112,7 +112,7 @@ void define_rays(py::module_& module) {
              const ArrayView view = view_of(points, "points");
              const std::span<double> of_field = room_in<double>(values);
              const std::span<std::uint64_t> ids = room_in<std::uint64_t>(cells);
-             interruptible([&](const std::stop_token&) { sampler.at(view, of_field, ids); });
+             interruptible([&](const std::stop_token& stop) { sampler.at(view, of_field, ids, stop); });
            });
 }
 

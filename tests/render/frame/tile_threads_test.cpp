@@ -1,6 +1,10 @@
 #include "render/frame/tile_threads.h"
 
 #include <gtest/gtest.h>
+#ifndef RHORAY_STD_THREADS
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+#endif
 
 #include <atomic>
 #include <stdexcept>
@@ -42,6 +46,24 @@ TEST(TileThreads, pass_an_exception_on) {
                                                             }),
                  std::runtime_error);
 }
+
+#ifndef RHORAY_STD_THREADS
+TEST(TileThreads, call_every_tile_in_a_cancelled_group_of_the_caller) {
+  for (const render::Arena arena : {render::Arena::own, render::Arena::callers}) {
+    const render::TileThreads tile_threads(2, arena);
+    std::atomic<int> calls{0};
+    tbb::task_group_context group;
+    tbb::parallel_for(
+        0, 1,
+        [&](int) {
+          group.cancel_group_execution();
+          tile_threads.for_each_tile(1000, [&](std::size_t, std::size_t) { ++calls; });
+        },
+        group);
+    EXPECT_EQ(calls, 1000);
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace rhoray::tests

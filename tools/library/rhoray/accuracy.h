@@ -22,6 +22,7 @@ struct Goal {
   /// The instruction set that will trace it, as ContextOptions::machine. Times and the errors of
   /// preview and float32 depend on it.
   std::optional<Machine> machine{};
+  unsigned threads = 0;  ///< that will trace it; 0: all cores
 };
 
 /// The result of choose_method.

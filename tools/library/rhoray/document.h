@@ -33,7 +33,7 @@ class RHORAY_API SceneDocument {
   std::span<const std::string> warnings() const;
 
   SceneDocument(const SceneDocument&);
-  SceneDocument(SceneDocument&&) noexcept;
+  SceneDocument(SceneDocument&&) noexcept;  ///< a moved-from one may only be assigned to or destroyed
   SceneDocument& operator=(const SceneDocument&);
   SceneDocument& operator=(SceneDocument&&) noexcept;
   ~SceneDocument();
@@ -71,7 +71,7 @@ RHORAY_API ResolvedScene resolve(const SceneDocument& document, const OpenData& 
 
 /// Returns the document that says every choice of a scene. `resolve` makes the same picture of it.
 /// Datasets are named by the files that they were opened from.
-/// Throws ErrorCode::usage for data that are in memory, and for textures.
+/// Throws ErrorCode::usage for data that are in memory, for textures, and for a window.
 RHORAY_API SceneDocument to_document(const Scene& scene, const RenderOptions& options);
 
 }  // namespace rhoray::RHORAY_ABI

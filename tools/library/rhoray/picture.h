@@ -23,7 +23,7 @@ inline constexpr std::uint64_t no_cell = ~std::uint64_t{0};
 
 /// A picture, or a window of it: rows from the top, pixels from the left. Spans stay valid until
 /// the picture is rendered to again or destroyed. One render writes to it at a time; memory is kept
-/// while size and channels stay the same.
+/// while size and channels stay the same. A moved-from picture is empty.
 class RHORAY_API Picture {
  public:
   Picture();
@@ -68,11 +68,11 @@ class RHORAY_API Picture {
   void save_png(const std::filesystem::path& path, bool replace_existing = false) const;
 
   class RHORAY_INSIDE Implementation;
-  Implementation& implementation() { return *implementation_; }  ///< for the library's own sources
-  const Implementation& implementation() const { return *implementation_; }
+  Implementation& implementation();  ///< for the library's own sources
+  const Implementation& implementation() const;
 
  private:
-  std::unique_ptr<Implementation> implementation_;
+  std::unique_ptr<Implementation> implementation_;  ///< null: empty
 };
 
 }  // namespace rhoray::RHORAY_ABI

@@ -22,9 +22,10 @@ namespace rhoray::RHORAY_ABI {
 
 /// Rays of the caller: points origin + t * direction, in world axes and the length unit of the data,
 /// with t_min <= t <= t_max. They must not overlap the arrays of the answers.
+/// (*) In a grid; in a mesh or a surface these are length units.
 struct Rays {
-  ArrayView origins;     ///< [rays, 3], F32 or F64, finite
-  ArrayView directions;  ///< [rays, 3], F32 or F64, finite, not 0; t counts their lengths
+  ArrayView origins;     ///< [rays, 3], F32 or F64, finite, at most 1e150 cells (*) from the data
+  ArrayView directions;  ///< [rays, 3], F32 or F64, 1e-110 to 1e110 cells (*) long; t counts them
   ArrayView t_min{};     ///< [rays], F32 or F64; not given: 0
   ArrayView t_max{};     ///< [rays], F32 or F64; not given: infinity
 };
@@ -37,7 +38,7 @@ struct Hits {
   /// method proves it. NaN for a miss.
   std::span<double> error{};
   std::span<double> value{};        ///< of the field at the hit; NaN for a miss
-  std::span<double> gradient{};     ///< [rays, 3] of the field, world axes; 0 for a miss and for a largest value
+  std::span<double> gradient{};     ///< [rays, 3] world axes; 0 for a miss and for a largest value
   std::span<std::uint64_t> cell{};  ///< id, as in Picture::cell; no_cell for a miss
 };
 
@@ -77,8 +78,9 @@ class RHORAY_API RayScratch {
 /// relative to the mesh's origin, in a grid it counts samples.
 ///
 /// Answers do not depend on threads or on the grouping of rays. Calls throw ErrorCode::usage for
-/// arrays of wrong shapes and for rays that are not finite or have no direction, with the ray's
-/// index, before anything is written.
+/// arrays of wrong shapes and for rays that are not finite or out of range, with the ray's index,
+/// before anything is written. After a stop request they throw ErrorCode::interrupted; answers that
+/// are there by then are valid, and the others are not written.
 class RHORAY_API RayCaster {
  public:
   /// Proves the stored ranges of the data on the calling thread, once per dataset, if the method
@@ -97,12 +99,12 @@ class RHORAY_API RayCaster {
 
   /// Finds where each ray first passes from one side of the isovalue to the other. A ray starts on
   /// the side that the field has at its start; there is no surface at the border of data.
-  void first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch) const;
-  /// On the threads of a context. Throws ErrorCode::interrupted if stopped.
+  void first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop = {}) const;
+  /// On the threads of a context.
   void first_hits(const Rays& rays, const Hits& hits, RenderContext& context, std::stop_token stop = {}) const;
 
   /// Finds whether there is any hit: 1 or 0 for each ray.
-  void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch) const;
+  void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch, std::stop_token stop = {}) const;
   void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RenderContext& context,
                 std::stop_token stop = {}) const;
 
@@ -115,7 +117,8 @@ class RHORAY_API RayCaster {
   /// Throws ErrorCode::unsupported for triangles, ErrorCode::invalid for data whose ranges do not
   /// hold.
   /// @param max_hits  per ray, at least 1
-  void all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits = 4096) const;
+  void all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits = 4096,
+                std::stop_token stop = {}) const;
   void all_hits(const Rays& rays, AllHits& hits, RenderContext& context, std::size_t max_hits = 4096,
                 std::stop_token stop = {}) const;
 
@@ -138,7 +141,7 @@ class RHORAY_API FieldSampler {
 
   /// Finds the largest value along each ray, and the smallest t where it is reached. A ray that
   /// passes no data is a miss.
-  void largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch) const;
+  void largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop = {}) const;
   void largest_values(const Rays& rays, const Hits& hits, RenderContext& context, std::stop_token stop = {}) const;
 
   /// Evaluates the field at points, in double precision. A point on a face between cells has a
@@ -146,7 +149,8 @@ class RHORAY_API FieldSampler {
   /// @param points  [points, 3], F32 or F64, finite, world axes
   /// @param values  one per point; NaN: no data there
   /// @param cells   empty, or one per point: the id of its cell, or no_cell
-  void at(const ArrayView& points, std::span<double> values, std::span<std::uint64_t> cells = {}) const;
+  void at(const ArrayView& points, std::span<double> values, std::span<std::uint64_t> cells = {},
+          std::stop_token stop = {}) const;
 
   class RHORAY_INSIDE Implementation;
 
