@@ -183,8 +183,10 @@ class Installed(WithFolder):
         packages = {re.sub(r"[-\d]*-dev$", "", line.split(":")[0])
                     for line in self.succeed("dpkg", "-S", *others).stdout.splitlines()}
         self.assertEqual(packages, {"libc", "libstdc++", "linux-libc"})
-        for header in self.headers:
-            self.succeed("g++", *flags, "-fsyntax-only", "-include", f"rhoray/{header.name}", "-x", "c++", "/dev/null")
+        for compiler in ("g++", "clang++"):
+            for header in self.headers:
+                self.succeed(compiler, *flags, "-fsyntax-only", "-include", f"rhoray/{header.name}",
+                             "-x", "c++", "/dev/null")
 
 
 class Subproject(WithFolder):
