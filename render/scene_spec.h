@@ -95,6 +95,7 @@ struct LayerSpec {
 struct KeyframeSpec {
   double time = 0;
   std::optional<double> azimuth_deg{}, elevation_deg{}, zoom{}, fov_deg{};
+  std::optional<double> orthographic_height{};
   std::optional<Vec3> position{}, target{}, up{};
   std::optional<double> isovalue{};
 };

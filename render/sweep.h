@@ -36,13 +36,13 @@ extern template class Track<Vec3>;
 /// times from the first key to the last. What no key names stays as the document says.
 ///
 /// A camera of angles goes round the middle of what is shown at one distance, the nearest at which
-/// every frame fits it at zoom 1 (fit_camera); zoom follows its logarithm. One of places is where
-/// they say.
+/// every frame fits it at zoom 1 (fit_camera). One of places is where they say. Zoom and the height
+/// of an orthographic picture follow their logarithms.
 class Sweep {
  public:
-  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, and an
-  /// isovalue where there is not one isosurface alone (ErrorCode::invalid, with the place); frames
-  /// without keys.
+  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, fields
+  /// of view and orthographic heights side by side, and an isovalue where there is not one isosurface alone
+  /// (ErrorCode::invalid, with the place); frames without keys.
   explicit Sweep(const SceneSpec& scene_spec);
 
   int frame_count() const { return frame_count_; }
@@ -64,8 +64,8 @@ class Sweep {
   SceneSpec scene_spec_;
   std::vector<KeyframeSpec> keys_;
   int frame_count_;
-  std::size_t isovalue_layer_ = 0;  ///< index into SceneSpec::layers
-  Track<double> azimuth_, elevation_, zoom_, fov_, isovalue_;
+  std::size_t isovalue_layer_ = 0;                                      ///< index into SceneSpec::layers
+  Track<double> azimuth_, elevation_, zoom_, fov_, height_, isovalue_;  ///< zoom and height: logarithms
   Track<Vec3> position_, target_, up_;
   std::optional<Shown> shown_;                     ///< at any of the keys
   double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1

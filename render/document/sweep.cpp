@@ -107,6 +107,8 @@ void Sweep::check_keys() const {
     throw Error(ErrorCode::invalid, concat(place.text(), ": found ", keys_.size(), "; expected at least 2 key frames"));
   const KeyframeSpec* of_angles = nullptr;
   const KeyframeSpec* of_places = nullptr;
+  const KeyframeSpec* of_perspective = nullptr;
+  const KeyframeSpec* of_orthographic = nullptr;
   std::size_t ignored = 0;
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     const KeyframeSpec& key = keys_[i];
@@ -116,6 +118,12 @@ void Sweep::check_keys() const {
                          keys_[i - 1].time, ", the time of the previous key"));
     if (angle_in(key) != nullptr && of_angles == nullptr) of_angles = &key;
     if (place_in(key) != nullptr && of_places == nullptr) of_places = &key;
+    if (key.fov_deg && of_perspective == nullptr) of_perspective = &key;
+    if (key.orthographic_height && of_orthographic == nullptr) of_orthographic = &key;
+    if (of_perspective != nullptr && of_orthographic != nullptr)
+      throw Error(ErrorCode::invalid, concat(place.at(i).text(),
+                                             ": \"fov\" and \"ortho_height\" are both in key frames; expected either "
+                                             "perspective or orthographic cameras"));
     if (of_angles != nullptr && of_places != nullptr)
       throw Error(ErrorCode::invalid,
                   concat(place.at(i).text(), ": \"", place_in(*of_places), "\" and \"", angle_in(*of_angles),
@@ -143,6 +151,7 @@ Sweep::Sweep(const SceneSpec& scene_spec)
     add(elevation_, key.elevation_deg);
     if (key.zoom) zoom_.add(key.time, std::log(*key.zoom));
     add(fov_, key.fov_deg);
+    if (key.orthographic_height) height_.add(key.time, std::log(*key.orthographic_height));
     add(isovalue_, key.isovalue);
     add(position_, key.position);
     add(target_, key.target);
@@ -168,6 +177,7 @@ SceneSpec Sweep::spec_at(double time) const {
   set(camera.elevation_deg, elevation_);
   if (!zoom_.is_empty()) camera.zoom = std::exp(zoom_.at(time));
   set(camera.fov_deg, fov_);
+  if (!height_.is_empty()) camera.orthographic_height = std::exp(height_.at(time));
   set(camera.position, position_);
   set(camera.target, target_);
   set(camera.up, up_);

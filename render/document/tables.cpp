@@ -350,6 +350,8 @@ const std::vector<Row<KeyframeSpec>>& keyframe_rows() {
       row("elevation", &KeyframeSpec::elevation_deg, number_within(limits::elevation_deg), "As for the camera"),
       row("zoom", &KeyframeSpec::zoom, number_within(limits::zoom), "As for the camera; its logarithm is interpolated"),
       row("fov", &KeyframeSpec::fov_deg, number_within(limits::fov_deg), "As for the camera"),
+      row("ortho_height", &KeyframeSpec::orthographic_height, number_above_zero(),
+          "As for the camera, not with \"fov\"; its logarithm is interpolated"),
       row("position", &KeyframeSpec::position, vector_value(),
           "Instead of angles, as for the camera; between keys it follows a Catmull-Rom cubic"),
       row("target", &KeyframeSpec::target, vector_value(), "As for \"position\""),

@@ -149,6 +149,22 @@ TEST_F(SweepCommand, goes_through_places_exactly) {
   EXPECT_EQ(plan.scene.camera.target, Vec3(12, 12, 10));
 }
 
+TEST_F(SweepCommand, zooms_an_orthographic_camera) {
+  write_file(bench() / "zoom.json",
+             scene(R"([{"time": 0, "position": [60, 0, 12], "target": [12, 12, 12], "ortho_height": 40},
+    {"time": 2, "position": [12, -40, 30], "target": [12, 12, 12], "ortho_height": 10}])"));
+  render::SceneSpec scene_spec = render::read_scene(bench() / "zoom.json").scene_spec;
+  scene_spec.image.frames = 3;
+  render::Sweep sweep(scene_spec);
+  render::ResolvedScene plan = resolve_layers(sweep.spec_at(0));
+  const double heights[] = {40, 20, 10};  // the same factor for each unit of time
+  for (int frame = 0; frame < 3; ++frame) {
+    sweep.plan_frame(frame, plan);
+    EXPECT_TRUE(plan.scene.camera.orthographic);
+    EXPECT_NEAR(plan.scene.camera.orthographic_height, heights[frame], 1e-12);
+  }
+}
+
 TEST_F(SweepCommand, puts_all_frames_on_one_sheet) {
   write_file(bench() / "sheet.json", scene(R"([{"time": 0, "azimuth": 0}, {"time": 1, "azimuth": 90}])"));
   const RunResult sheet = bench().rhoray({"render", "sheet.json", "--frames", "3", "--sheet", "2", "-o", "sheet.png"});
@@ -199,6 +215,9 @@ TEST_F(SweepCommand, refuses_what_does_not_move) {
            {scene(R"([{"time": 0, "zoom": 2}, {"time": 1, "target": [0, 0, 0]}])"), named,
             "s.json: /camera/keyframes/1: \"target\" and \"zoom\" are both in key frames; expected either angles or "
             "positions"},
+           {scene(R"([{"time": 0, "fov": 30}, {"time": 1, "ortho_height": 9}])"), named,
+            "s.json: /camera/keyframes/1: \"fov\" and \"ortho_height\" are both in key frames; expected either "
+            "perspective or orthographic cameras"},
            {scene(R"([{"time": 0, "elevation": 95}])"), named,
             "s.json: /camera/keyframes/0/elevation: found 95; expected a number from -90 to 90"},
            {scene(R"([{"time": 0, "isovalue": 50}, {"time": 1, "isovalue": 900}])"), named,

@@ -4,22 +4,29 @@ import { button, listOf, make } from "./controls.js";
 import { downloadJson } from "./pictures.js";
 import { put } from "./patch.js";
 
-const fitted = ["view", "azimuth", "elevation", "zoom", "position", "target", "up"];
+const ofBookmarks = ["view", "azimuth", "elevation", "zoom", "position", "target", "up", "fov", "ortho",
+                     "ortho_height"];
 const isShownSurface = ({ type, visible }) => type === "isosurface" && visible !== false;
+
+/** Whether the bookmarks are all perspective or all orthographic: between them there is no camera. */
+function areAlike(bookmarks) {
+  return new Set(bookmarks.map(({ camera }) => Boolean(camera.ortho_height))).size < 2;
+}
 
 /** A scene document with a camera that passes the bookmarks, one in each unit of time. */
 export function withPath(document, bookmarks) {
   const surfaces = Object.values(document.layers).filter(isShownSurface), camera = { ...document.camera };
   const isOne = surfaces.length === 1 && !Array.isArray(surfaces[0].isovalue);
-  for (const key of fitted) delete camera[key];
-  camera.keyframes = bookmarks.map(({ camera: { position, target, up }, isovalues }, time) =>
-    ({ time, position, target, up, ...isOne && isovalues.length === 1 && { isovalue: isovalues[0][1] } }));
+  for (const key of ofBookmarks) delete camera[key];
+  camera.keyframes = bookmarks.map(({ camera: { position, target, up, fov, ortho_height }, isovalues }, time) =>
+    ({ time, position, target, up, ...ortho_height ? { ortho_height } : { fov },
+       ...isOne && isovalues.length === 1 && { isovalue: isovalues[0][1] } }));
   return { ...document, camera };
 }
 
 export class Bookmarks {
   list = [];
-  #count = 0;
+  count = 0;  // of all that were added
 
   constructor(onChange) {
     this.onChange = onChange;
@@ -29,7 +36,7 @@ export class Bookmarks {
     const { az, el } = anglesOf(view.camera, view.hello);
     const isovalues = view.layers.filter(({ spec }) => isShownSurface(spec))
       .map((layer) => [layer.number, ...view.isovalues(layer)]).filter((row) => row.length === 2);
-    const name = `View ${++this.#count}: azimuth ${Math.round(az)}°, elevation ${Math.round(el)}°`;
+    const name = `View ${++this.count}: azimuth ${Math.round(az)}°, elevation ${Math.round(el)}°`;
     this.list.push({ name, camera: view.camera, isovalues });
     this.onChange();
   }
@@ -56,5 +63,7 @@ export class Bookmarks {
 }
 
 function savePath(view, bookmarks) {
-  view.keep(({ document }) => downloadJson(withPath(document, bookmarks), `${view.hello.title}-path.json`));
+  if (areAlike(bookmarks)) view.keep(({ document }) => downloadJson(withPath(document, bookmarks), `${view.hello.title}-path.json`));
+  else view.app.showError(view, "A camera path is perspective or orthographic, and the saved views are both. " +
+    "Remove those of one kind.");
 }
