@@ -26,22 +26,22 @@ Painter::Painter(ViewedScene viewed, unsigned threads, std::chrono::milliseconds
       threads_(threads),
       longest_picture_(longest_picture),
       thread_([this](const std::stop_token& stop) { run(stop); }),
-      watch_([this](const std::stop_token& stop) { watch(stop); }) {}
+      watch_([this](const std::stop_token& stop) { watch(stop); }),
+      probing_([this](const std::stop_token& stop) { answer_probes(stop); }) {}
 
 Painter::~Painter() {
   stop();
 }
 
 void Painter::stop() {
-  thread_.request_stop();
-  watch_.request_stop();
+  for (std::jthread* thread : {&thread_, &watch_, &probing_}) thread->request_stop();
   {
     const std::lock_guard lock(mutex_);
     if (running_) running_->source.request_stop();
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
-  if (watch_.joinable()) watch_.join();
+  for (std::jthread* thread : {&thread_, &watch_, &probing_})
+    if (thread->joinable()) thread->join();
 }
 
 std::string Painter::hello() const {
@@ -60,6 +60,27 @@ void Painter::watch(const std::stop_token& stop) {
       changed_.wait_until(lock, stop, std::max(deadline, Clock::now() + rest_before_lossless),
                           [&] { return !running_ || running_->deadline != deadline; });
     }
+  }
+}
+
+/// Answers each probe as soon as the scene of its request is resolved, while a picture is traced.
+void Painter::answer_probes(const std::stop_token& stop) {
+  std::size_t turn = 0;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    std::shared_ptr<Client> client;
+    changed_.wait(lock, stop, [&] {
+      return (client = next_client(turn, [](const Client& each) { return each.can_probe(); })) != nullptr;
+    });
+    if (!client || stop.stop_requested()) return;
+    const Probe probe = *std::exchange(client->probe, std::nullopt);
+    const PictureRequest request = *client->newest;
+    const std::shared_ptr<const ChangedScene> scene = client->scene;
+    const std::string why_refused = client->why_refused;
+    lock.unlock();
+    client->sink.send_text(why_refused.empty() ? probe_text(viewed_, *scene, request, probe)
+                                               : refused_probe_text(probe, why_refused));
+    lock.lock();
   }
 }
 
@@ -116,22 +137,26 @@ bool Painter::is_awaited(const Client& client) const {
                                       [&](const auto& each) { return each->is_request_due() && has_room(*each); });
 }
 
-/// The next client, in turn, for which something is to be done now; waits for the lock to be taken
-/// by the caller.
-std::shared_ptr<Painter::Client> Painter::next_with_work() {
-  const auto has_work = [&](const Client& client) {
-    if (client.wants_to_keep || client.probe) return true;
-    if (!has_room(client)) return false;
-    if (client.is_request_due()) return true;
-    return client.drawn && (!client.was_sent || client.is_rest_over());
-  };
+/// The next client, in turn, that has work. The caller holds the mutex.
+std::shared_ptr<Painter::Client> Painter::next_client(std::size_t& turn,
+                                                      const std::function<bool(const Client&)>& has_work) const {
   for (std::size_t i = 0; i < clients_.size(); ++i) {
-    const auto& client = clients_[(turn_ + i) % clients_.size()];
+    const auto& client = clients_[(turn + i) % clients_.size()];
     if (!has_work(*client)) continue;
-    turn_ = (turn_ + i + 1) % clients_.size();
+    turn = (turn + i + 1) % clients_.size();
     return client;
   }
   return nullptr;
+}
+
+/// The next client for which something is to be painted or said now.
+std::shared_ptr<Painter::Client> Painter::next_with_work() {
+  return next_client(turn_, [&](const Client& client) {
+    if (client.wants_to_keep) return true;
+    if (!has_room(client)) return false;
+    if (client.is_request_due()) return true;
+    return client.drawn && (!client.was_sent || client.is_rest_over());
+  });
 }
 
 void Painter::run(const std::stop_token& stop) {
@@ -164,13 +189,11 @@ void Painter::run(const std::stop_token& stop) {
 
 void Painter::work_for(Client& client) {
   std::optional<PictureRequest> newest;
-  std::optional<Probe> probe;
   bool wants_to_keep = false, may_send = false, is_new = false;
   {
     const std::lock_guard lock(mutex_);
     newest = client.newest;
     wants_to_keep = std::exchange(client.wants_to_keep, false);
-    probe = std::exchange(client.probe, std::nullopt);
     may_send = has_room(client);
     is_new = client.is_request_due() && may_send;
     if (is_new) client.is_new = false;
@@ -183,7 +206,6 @@ void Painter::work_for(Client& client) {
     }
   };
   if (newest && wants_to_keep) keep(client, *newest);
-  if (newest && probe) attempt([&] { answer(client, *newest, *probe); });
   if (is_new)
     attempt([&] { paint(client, *newest); });
   else if (may_send && client.drawn)

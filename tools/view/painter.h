@@ -19,6 +19,7 @@
 namespace rhoray::tools {
 
 /// Draws the pictures that clients request, on one thread that uses all cores. Clients take turns.
+/// A second thread answers probes meanwhile.
 ///
 /// The newest request of a client wins. It ends an older one that is being traced, but not before a
 /// picture of the older one was sent. It ends a picture of another client in the same way, and that
@@ -37,7 +38,7 @@ class Painter {
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
   ~Painter();
-  void stop();  ///< ends the thread; nothing is sent afterwards
+  void stop();  ///< ends the threads; nothing is sent afterwards
 
   std::string hello() const;  ///< the first message to a client
 
@@ -52,6 +53,8 @@ class Painter {
 
   void run(const std::stop_token& stop);
   void watch(const std::stop_token& stop);
+  void answer_probes(const std::stop_token& stop);
+  std::shared_ptr<Client> next_client(std::size_t& turn, const std::function<bool(const Client&)>& has_work) const;
   std::shared_ptr<Client> next_with_work();
   void work_for(Client& client);
   void go_on(Client& client);
@@ -75,7 +78,6 @@ class Painter {
   void send_finished(Client& client, const render::FrameStatistics& statistics);
   void check(Client& client);
   void time_effects(Client& client);
-  void answer(Client& client, const PictureRequest& request, const Probe& probe);
   void keep(Client& client, const PictureRequest& request);
 
   /// The work that is being done: a picture, or the check of one.
@@ -96,7 +98,7 @@ class Painter {
   std::optional<Running> running_;
   ClientId next_id_ = 1;
   std::size_t turn_ = 0;
-  std::jthread thread_, watch_;
+  std::jthread thread_, watch_, probing_;
 };
 
 }  // namespace rhoray::tools

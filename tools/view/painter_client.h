@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +19,8 @@ namespace rhoray::tools {
 
 inline constexpr auto rest_before_lossless = std::chrono::milliseconds(300);
 
-/// Takes the messages to a client. The painter's thread calls it; it must not wait.
+/// Takes the messages to a client. The painter's threads call it, several at a time; it must not
+/// wait.
 struct ClientSink {
   std::function<void(std::vector<std::byte>)> send_picture;
   std::function<void(std::string)> send_text;
@@ -37,13 +39,18 @@ struct PainterClient {
   Clock::time_point not_before{};  ///< when it is taken up; later only if another client ended it
   bool wants_to_keep = false;
   std::optional<Probe> probe{};
+  std::optional<std::string> patch{};  ///< the newest that was resolved or refused
+  std::string why_refused{};           ///< empty: it was resolved to `scene`
+  std::shared_ptr<const ChangedScene> scene{};
   bool has_left = false;
   SentPictures sent_pictures{};
   MotionPixels motion{};
 
-  // Only the painter's thread uses these members.
-  std::optional<ChangedScene> scene{};  ///< with `patch`
-  std::string patch{};
+  /// The newest request has a scene, or was refused: a probe of it can be answered.
+  bool can_probe() const { return probe && newest && patch == newest->patch; }
+
+  // Only the thread that paints uses these members. It alone writes the scene and its patch, and
+  // therefore reads them without the mutex.
   bool was_resolved_sent = false;         ///< of this scene
   std::optional<PictureRequest> drawn{};  ///< whose finished picture `picture` holds
   bool was_sent = false, was_sent_lossless = false, was_checked = false, was_timed = false;

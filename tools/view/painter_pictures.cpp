@@ -1,6 +1,8 @@
 // The pictures that the painter makes for a client, and what it says of them.
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -59,9 +61,20 @@ void Painter::go_on(Client& client) {
 
 /// Resolves the scene of a request, unless it was the last one's.
 void Painter::show_changes(Client& client, const PictureRequest& request) {
-  if (client.scene && client.patch == request.patch) return;
-  client.scene = changed_scene(viewed_, document_, request.patch);
-  client.patch = request.patch;
+  if (client.patch == request.patch && client.why_refused.empty()) return;
+  const auto note = [&](const std::string& why_refused, const auto& take) {
+    const std::lock_guard lock(mutex_);
+    client.patch = request.patch, client.why_refused = why_refused;
+    take();
+    changed_.notify_all();  // a probe may wait for it
+  };
+  try {
+    auto scene = std::make_shared<const ChangedScene>(changed_scene(viewed_, document_, request.patch));
+    note("", [&] { client.scene = std::move(scene); });
+  } catch (const std::exception& error) {
+    note(error.what(), [] {});
+    throw;
+  }
   client.was_resolved_sent = false;
 }
 
@@ -274,11 +287,6 @@ void Painter::check(Client& client) {
       json.update(json_of_check(found, ms_since(begin)));
   }
   client.sink.send_text(dump(Json{{"check", json}}));
-}
-
-void Painter::answer(Client& client, const PictureRequest& request, const Probe& probe) {
-  show_changes(client, request);
-  client.sink.send_text(probe_text(with_request(viewed_, *client.scene, request), probe));
 }
 
 void Painter::keep(Client& client, const PictureRequest& request) {

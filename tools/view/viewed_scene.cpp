@@ -200,7 +200,9 @@ render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene
   return plan;
 }
 
-std::string probe_text(render::ResolvedScene plan, const Probe& probe) {
+namespace {
+
+Json json_of_probe(render::ResolvedScene plan, const Probe& probe) {
   if (probe.x >= plan.frame.width || probe.y >= plan.frame.height)
     throw Error(ErrorCode::invalid, "message: \"probe\": expected a pixel of the picture");
   plan.scene.camera = camera_of_pixel(plan, probe);
@@ -215,7 +217,22 @@ std::string probe_text(render::ResolvedScene plan, const Probe& probe) {
   Json json = picked(plan, pixel, {0, 0});
   json["pixel"] = {probe.x, probe.y};
   json["id"] = probe.id;
-  return dump(Json{{"probe", json}});
+  return json;
+}
+
+}  // namespace
+
+std::string probe_text(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request,
+                       const Probe& probe) {
+  try {
+    return dump(Json{{"probe", json_of_probe(with_request(viewed, scene, request), probe)}});
+  } catch (const std::exception& error) {
+    return refused_probe_text(probe, error.what());
+  }
+}
+
+std::string refused_probe_text(const Probe& probe, const std::string& why_not) {
+  return dump(Json{{"probe", {{"id", probe.id}, {"why_not", why_not}}}});
 }
 
 std::string hello_text(const ViewedScene& viewed, const std::string& document) {

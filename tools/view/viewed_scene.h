@@ -51,11 +51,12 @@ ChangedScene changed_scene(const ViewedScene& viewed, const std::string& documen
 /// annotations and no antialiasing.
 render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request);
 
-/// Returns a message about the hit of one pixel (tools/analysis/pick.h). Traces one ray, at the
-/// level `certified` where layers have it. Refuses a pixel outside the picture
-/// (ErrorCode::invalid).
-/// @param plan  the scene with the request
-std::string probe_text(render::ResolvedScene plan, const Probe& probe);
+/// Returns a message about the hit of one pixel (tools/analysis/pick.h), or why there is none, such
+/// as that it is outside the picture. Traces one ray, at the level `certified` where layers have it.
+std::string probe_text(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request,
+                       const Probe& probe);
+/// The answer to a probe that cannot be made.
+std::string refused_probe_text(const Probe& probe, const std::string& why_not);
 
 // Parts of messages.
 Json json_of_camera(const render::Camera& camera);

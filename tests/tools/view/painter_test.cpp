@@ -413,7 +413,43 @@ TEST(Painter, probes_the_pixel_with_a_proven_error) {
     EXPECT_LT(probe["error"].get<double>(), 1e-6);
   }
   painter.take(client, Probe{.id = 3, .x = 101, .y = 0});
-  EXPECT_THAT(message(inbox, "error").get<std::string>(), testing::HasSubstr("a pixel of the picture"));
+  EXPECT_THAT(message(inbox, "probe", 3)["why_not"].get<std::string>(), testing::HasSubstr("a pixel of the picture"));
+}
+
+// A probe waited for the picture, and the page had given up meanwhile.
+TEST(Painter, answers_probes_while_a_picture_is_traced) {
+  const TemporaryFolder folder;
+  Inbox inbox, other;
+  Painter painter(viewed_box(folder), 1, std::chrono::minutes(5));
+  const Painter::ClientId client = painter.add(inbox.sink()), of_other = painter.add(other.sink());
+  painter.take(of_other, PictureRequest{.number = 1, .width = 60, .height = 50});
+  ASSERT_GE(other.pictures(1).size(), 1U);
+  painter.take(client, PictureRequest{.number = 1,
+                                      .patch = R"({"effects": {"ambient_occlusion": {"samples": 64}}})",
+                                      .width = 1500,
+                                      .height = 1500});
+  ASSERT_GE(inbox.pictures(1).size(), 1U);
+  for (std::uint32_t id = 1; id <= 5; ++id) {
+    painter.take(client, Probe{.id = id, .x = 750, .y = 750});
+    EXPECT_TRUE(message(inbox, "probe", id).contains("pixel"));
+    painter.take(of_other, Probe{.id = id, .x = 30, .y = 25});
+    EXPECT_TRUE(message(other, "probe", id).contains("pixel"));
+  }
+  EXPECT_THAT(inbox.texts(0), testing::Not(testing::Contains(testing::HasSubstr("finished"))))
+      << "the picture no longer takes long: is this case still the hard one?";
+}
+
+TEST(Painter, says_why_a_refused_scene_is_not_probed) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 1);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  painter.take(client, Probe{.id = 1, .x = 5, .y = 5});  // before any request: it waits
+  painter.take(client, PictureRequest{.number = 1, .patch = R"({"style": "bright"})", .width = 30, .height = 20});
+  EXPECT_EQ(message(inbox, "probe", 1)["why_not"], message(inbox, "error"));
+  painter.take(client, PictureRequest{.number = 2, .width = 30, .height = 20});
+  painter.take(client, Probe{.id = 2, .x = 15, .y = 10});
+  EXPECT_TRUE(message(inbox, "probe", 2).contains("pixel"));
 }
 
 TEST(Painter, ends_while_clients_still_ask) {
