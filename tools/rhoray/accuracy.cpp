@@ -284,7 +284,7 @@ class Work {
   ProgressDisplay& display_;
   StudyContext& context_;
   Stopwatch watch_;
-  InterruptRequest interrupt_;
+  InterruptRequest interrupt_{"interrupted; writing the results so far (interrupt again to stop at once)"};
   ResultsFolder folder_;  ///< before the scratch folder, which lies in it
   ScratchFolder scratch_;
   render::PictureSize size_;

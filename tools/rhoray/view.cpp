@@ -39,7 +39,7 @@ struct ViewCommand {
   PictureOptions picture;
   std::optional<int> port;
   std::filesystem::path socket;
-  std::vector<std::string> hosts;
+  std::vector<HostName> hosts;
   bool opens_no_browser = false;
   bool uses_stdio = false;
 };
@@ -143,7 +143,7 @@ int run(const ViewCommand& command) {
                                     .threads = command.common.threads,
                                     .tell_program = tell_program});
   display.clear();
-  const InterruptRequest interrupt;  // once the URL is printed, an interrupt ends the server
+  const InterruptRequest interrupt("");  // once the URL is printed, an interrupt ends the server
   const bool prints_json = command.common.json || command.uses_stdio;
   std::puts(prints_json ? dump(Json{{"url", server.url()}}).c_str() : server.url().c_str());
   std::fflush(stdout);
@@ -182,8 +182,8 @@ Subcommand view_subcommand() {
                     value_option("--socket", "FILE", "Listen on a Unix socket instead of a port", command->socket),
                     "For machines with several users, of whom any could reach a port. Only you may "
                     "open the socket; the printed ssh command makes a tunnel to it, from --port (8123)"),
-                value_option("--allow-host", "NAME[,NAME...]", "Answer under these host names, too: those of a proxy",
-                             command->hosts),
+                value_option("--allow-host", "NAME[:PORT][,...]",
+                             "Answer under these host names, too: those of a proxy", command->hosts),
                 flag_option("--no-browser", "Print the URL without opening it", command->opens_no_browser),
                 for_experts(with_details(
                     flag_option("--stdio", "Exchange the view's state with the program that starts this one",

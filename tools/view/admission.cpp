@@ -9,33 +9,65 @@
 #include <system_error>
 
 #include "formats/base/error.h"
+#include "formats/base/read_value.h"
 #include "formats/base/text.h"
 
 namespace rhoray::tools {
 
 namespace {
 
-/// Whether this is one of the names, with any port or none.
-bool names_one_of(const std::vector<std::string>& names, std::string_view host) {
-  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    if (!host.starts_with(name)) return false;
-    const std::string_view rest = host.substr(name.size());
-    return rest.empty() || (rest.front() == ':' && rest.find_first_not_of("0123456789", 1) == std::string_view::npos);
-  });
+std::string in_lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& letter : result)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  return result;
+}
+
+/// The name before the port, if there is one; an IPv6 address stands in brackets.
+std::string_view without_port(std::string_view host) {
+  const std::size_t colon = host.find(':', host.starts_with('[') ? std::min(host.find(']'), host.size()) : 0);
+  const bool has_port = colon + 1 < host.size() && host.find_first_not_of("0123456789", colon + 1) == host.npos;
+  return colon != host.npos && has_port ? host.substr(0, colon) : host;
+}
+
+bool is_host_name(std::string_view name) {
+  if (name.starts_with('[') && name.ends_with(']') && name.size() > 2)
+    return name.find_first_not_of("0123456789abcdef:.", 1) == name.size() - 1;
+  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-._") == name.npos;
+}
+
+/// @param host  in lower case
+bool names_one_of(const std::vector<HostName>& names, std::string_view host) {
+  return std::any_of(names.begin(), names.end(),
+                     [&](const HostName& name) { return host == name.text || without_port(host) == name.text; });
 }
 
 }  // namespace
 
-bool Admission::is_own_host(std::string_view host) const {
+void read_value(const std::string& text, std::vector<HostName>& out) {
+  std::vector<std::string> names;
+  rhoray::read_value(text, names);
+  for (const std::string& name : names) {
+    HostName host{in_lower_case(name)};
+    if (!is_host_name(without_port(host.text)))
+      refuse_value(name, "a host name such as hub.example.org, or with a port, hub.example.org:8443");
+    out.push_back(std::move(host));
+  }
+}
+
+bool Admission::is_own_host(std::string_view any_case) const {
+  const std::string host = in_lower_case(any_case);
   if (host == concat("127.0.0.1:", port) || host == concat("localhost:", port)) return true;
   return names_one_of(proxies, host);
 }
 
-bool Admission::is_own_origin(std::string_view origin, std::string_view host) const {
-  if (!is_own_host(host)) return false;
+bool Admission::is_own_origin(std::string_view any_case, std::string_view host_in_any_case) const {
+  if (!is_own_host(host_in_any_case)) return false;
+  const std::string origin = in_lower_case(any_case), host = in_lower_case(host_in_any_case);
   if (origin == concat("http://", host)) return true;
   for (const std::string_view scheme : {"http://", "https://"})
-    if (origin.starts_with(scheme) && names_one_of(proxies, origin.substr(scheme.size()))) return true;
+    if (origin.starts_with(scheme) && names_one_of(proxies, std::string_view(origin).substr(scheme.size())))
+      return true;
   return false;
 }
 

@@ -7,15 +7,25 @@
 
 namespace rhoray::tools {
 
+/// The name of a host in lower case, perhaps with a port.
+struct HostName {
+  std::string text;
+};
+
+/// Reads NAME or NAME:PORT, or several of them with commas between, and adds them
+/// (ErrorCode::usage).
+void read_value(const std::string& text, std::vector<HostName>& out);
+
 /// Decides which requests the server answers. Pages of other sites in the user's browser can send
 /// requests to the loopback interface, and their own host names can be made to mean this machine
 /// (DNS rebinding).
 struct Admission {
   std::uint16_t port = 0;
-  std::vector<std::string> proxies{};  ///< host names of proxies in front of the server
-  std::string token;                   ///< in the fragment of the printed URL, which browsers do not send
+  std::vector<HostName> proxies{};  ///< in front of the server
+  std::string token;                ///< in the fragment of the printed URL, which browsers do not send
 
-  /// For a request's Host: 127.0.0.1 or localhost with the port, or a proxy with any port or none.
+  /// For a request's Host: 127.0.0.1 or localhost with the port, or a proxy, with any port or none
+  /// unless it is named with one. Capitals do not matter.
   bool is_own_host(std::string_view host) const;
   /// For the Origin of a WebSocket's request: it must name the same host as Host, or a proxy, also
   /// with https. Some proxies replace Host by the address of this server.

@@ -8,16 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "tools/view/admission.h"
 #include "tools/view/viewed_scene.h"
 
 namespace rhoray::tools {
 
 struct ServerOptions {
-  std::uint16_t port = 0;                    ///< on the loopback interface; 0: a free one
-  std::filesystem::path socket{};            ///< a Unix socket instead, mode 0600; empty: none. Then
-                                             ///< `port` is that of the tunnel; 0: 8123
-  std::vector<std::string> allowed_hosts{};  ///< names under which a proxy reaches the server
-  unsigned threads = 0;                      ///< that trace; 0 = all cores
+  std::uint16_t port = 0;                 ///< on the loopback interface; 0: a free one
+  std::filesystem::path socket{};         ///< a Unix socket instead, mode 0600; empty: none. Then
+                                          ///< `port` is that of the tunnel; 0: 8123
+  std::vector<HostName> allowed_hosts{};  ///< names under which a proxy reaches the server
+  unsigned threads = 0;                   ///< that trace; 0 = all cores
   /// Takes messages to the program that started the server, JSON (PROTOCOL.md). The server's thread
   /// calls it; it must not wait. Empty: nobody is told, and clients share nothing.
   std::function<void(std::string)> tell_program{};

@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "formats/base/error.h"
+
 namespace rhoray::tests {
 namespace {
 
@@ -15,7 +17,7 @@ TEST(Admission, takes_its_own_host_and_port_only) {
   for (const char* host : {"", "127.0.0.1", "127.0.0.1:4712", "127.0.0.1:47111", "evil.com", "evil.com:4711",
                            "localhost.evil.com:4711", "127.0.0.1.evil.com:4711", "LOCALHOST:4711 ", "[::1]:4711"})
     EXPECT_FALSE(admission.is_own_host(host)) << host;
-  const Admission behind_proxy{.port = 4711, .proxies = {"hub.example.org"}, .token = "t"};
+  const Admission behind_proxy{.port = 4711, .proxies = {{"hub.example.org"}}, .token = "t"};
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org"));
   EXPECT_TRUE(behind_proxy.is_own_host("hub.example.org:8443"));
   EXPECT_FALSE(behind_proxy.is_own_host("hub.example.org.evil.com"));
@@ -29,6 +31,33 @@ TEST(Admission, takes_its_own_host_and_port_only) {
   for (const char* origin : {"https://evil.com", "https://hub.example.org.evil.com", "https://127.0.0.1:4711",
                              "ftp://hub.example.org", "hub.example.org", "https://hub.example.org/"})
     EXPECT_FALSE(behind_proxy.is_own_origin(origin, "127.0.0.1:4711")) << origin;
+}
+
+TEST(Admission, does_not_tell_capitals_apart_in_host_names) {
+  std::vector<tools::HostName> proxies;
+  read_value("Hub.Example.org,other.example.org:8443", proxies);
+  const Admission admission{.port = 4711, .proxies = proxies, .token = "t"};
+  for (const char* host : {"hub.example.org", "HUB.example.ORG", "Hub.Example.org:8443", "Other.Example.org:8443"})
+    EXPECT_TRUE(admission.is_own_host(host)) << host;
+  for (const char* host : {"other.example.org", "other.example.org:8444", "other.example.org:8443:1"})
+    EXPECT_FALSE(admission.is_own_host(host)) << host;
+  EXPECT_TRUE(admission.is_own_host("LocalHost:4711"));
+  EXPECT_TRUE(admission.is_own_origin("https://HUB.example.org", "hub.example.org"));
+}
+
+TEST(Admission, refuses_what_is_no_host_name) {
+  std::vector<tools::HostName> proxies;
+  for (const char* text : {"https://hub.example.org", "hub.example.org/", "hub.example.org:", "hub.example.org:port",
+                           "hub.example.org:1:2", ":8443", "hub example.org", "*.example.org", "a,,b", ""}) {
+    try {
+      read_value(text, proxies);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::usage);
+    }
+  }
+  for (const char* text : {"hub", "hub-1.example.org", "10.0.0.7:80", "[::1]", "[fe80::1]:8443"})
+    EXPECT_NO_THROW(read_value(text, proxies)) << text;
 }
 
 TEST(Admission, takes_an_origin_that_is_there_and_names_the_own_host) {

@@ -43,7 +43,7 @@ std::atomic<bool> lost_reader{false};
 std::mutex scratch_mutex;
 std::filesystem::path scratch;  // empty when there is none
 std::mutex request_mutex;
-std::stop_source* request = nullptr;  // of an InterruptRequest
+InterruptRequest* request = nullptr;
 
 extern "C" void on_interrupt(int signal) {
   const int before = errno;
@@ -96,12 +96,7 @@ bool wait_until(const timespec* deadline) {
 /// False where nobody takes the request, or it was made before.
 bool request_end() {
   const std::lock_guard lock(request_mutex);
-  if (request == nullptr || !request->request_stop()) return false;
-  std::fputs(
-      "\n"
-      "rhoray: interrupted; writing the results so far (interrupt again to stop at once)\n",
-      stderr);
-  return true;
+  return request != nullptr && request->request_end();
 }
 
 /// The work goes on meanwhile and may put a file into the folder after what is in it was listed:
@@ -258,10 +253,16 @@ int finish_standard_output(int exit_code) {
   return exit_code == 0 ? static_cast<int>(ErrorCode::resource) : exit_code;
 }
 
-InterruptRequest::InterruptRequest() {
+InterruptRequest::InterruptRequest(std::string notice) : notice_(std::move(notice)) {
   const std::lock_guard lock(request_mutex);
   RHORAY_CHECK(request == nullptr);
-  request = &source_;
+  request = this;
+}
+
+bool InterruptRequest::request_end() {
+  if (!source_.request_stop()) return false;
+  if (!notice_.empty()) std::fputs(concat("\nrhoray: ", notice_, "\n").c_str(), stderr);
+  return true;
 }
 
 InterruptRequest::~InterruptRequest() {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <stop_token>
+#include <string>
 
 namespace rhoray::tools {
 
@@ -41,15 +42,18 @@ int finish_standard_output(int exit_code);
 /// time.
 class InterruptRequest {
  public:
-  InterruptRequest();
+  /// @param notice  is printed to stderr when an interrupt comes; empty where that is the usual end
+  explicit InterruptRequest(std::string notice);
   InterruptRequest(const InterruptRequest&) = delete;
   InterruptRequest& operator=(const InterruptRequest&) = delete;
   ~InterruptRequest();
 
   std::stop_token token() const { return source_.get_token(); }
+  bool request_end();  ///< as an interrupt does; false if it was requested before
 
  private:
   std::stop_source source_;
+  std::string notice_;
 };
 
 /// A folder for temporary files, removed with its content at the end and on an interrupt. If a
