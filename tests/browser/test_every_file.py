@@ -19,7 +19,9 @@ def files():
 @unittest.skipUnless(DATA, "RHORAY_SHARED_DATA names no folder")
 class EveryFile(BrowserTest):
     def test_settled_canvas_is_the_picture_of_the_command(self):
-        for path in files():
+        paths = files()
+        self.assertTrue(paths, f"{DATA}: no file that `rhoray info` reads")
+        for path in paths:
             with self.subTest(str(path)):
                 try:
                     viewer = Viewer(path, folder=self.folder)
