@@ -46,7 +46,7 @@ class Minute(PageTest):
         self.drag(self.canvas(), (0, 0), [(8, 2)] * 20)
         self.shot()
         self.open_section("clipping")
-        self.press("clip-plane", "clip-slice")
+        self.press("clip-add", "clip-0-slice")
         self.show_end_of_panels()
         for offset in ((-60, 30), (20, -60)):
             ActionChains(self.driver).move_to_element_with_offset(self.canvas(), *offset).pause(0.3).click().perform()

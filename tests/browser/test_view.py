@@ -165,11 +165,11 @@ class Tools(PageTest):
         self.volume("--iso", "0.3")
         whole = self.pixels()
         self.open_section("clipping")
-        self.find("clip-plane").click()
+        self.find("clip-add").click()
         self.settle()
         clipped = self.pixels()
         self.assertNotEqual(clipped, whole)
-        self.find("clip-slice").click()
+        self.find("clip-0-slice").click()
         self.settle()
         self.assertNotEqual(self.pixels(), clipped)
         self.check_against_command()
@@ -181,16 +181,65 @@ class Tools(PageTest):
             self.assertTrue(moves(self.js("rhoray.active.document.clip.planes[0].point[0]")))
             self.assertEqual(self.js("rhoray.active.layers.at(-1).spec.normal"), [1, 0, 0])
             self.check_against_command()
-        for switch in ("clip-slice", "clip-plane", "clip-box"):
+        for switch in ("clip-0-slice", "clip-0-remove", "clip-box"):
             self.find(switch).click()
             self.settle()
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 6)
+        faces = "Object.fromEntries(rhoray.active.clipHandles.map(({ name, value }) => [name, value()]))"
+        before = self.js(faces)
         handle = self.driver.find_element(By.CSS_SELECTOR, ".face:not([hidden])")
-        self.drag(handle, (0, 0), [(8, 8)] * 5)
+        name = handle.get_attribute("aria-label").removesuffix(", view A")
+        picture, place = self.canvas().rect, handle.rect
+        inward = [int((picture[side] + picture[extent] / 2 - place[side]) / 10)
+                  for side, extent in (("x", "width"), ("y", "height"))]
+        self.drag(handle, (0, 0), [inward] * 5)
         self.settle()
-        self.assertTrue(self.js("rhoray.active.document.clip.box"))
+        moved = self.js(faces).items() - before.items()
+        self.assertEqual([face for face, _ in moved], [name], "the other faces stay")
+        self.assertGreater(abs(dict(moved)[name] - before[name]), 1)
         self.find("clip-handles").click()
         self.wait("document.querySelectorAll('.face').length === 0")
+        self.check_console()
+
+    def test_several_clip_planes(self):
+        write_volume(self.folder / "ball.npy")
+        planes = [{"point": [20, 31, 31], "normal": [1, 0, 0]}, {"point": [31, 31, 40], "normal": [0, 0, -1]}]
+        (self.folder / "ball.json").write_text(json.dumps({
+            "data": {"ball": {"file": "ball.npy"}}, "layers": [{"type": "isosurface", "data": "ball", "isovalue": 0.3}],
+            "clip": {"planes": planes}}))
+        self.view("ball.json")
+        self.open_section("clipping")
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 2)
+        self.find("clip-add").click()
+        self.settle()
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 3)
+        self.find("clip-add").click()  # planes 3 and 4 both go through the middle of the data
+        self.settle()
+        places = [tuple(handle.rect.values()) for handle in self.driver.find_elements(By.CSS_SELECTOR, ".face")]
+        self.assertEqual(len(set(places)), 4, "no handle covers another")
+        self.find("clip-3-remove").click()
+        self.settle()
+        now = "rhoray.active.document.clip.planes"
+        for index in (1, 2):
+            self.find(f"clip-{index}-slice").click()
+        self.settle()
+        third = self.js(f"{now}[2]")
+        self.driver.find_element(By.CSS_SELECTOR, ".face[aria-label^='Clip plane 2']").send_keys(Keys.ARROW_LEFT)
+        self.settle()
+        moved = self.js(now)
+        self.assertEqual((moved[0], moved[2]), (planes[0], third))
+        self.assertGreater(moved[1]["point"][2], 40)
+        slices = "rhoray.active.layers.filter(({ spec }) => spec.type === 'slice').map(({ spec }) => spec.normal)"
+        self.assertEqual(self.js(slices), [[0, 0, -1], third["normal"]])
+        self.check_against_command()
+        self.find("clip-1-remove").click()  # its slice goes with it
+        self.settle()
+        self.assertEqual(self.js(now), [planes[0], third])
+        self.assertEqual(self.js(slices), [third["normal"]])
+        self.find("clip-0-remove").click()
+        self.settle()
+        self.assertEqual(self.js(now), [third])
+        self.check_against_command()
         self.check_console()
 
     def test_effects_cost_rays_only_where_they_are_used(self):

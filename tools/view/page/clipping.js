@@ -2,29 +2,37 @@
 import { frameOf, project } from "./camera.js";
 import { button, describeSlider, keyValue, make } from "./controls.js";
 import { equal, put } from "./patch.js";
-import { add, clamp, corners, distance, dot, length, middle, scale, subtract, unit } from "./vectors.js";
+import { add, clamp, corners, cross, distance, dot, length, middle, scale, subtract, unit } from "./vectors.js";
 
 const axes = ["x", "y", "z"], thinnestShare = 1e-3;
+/** Handles of planes are this share of the diagonal apart, so many of them in a row. */
+const handleShare = 0.08, handleRow = 5;
 /** A slice on the cut is moved by this share of the diagonal into what is shown. */
 const sliceShift = 1e-6;
 
 const clipOf = (view) => view.document.clip ?? {};
-const planeOf = (view) => clipOf(view).planes?.[0];
+const planesOf = (view) => clipOf(view).planes ?? [];
 const diagonal = (view) => distance(...view.hello.bounds);
 
-/** Changes keys of the clip region; the slice on the cut follows. */
+/**
+ * Changes keys of the clip region; the slices on its cuts follow. A plane that becomes null is
+ * removed, and its slices with it.
+ */
 function setClip(view, changes, moving = false) {
-  const { box, planes = [], keep } = { ...clipOf(view), ...changes }, cuts = cutLayers(view);
-  const clip = { ...box && { box }, ...planes.length && { planes } };
+  const { box, planes = [], keep } = { ...clipOf(view), ...changes }, kept = planes.filter(Boolean);
+  const cuts = planes.map((_, i) => cutLayers(view, planesOf(view)[i]));
+  const clip = { ...box && { box }, ...kept.length && { planes: kept } };
   const isRegion = Object.keys(clip).length > 0;
   if (isRegion && keep) clip.keep = keep;
   view.edit((patch) => {
     for (const key of ["box", "planes", "keep"]) put(patch, ["clip", key], clip[key] ?? null);
     if (!isRegion) patch.clip = null;
-    for (const number of planes.length ? cuts : [])
-      Object.assign(patch.layers[number], cutPlane(view, planes[0], keep));
+    planes.forEach((plane, i) => {
+      for (const number of plane ? cuts[i] : [])
+        Object.assign(patch.layers[number], cutPlane(view, plane, keep));
+    });
   }, moving);
-  if (planes.length === 0) removeCuts(view, cuts);
+  removeCuts(view, cuts.filter((_, i) => !planes[i]).flat());
 }
 
 function cutPlane(view, { point, normal }, keep) {
@@ -32,18 +40,18 @@ function cutPlane(view, { point, normal }, keep) {
   return { point: add(point, scale(way, unit(normal))), normal };
 }
 
-/** Numbers of the added slices that are on the cut. */
-function cutLayers(view) {
-  const plane = planeOf(view), near = 1e3 * sliceShift * diagonal(view);
+/** Numbers of the added slices that are on the cut of a plane. */
+function cutLayers(view, plane) {
+  const near = 1e3 * sliceShift * diagonal(view);
   const isCut = ({ spec, isAdded }) => isAdded && spec.type === "slice" && spec.point &&
     equal(spec.normal, plane.normal) && distance(spec.point, plane.point) < near;
   return plane ? view.layers.filter(isCut).map((layer) => layer.number) : [];
 }
 
-function addCut(view) {
+function addCut(view, plane) {
   const data = Object.keys(view.hello.data).find((name) => view.hello.data[name].kind !== "surface");
-  if (data) view.addLayer({ type: "slice", data, ...cutPlane(view, planeOf(view), clipOf(view).keep) });
-  else view.app.showError("A slice needs a grid or a mesh, and there is none.");
+  if (data) view.addLayer({ type: "slice", data, ...cutPlane(view, plane, clipOf(view).keep) });
+  else view.app.showError(view, "A slice needs a grid or a mesh, and there is none.");
 }
 
 /** The last goes first: it leaves the numbers of the others. */
@@ -59,63 +67,74 @@ function setFace(view, end, axis, value, moving) {
 }
 
 /** Offsets along a plane's normal: of the plane, and the least and largest of the data. */
-function offsets(view) {
-  const { point, normal } = planeOf(view) ?? { point: [0, 0, 0], normal: axisVector(0) };
+function offsets(view, { point, normal }) {
   const all = corners(view.hello.bounds).map((corner) => dot(corner, unit(normal)));
   return { now: dot(point, unit(normal)), low: Math.min(...all), high: Math.max(...all) };
 }
 
-/** Puts the plane at an offset along its normal, by default in the middle of the data. */
-function setPlane(view, direction, offset, moving) {
+/** Puts a plane, or a new one, at an offset along its normal, by default in the middle of the data. */
+function setPlane(view, index, direction, offset, moving) {
   const normal = unit(direction), centre = middle(...view.hello.bounds), middleOffset = dot(centre, normal);
   const point = add(centre, scale((offset ?? middleOffset) - middleOffset, normal));
-  setClip(view, { planes: [{ point, normal }, ...clipOf(view).planes?.slice(1) ?? []] }, moving);
+  setClip(view, { planes: Object.assign([...planesOf(view)], { [index]: { point, normal } }) }, moving);
 }
 
 const away = (view) => scale(-1, frameOf(view.camera).back);
 const axisVector = (axis) => [0, 1, 2].map((i) => Number(i === axis));
+/** Where the handle of a plane is: in the plane, and apart from the handles of the others. */
+function handlePlace(view, index) {
+  const { point, normal } = planesOf(view)[index];
+  const side = unit(cross(normal, axisVector(normal.findIndex((x) => Math.abs(x) < 0.6 * length(normal)))));
+  return add(point, scale(index % handleRow * handleShare * diagonal(view), side));
+}
+
+const planeName = (index) => `Clip plane ${index + 1}`;
 const axisOf = ({ normal }) => axes.find((_, i) => Math.abs(unit(normal)[i]) > 1 - 1e-9) ?? "camera";
 
 /** @param onHandles  is called with the view when its handles are to be shown or hidden */
 export function showClipping(panel, view, onHandles) {
-  const hasBox = Boolean(clipOf(view).box), hasPlane = Boolean(planeOf(view));
+  const hasBox = Boolean(clipOf(view).box), planeCount = planesOf(view).length;
   const { bounds, length_unit: lengthUnit, words } = view.hello;
-  panel.show([view.name, hasBox, hasPlane], () => [
+  panel.show([view.name, hasBox, planeCount], () => [
     panel.checkbox({ id: "clip-box", label: "Clip box", get: () => clipOf(view).box,
                      set: (on) => setClip(view, { box: on ? bounds : null }) }),
     hasBox && axes.map((name, axis) => [0, 1].map((end) => panel.slider({
       id: `clip-${name}-${end ? "high" : "low"}`, label: `${name} ${end ? "to" : "from"}`, unit: lengthUnit,
       min: bounds[0][axis], max: bounds[1][axis], get: () => clipOf(view).box?.[end][axis],
       set: (value, moving) => setFace(view, end, axis, value, moving) }))),
-    (hasBox || hasPlane) && panel.checkbox({ id: "clip-handles", label: "Show handles in the picture",
+    planesOf(view).map((_, index) => planePart(panel, view, index)),
+    make("div", { class: "buttons" },
+      button("Add a clip plane", () => setPlane(view, planeCount, axisVector(planeCount % axes.length)),
+             { id: "clip-add" })),
+    (hasBox || planeCount > 0) && panel.checkbox({ id: "clip-handles", label: "Show handles in the picture",
       get: () => !view.hidesHandles, set: (on) => { view.hidesHandles = !on; onHandles(view); } }),
-    panel.checkbox({ id: "clip-plane", label: "Clip plane", get: () => planeOf(view),
-      set: (on) => on ? setPlane(view, axisVector(0))
-        : setClip(view, { planes: clipOf(view).planes.slice(1) }) }),
-    hasPlane && planePart(panel, view, lengthUnit),
-    (hasBox || hasPlane) && panel.select({ id: "clip-keep", label: "Show",
+    (hasBox || planeCount > 0) && panel.select({ id: "clip-keep", label: "Show",
       options: words.keep ?? ["inside", "outside"], get: () => clipOf(view).keep ?? "inside",
       set: (keep) => setClip(view, { keep }) })]);
 }
 
-function planePart(panel, view, lengthUnit) {
-  return [
-    panel.select({ id: "clip-direction", label: "Plane direction",
-      options: [...axes, ["camera", "facing me"]], get: () => planeOf(view) && axisOf(planeOf(view)),
-      set: (name) => setPlane(view, name === "camera" ? away(view) : axisVector(axes.indexOf(name))) }),
-    panel.slider({ id: "clip-position", label: "Plane position", unit: lengthUnit,
-      min: () => offsets(view).low, max: () => offsets(view).high, get: () => offsets(view).now,
-      set: (offset, moving) => setPlane(view, planeOf(view).normal, offset, moving) }),
+function planePart(panel, view, index) {
+  const plane = () => planesOf(view)[index], id = (name) => `clip-${index}-${name}`;
+  return make("fieldset", {}, make("legend", { text: planeName(index) }),
+    panel.select({ id: id("direction"), label: "Direction",
+      options: [...axes, ["camera", "facing me"]], get: () => axisOf(plane()),
+      set: (name) => setPlane(view, index, name === "camera" ? away(view) : axisVector(axes.indexOf(name))) }),
+    panel.slider({ id: id("position"), label: "Position", unit: view.hello.length_unit,
+      min: () => offsets(view, plane()).low, max: () => offsets(view, plane()).high,
+      get: () => offsets(view, plane()).now,
+      set: (offset, moving) => setPlane(view, index, plane().normal, offset, moving) }),
+    panel.checkbox({ id: id("slice"), label: "Slice on the cut", get: () => cutLayers(view, plane()).length > 0,
+      set: (on) => on ? addCut(view, plane()) : removeCuts(view, cutLayers(view, plane())) }),
     make("div", { class: "buttons" },
-      button("Face me again", () => setPlane(view, away(view)), { id: "clip-face" }),
-      button("Flip the plane", () => setPlane(view, scale(-1, planeOf(view).normal), -offsets(view).now),
-             { id: "clip-flip" })),
-    panel.checkbox({ id: "clip-slice", label: "Slice on the cut", get: () => cutLayers(view).length > 0,
-      set: (on) => on ? addCut(view) : removeCuts(view, cutLayers(view)) })];
+      button("Face me again", () => setPlane(view, index, away(view)), { id: id("face") }),
+      button("Flip", () => setPlane(view, index, scale(-1, plane().normal), -offsets(view, plane()).now),
+             { id: id("flip") }),
+      button("Remove", () => setClip(view, { planes: Object.assign([...planesOf(view)], { [index]: null }) }),
+             { id: id("remove"), "aria-label": `Remove ${planeName(index).toLowerCase()}` })));
 }
 
 /**
- * Places a small square on each face of the clip box and on the clip plane. Dragging it moves the
+ * Places a small square on each face of the clip box and on each clip plane. Dragging it moves the
  * face or the plane.
  */
 export function placeHandles(view) {
@@ -142,12 +161,14 @@ function handlesOf(view) {
     place: () => faceCentre(clipOf(view).box, end, axis), way: () => axisVector(axis),
     range: () => view.hello.bounds.map((corner) => corner[axis]), value: () => clipOf(view).box[end][axis],
     moveTo: (value) => setFace(view, end, axis, value, true) });
-  const plane = {
-    name: "Clip plane", place: () => planeOf(view).point, way: () => unit(planeOf(view).normal),
-    range: () => [offsets(view).low, offsets(view).high], value: () => offsets(view).now,
-    moveTo: (value) => setPlane(view, planeOf(view).normal, value, true) };
+  const ofPlane = (_, index) => {
+    const plane = () => planesOf(view)[index], reach = () => offsets(view, plane());
+    return { name: planeName(index), place: () => handlePlace(view, index), way: () => unit(plane().normal),
+             range: () => [reach().low, reach().high], value: () => reach().now,
+             moveTo: (value) => setPlane(view, index, plane().normal, value, true) };
+  };
   const faces = clipOf(view).box ? axes.flatMap((_, axis) => [face(0, axis), face(1, axis)]) : [];
-  return planeOf(view) ? [...faces, plane] : faces;
+  return [...faces, ...planesOf(view).map(ofPlane)];
 }
 
 /** Places an element over the picture, or hides it if the place is outside. */
