@@ -68,7 +68,7 @@ class Viewer:
     """The running program. Its address stays the same when it is started again."""
 
     def __init__(self, *words, folder):
-        self.words, self.folder, self.process, self.port = words, folder, None, None
+        self.words, self.folder, self.process, self.port, self.said = words, folder, None, None, ""
         self.start()
 
     def start(self):
@@ -81,25 +81,26 @@ class Viewer:
         self.port = int(re.match(r"http://127\.0\.0\.1:(\d+)/", self.url).group(1))
 
     def stop(self):
-        """Its exit code."""
+        """Its exit code. `said` is then what it wrote to stderr."""
         self.process.terminate()
-        code = self.process.wait(timeout=PATIENCE_S)
-        self.process.stdout.close()
-        self.process.stderr.close()
-        return code
+        _, self.said = self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode
 
 
 class BrowserTest(unittest.TestCase):
     """Gives each test a folder, and all tests of a class one browser."""
 
     pixel_ratio = 1  # device pixels for each pixel of CSS
+    window = (1100, 760)
+    preferences = {}  # of the browser
 
     @classmethod
     def setUpClass(cls):
         options = webdriver.ChromeOptions()
-        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1100,760",
-                     f"--force-device-scale-factor={cls.pixel_ratio}"):
+        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
+                     f"--window-size={cls.window[0]},{cls.window[1]}", f"--force-device-scale-factor={cls.pixel_ratio}"):
             options.add_argument(word)
+        options.add_experimental_option("prefs", cls.preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         cls.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
         cls.driver.set_script_timeout(PATIENCE_S)

@@ -2,9 +2,12 @@
 import math
 import os
 import subprocess
+import time
 import unittest
 
 from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 from browser import RHORAY, write_volume
 from page import PageTest
@@ -89,6 +92,38 @@ class SharpScreen(PageTest):
             self.assertAlmostEqual(x, self.js(f"rhoray.active.canvas.{side}") / 2, delta=2)
 
 
+class BlockedStorage(PageTest):
+    preferences = {"profile.default_content_setting_values.cookies": 2}
+
+    def test_the_page_needs_no_storage(self):
+        self.volume("--iso", "0.5")
+        self.driver.execute_script("rhoray.active.connection.socket.close()")
+        self.wait("!rhoray.active.isOnline")
+        self.wait("rhoray.active.isOnline", "the next connection, with the same token")
+        self.settle()
+        self.find("help-button").click()
+        self.find("character-keys").click()
+        self.check_console()
+
+
+class LargeScreen(PageTest):
+    window = (5000, 700)
+
+    def test_a_picture_with_fewer_pixels_than_the_window_is_not_stretched(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        canvas = "rhoray.active.canvas"
+        width, height = self.js(f"[{canvas}.width, {canvas}.height]")
+        self.assertEqual(width, 4096)
+        self.assertAlmostEqual(width / height, self.js(f"{canvas}.clientWidth / {canvas}.clientHeight"), delta=0.01)
+        # A pin is where it was clicked, and its marker, too.
+        ActionChains(self.driver).move_to_element_with_offset(self.canvas(), 100, 50).pause(0.2).click().perform()
+        self.wait("rhoray.pins.length === 1")
+        marker = self.js("document.querySelector('.marker').getBoundingClientRect().toJSON()")
+        box = self.js(f"{canvas}.getBoundingClientRect().toJSON()")
+        for side, offset, extent in (("x", 100, "width"), ("y", 50, "height")):
+            self.assertAlmostEqual(marker[side] + marker[extent] / 2, box[side] + box[extent] / 2 + offset, delta=2)
+
+
 class Trouble(PageTest):
     def state(self):
         return self.find("state").text
@@ -109,12 +144,30 @@ class Trouble(PageTest):
     def test_the_page_says_that_a_server_is_gone_or_has_another_token(self):
         viewer = self.volume()
         self.assertEqual(viewer.stop(), 0)
+        self.assertNotIn("interrupted", viewer.said)
         self.wait("document.getElementById('state').textContent.startsWith('no connection')")
         viewer.start()
         self.wait("document.getElementById('state').textContent.startsWith('not let in: open the URL')")
         self.assertEqual(self.js("document.getElementById('announcement').textContent"), self.state())
         self.open(viewer)
         self.assertEqual(self.state(), "finished, lossless")
+
+    def test_a_probe_that_waits_is_said_and_so_is_one_that_gets_no_answer(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        # A server that answers late: the page keeps the probe.
+        self.driver.execute_script("""
+          const { prober } = rhoray.active, { send } = prober;
+          prober.send = (message) => { window.held = () => send(message); return true; };""")
+        self.canvas().send_keys("p")
+        self.wait("document.getElementById('probe').textContent === 'The probe waits for an answer.'")
+        time.sleep(3.5)  # the page once gave up after 3 s
+        self.js("held()")
+        self.wait("document.getElementById('probe').textContent.startsWith('Position')")
+        self.canvas().send_keys("p")
+        self.wait("document.getElementById('probe').textContent === 'The probe waits for an answer.'")
+        self.driver.execute_script("rhoray.active.connection.socket.close()")
+        self.wait("document.getElementById('probe').textContent.startsWith('The probe got no answer: ')")
+        self.wait("rhoray.active.isOnline", "the next connection")
 
     def test_a_file_cut_short_is_said_and_the_server_lives(self):
         write_volume(self.folder / "ball.npy")
@@ -152,6 +205,29 @@ class Trouble(PageTest):
         self.find("layer-0-visible").click()
         self.settle()
         self.assertEqual(self.pixels(), before)
+        self.wait("document.getElementById('alert').hidden")
+
+    def test_each_of_two_views_has_its_own_state_and_its_own_errors(self):
+        self.volume("--iso", "0.5")
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 2")
+        self.settle()
+        self.find("picture-2").send_keys(Keys.NULL)
+        self.find("layer-0-visible").click()
+        self.wait("!document.getElementById('alert').hidden")
+        self.assertRegex(self.find("alert-text").text, "^View B: .*no layer is visible")
+        self.canvas().send_keys(Keys.ARROW_LEFT)  # another view's picture does not mend it
+        self.wait("rhoray.views[0].isAtRest && rhoray.views[0].drawn.isLossless")
+        labels = [label.text for label in self.driver.find_elements(By.CLASS_NAME, "view-label")]
+        self.assertEqual(labels, ["View A, edited by the panels: finished, lossless", "View B: refused"])
+        self.assertFalse(self.js("document.getElementById('alert').hidden"))
+        self.find("picture-2").send_keys(Keys.NULL)
+        self.find("layer-0-visible").click()
+        self.wait("document.getElementById('alert').hidden")
+        self.find("layer-0-visible").click()
+        self.wait("!document.getElementById('alert').hidden")
+        self.find("compare").click()  # the refusal goes with its view
+        self.wait("document.getElementById('alert').hidden")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import unittest
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 from browser import RHORAY
 from page import PageTest
@@ -26,6 +27,8 @@ class Results(PageTest):
         self.assertIn("iso=0.4", link)
         self.assertNotIn("token", link)
         self.assertLess(len(link), 300)
+        self.find("copy-link").click()
+        self.wait("document.getElementById('probe').textContent.includes('append the part after # to the URL')")
         picture = self.rendered(self.command())
         self.set_number("layer-0-isovalue", 0.6)  # the page that is left shows something else
         self.settle()
@@ -73,6 +76,52 @@ class Results(PageTest):
         self.settle()
         self.assertEqual(self.different_pixels(frames[0].read_bytes()), 0)
         self.assertEqual(self.different_pixels(first), 0)
+
+    def test_a_reload_keeps_views_pins_and_bookmarks(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        ActionChains(self.driver).move_to_element_with_offset(self.canvas(), 40, 0).pause(0.2).click().perform()
+        self.wait("rhoray.pins.length === 1")
+        self.canvas().send_keys("b")
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 2")
+        self.settle()
+        self.find("link-cameras").click()
+        self.find("picture-2").send_keys(Keys.ARROW_LEFT)
+        self.settle()
+        self.set_number("layer-0-isovalue", 0.2)
+        state = """JSON.stringify([rhoray.pins, rhoray.views.map(({ patch, camera }) => [patch, camera]),
+                                   document.getElementById('link-cameras').checked,
+                                   document.getElementById('bookmarks').textContent])"""
+        before = self.js(state)
+        self.wait("location.hash.includes('iso=0.2')")
+        self.driver.refresh()
+        self.wait("window.rhoray && rhoray.views.length === 2")
+        self.settle()
+        self.wait(f"document.getElementById('bookmarks') && {state} === {json.dumps(before)}", before)
+        self.check_console()
+
+    def test_orthographic_bookmarks_keep_their_zoom_in_a_film(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        self.open_section("bookmarks")
+        self.canvas().send_keys("b")  # perspective
+        self.canvas().send_keys("o")
+        self.settle()
+        self.canvas().send_keys("b")
+        self.canvas().send_keys("4++++")
+        self.settle()
+        self.canvas().send_keys("b")
+        self.find("bookmark-path").click()
+        self.wait("!document.getElementById('alert').hidden")
+        self.assertIn("perspective or orthographic, and the saved views are both", self.find("alert-text").text)
+        self.find("bookmark-0-remove").click()
+        saved = self.downloaded("ball.npy-path.json", lambda: self.find("bookmark-path").click())
+        subprocess.run([str(RHORAY), "render", str(saved), "--frames", "2", "-o", "film_%04d.png"], cwd=self.folder,
+                       check=True, capture_output=True)
+        frames = sorted(self.folder.glob("film_*.png"))
+        self.assertEqual(self.different_pixels(frames[1].read_bytes()), 0)
+        self.find("bookmark-0-go").click()
+        self.settle()
+        self.assertEqual(self.different_pixels(frames[0].read_bytes()), 0)
 
     def test_pins_are_saved_as_a_table(self):
         self.volume("--iso", "0.5")

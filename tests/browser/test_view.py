@@ -108,14 +108,25 @@ class Motion(PageTest):
         self.wait("rhoray.active.probe && rhoray.active.probe.position", "the probe of the centre")
         ActionChains(self.driver).send_keys(Keys.ENTER).perform()
         self.wait("rhoray.pins.length === 1")
+        ActionChains(self.driver).send_keys("t").perform()
+        self.wait("JSON.stringify(rhoray.active.camera.target) === JSON.stringify(rhoray.pins[0].position)", "the pivot")
         handle = self.find("layer-0-handle")
         before = self.js("rhoray.active.document.layers[0].isovalue")
         handle.send_keys(Keys.ARROW_RIGHT)
         self.wait(f"rhoray.active.document.layers[0].isovalue > {before}")
-        ActionChains(self.driver).send_keys("h").perform()
-        self.wait("document.getElementById('help').open")
-        ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
-        self.wait("!document.getElementById('help').open")
+        for key in "h?":
+            ActionChains(self.driver).send_keys(key).perform()
+            self.wait("document.getElementById('help').open")
+            ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
+            self.wait("!document.getElementById('help').open")
+
+    def test_the_middle_becomes_the_pivot_where_no_point_is_known(self):
+        self.volume("--iso", "0.5", "--view", "front")
+        target = self.js("rhoray.active.camera.target")
+        self.canvas().send_keys("t")
+        self.wait(f"JSON.stringify(rhoray.active.camera.target) !== {json.dumps(json.dumps(target, separators=(',', ':')))}")
+        self.wait("document.getElementById('probe').textContent.startsWith('The view turns around this point')")
+        self.assertEqual(self.js("rhoray.active.camera.target"), self.js("rhoray.active.probe.position"))
 
     def test_keys_of_one_character_can_be_switched_off(self):
         viewer = self.volume()
@@ -160,6 +171,18 @@ class Tools(PageTest):
             ActionChains(self.driver).move_to_element_with_offset(self.canvas(), offset, 0).pause(0.2).click().perform()
             self.wait(f"rhoray.pins.length === {1 if offset < 0 else 2}")
         self.assertIn("distance from pin 1", self.find("pins").text)
+
+    def test_a_click_is_answered_while_a_picture_takes_long(self):
+        self.driver.set_window_size(2200, 1500)
+        self.addCleanup(self.driver.set_window_size, *self.window)
+        self.volume("--iso", "0.5", "--view", "front", "--style", "presentation")
+        self.driver.execute_script("""rhoray.active.set(["effects", "ambient_occlusion"], { samples: 64 });
+          rhoray.active.set(["image", "antialias"], 16);""")
+        self.wait("rhoray.active.drawn.request === rhoray.active.requestNumber", "the first pass")
+        ActionChains(self.driver).move_to_element(self.canvas()).click().perform()
+        self.wait("rhoray.pins.length === 1")
+        self.assertNotEqual(self.js("rhoray.active.finished.n"), self.js("rhoray.active.requestNumber"),
+                            "the picture no longer takes long: is this case still the hard one?")
 
     def test_clipping_and_the_slice_on_the_cut(self):
         self.volume("--iso", "0.3")
@@ -303,6 +326,33 @@ class Tools(PageTest):
         self.assertNotEqual(self.find("divider").get_attribute("aria-valuenow"), before)
         self.find("compare").click()
         self.wait("rhoray.views.length === 1")
+        self.check_console()
+
+    def test_two_views_with_two_fields_two_methods_and_cameras_of_their_own(self):
+        self.mesh("--iso", "0.5", "--field", "height")
+        self.find("compare").click()
+        self.wait("rhoray.views.length === 2")
+        self.settle()
+        self.find("link-cameras").click()
+        self.open_section("scene")
+        first = self.js("JSON.stringify(rhoray.views[0].camera)")
+        self.activate(1)
+        Select(self.find("data-0-field")).select_by_value("distance")
+        self.settle()
+        Select(self.find("accuracy")).select_by_value("certified")
+        self.settle()
+        self.drag(self.find("picture-2"), (0, 0), [(5, 0)] * 10)
+        self.settle()
+        self.assertEqual(self.js("JSON.stringify(rhoray.views[0].camera)"), first)
+        self.assertNotEqual(self.js("JSON.stringify(rhoray.views[1].camera)"), first)
+        self.assertEqual(self.js("rhoray.views.map((view) => view.layers[0].info[0].field.name)"), ["height", "distance"])
+        self.assertEqual(self.js("rhoray.views.map((view) => view.method)"), ["float", "certified"])
+        for view in range(2):
+            self.activate(view)
+            self.check_against_command()
+        self.find("link-cameras").click()
+        self.settle()
+        self.assertEqual(*self.js("rhoray.views.map((view) => JSON.stringify(view.camera))"))
         self.check_console()
 
     def test_two_files_in_two_views(self):

@@ -29,15 +29,15 @@ export class Comparison {
     return this.app.views.length > 1;
   }
 
-  /** Opens a second view with the scene and the camera of the first, or closes it. */
-  toggle() {
+  /** Opens a second view, by default with the scene and the camera of the first, or closes it. */
+  toggle({ patch, camera } = this.app.views[0]) {
     const { views } = this.app, [first] = views;
     if (this.isOn) {
       views.pop().close();
       this.app.activate(first);
     } else {
       const second = new View("B", this.container, this.app);
-      this.app.addView(Object.assign(second, { patch: structuredClone(first.patch), camera: first.camera }));
+      this.app.addView(Object.assign(second, { patch: structuredClone(patch), camera }));
     }
     this.arrange();
   }

@@ -1,17 +1,22 @@
 // The WebSocket to the server: it connects again by itself, and hands over messages.
+import { ofTab } from "./storage.js";
+
 const firstRetryMs = 250, longestRetryMs = 8000;
 
 /** Below a proxy, viewers with tokens of their own have the same origin. */
 const tokenKey = () => `rhoray-token:${location.pathname}`;
+let token = null;
 
 /**
- * Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab.
+ * Takes the token out of the URL, so that no copied link contains it, and keeps it for this tab;
+ * where the browser blocks storage, until the page is loaded again.
  */
 export function takeToken() {
   const items = location.hash.slice(1).split("&");
   const given = items.find((item) => item.startsWith("token="));
   if (!given) return;
-  sessionStorage.setItem(tokenKey(), decodeURIComponent(given.slice("token=".length)));
+  token = decodeURIComponent(given.slice("token=".length));
+  ofTab.set(tokenKey(), token);
   const rest = items.filter((item) => item !== given).join("&");
   history.replaceState(null, "", `${location.pathname}${rest && `#${rest}`}`);
 }
@@ -42,7 +47,7 @@ export class Connection {
   connect() {
     const url = new URL("ws", location.href);
     url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
-    const token = sessionStorage.getItem(tokenKey());
+    token ??= ofTab.get(tokenKey());
     let wasOpen = false;
     const socket = new WebSocket(url, token ? ["rhoray.1", token] : ["rhoray.1"]);
     this.socket = socket;

@@ -159,7 +159,7 @@ function colorPart(panel, view, number) {
     set: (value) => {
       const wanted = (range.get() ?? layerOf(view, number).info[0]?.field?.range ?? [0, 1]).with(end, value);
       if (wanted[0] < wanted[1]) range.set(wanted);
-      else view.app.showError("The first value of the range must be below the last one.");
+      else view.app.showError(view, "The first value of the range must be below the last one.");
     } });
   return make("details", { id: `${id}-colors` }, make("summary", { text: "Colour map and range" }),
     panel.select({ ...field(view, number, "colormap", "Colour map"), options: colormap }),

@@ -12,6 +12,7 @@ import { fromFragment, toFragment } from "./link.js";
 import { download, downloadJson } from "./pictures.js";
 import { Pins, probeText } from "./pins.js";
 import { setOrthographic, showScene } from "./scene_controls.js";
+import { ofBrowser, ofTab } from "./storage.js";
 import { View } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
@@ -19,6 +20,7 @@ const linkMs = 300, keyStep = Math.PI / 36, keyZoom = 1.15, keyPan = 0.05;
 const halfFrameMs = 8;  // of a display at 60 Hz
 
 let isScheduled = false, needsRefresh = true, needsPlacing = false, linkTimer = 0, sentAt = 0;
+let refusedView = null;  // to which the shown refusal belongs
 
 /** What the views and the panels call when something changes. */
 const app = {
@@ -59,8 +61,9 @@ const app = {
       const isActive = view === app.active;
       view.section.classList.toggle("active", areTwo && isActive);
       view.label.hidden = !areTwo;
-      view.label.textContent = `View ${view.name}${isActive ? ", edited by the panels" : ""}`;
+      view.labelName.textContent = `View ${view.name}${isActive ? ", edited by the panels" : ""}`;
     }
+    $("state").hidden = areTwo;
   },
   greeted(view) {
     if (view !== app.views[0]) return;
@@ -69,6 +72,7 @@ const app = {
     $("program").textContent = view.hello.program;
     makeStandardViews(view);
     restore(view);
+    restoreAfterReload();
   },
   /** Follows a change of the camera, which has scheduled a frame. */
   cameraMoved(view, moving, tellsOthers) {
@@ -84,6 +88,7 @@ const app = {
     view.orientation.place(view);
   },
   stateChanged(view, isNews = false) {
+    if (view.labelState.textContent !== view.state) view.labelState.textContent = view.state;
     if (view !== app.active) return;
     const text = app.views.length > 1 ? `View ${view.name}: ${view.state}` : view.state;
     if ($("state").textContent !== text) $("state").textContent = text;
@@ -94,10 +99,16 @@ const app = {
     clearTimeout(linkTimer);
     linkTimer = setTimeout(writeLink, linkMs);
   },
-  showError(text) {
-    $("alert-text").textContent = text;
+  /** @param isRefusal  of a request: it is hidden when a later one of this view is finished */
+  showError(view, text, isRefusal = false) {
+    $("alert-text").textContent = app.views.length > 1 ? `View ${view.name}: ${text}` : text;
     $("alert").hidden = false;
+    refusedView = isRefusal ? view : null;
   },
+  hideRefusal(view) {
+    if (view === refusedView) $("alert").hidden = true;
+  },
+  say,
 };
 
 const pins = new Pins(app.refresh), bookmarks = new Bookmarks(app.refresh);
@@ -154,12 +165,27 @@ async function click(view, pixel) {
 /** The point that was hit becomes the pivot. */
 async function doubleClick(view, pixel) {
   const answer = await view.prober.ask(pixel);
-  if (answer?.position) view.setCamera(lookAt(view.camera, answer.position), false);
+  if (answer) makePivot(view, answer);
 }
 
+/** The view turns around the point of a probe from now on. */
+function makePivot(view, answer) {
+  if (answer.position) view.setCamera(lookAt(view.camera, answer.position), false);
+  say(answer.position ? `The view turns around this point from now on. ${probeText(answer)}` : probeText(answer));
+}
+
+/** The newest point, or else the newest pin or what is in the middle, becomes the pivot. */
+async function pivotByKey() {
+  const view = app.active;
+  const known = [view.prober.newest, pins.list.at(-1)].find((answer) => answer?.position);
+  const answer = known ?? await view.prober.ask(middlePixel(view));
+  if (answer) makePivot(view, answer);
+}
+
+const middlePixel = ({ canvas }) => [canvas.width, canvas.height].map((side) => Math.floor(side / 2));
+
 async function probeCentre() {
-  const { canvas, prober } = app.active;
-  const answer = await prober.ask([canvas.width, canvas.height].map((side) => Math.floor(side / 2)));
+  const answer = await app.active.prober.ask(middlePixel(app.active));
   if (answer) say(probeText(answer));
 }
 
@@ -185,10 +211,37 @@ function restore(view) {
   try {
     view.openLink(fromFragment(view.hello, location.hash.slice(1)));
   } catch (error) {
-    app.showError(error.message);
+    app.showError(view, error.message);
   }
 }
 
+/** Below a proxy, several viewers have the same origin. */
+const reloadKey = () => `rhoray-page:${location.pathname}`;
+
+/** Keeps for this tab what a reload would lose. */
+function keepForReload() {
+  const { layout, areLinked } = comparison, { list, count } = bookmarks;
+  const views = app.views.map(({ patch, camera }) => ({ patch, camera }));
+  ofTab.set(reloadKey(), JSON.stringify({ hash: location.hash, pins: pins.list, bookmarks: { list, count }, views,
+                                          comparison: { layout, areLinked } }));
+}
+
+/** Shows what was kept, if the page was reloaded and its link is still the same. */
+function restoreAfterReload() {
+  const isReload = performance.getEntriesByType("navigation")[0]?.type === "reload";
+  const kept = isReload && JSON.parse(ofTab.get(reloadKey()));
+  if (!kept || kept.hash !== location.hash) return;
+  pins.list.push(...kept.pins);
+  Object.assign(bookmarks, kept.bookmarks);
+  Object.assign(comparison, kept.comparison);
+  const [first, second] = kept.views;
+  app.views[0].openLink(first);
+  if (second) comparison.toggle(second);
+}
+
+window.addEventListener("pagehide", () => {
+  if (app.active.hello) keepForReload();
+});
 window.addEventListener("hashchange", () => {
   takeToken();
   if (app.active.hello) restore(app.active);
@@ -203,15 +256,19 @@ const move = (act) => app.active.setCamera(act(app.active.camera, app.active.hel
 const enlarge = (factor) => move((camera) => zoom(camera, factor));
 const showHelp = () => $("help").showModal();
 
+/** The token is a secret of this server, and therefore not part of links. */
+const linkUse = "To open it elsewhere, append the part after # to the URL that the program printed, as in " +
+  "…#token=…&iso=0.4.";
+
 /** Copies a text, and shows it in case that the browser does not allow to copy. */
-async function copy(text, what) {
+async function copy(text, what, use = "") {
   $("copied").textContent = text;
   try {
     await navigator.clipboard.writeText(text);
-    say(`${what} copied.`);
+    say(`${what} copied. ${use}`.trim());
   } catch {
     getSelection().selectAllChildren($("copied"));
-    say(`${what}: select and copy the text in the panel.`);
+    say(`${what}: select and copy the text in the panel. ${use}`.trim());
   }
 }
 
@@ -222,11 +279,11 @@ const saveScene = () => app.active.keep((kept) =>
 function savePng() {
   const { png, isAtRest, hello } = app.active;
   if (png && isAtRest) download(png, `${hello.title}.png`);
-  else app.showError("The picture is not finished yet. Try again when it is lossless.");
+  else app.showError(app.active, "The picture is not finished yet. Try again when it is lossless.");
 }
 
 const buttons = { command: askCommand, "save-scene": saveScene, save: savePng,
-                  "copy-link": () => { writeLink(); copy(location.href, "Link"); } };
+                  "copy-link": () => { writeLink(); copy(location.href, "Link", linkUse); } };
 for (const [id, act] of Object.entries(buttons))
   $(id).addEventListener("click", () => { if (app.active.hello) act(); });
 $("help-button").addEventListener("click", showHelp);
@@ -235,27 +292,24 @@ $("alert-close").addEventListener("click", () => { $("alert").hidden = true; app
 const keys = {
   "+": () => enlarge(keyZoom), "=": () => enlarge(keyZoom), "-": () => enlarge(1 / keyZoom),
   r: reset, c: askCommand, s: savePng, d: saveScene,
-  l: buttons["copy-link"], p: probeCentre, b: () => bookmarks.add(app.active), v: () => comparison.toggle(),
+  l: buttons["copy-link"], p: probeCentre, t: pivotByKey,
+  b: () => bookmarks.add(app.active), v: () => comparison.toggle(),
   o: () => setOrthographic(app.active, !app.active.camera.ortho_height), "?": showHelp, h: showHelp,
 };
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 /**
  * Whether keys of one character act. Users who dictate switch them off, because spoken words would
- * press them. The browser remembers this for the page's address, unless its frame has no storage.
+ * press them. The browser remembers this for the page's address.
  */
 const characterKeys = {
   key: "rhoray-character-keys",
   box: $("character-keys"),
   restore() {
-    try {
-      this.box.checked = localStorage.getItem(this.key) !== "off";
-    } catch { /* no storage */ }
+    this.box.checked = ofBrowser.get(this.key) !== "off";
   },
   store() {
-    try {
-      localStorage.setItem(this.key, this.box.checked ? "on" : "off");
-    } catch { /* no storage */ }
+    ofBrowser.set(this.key, this.box.checked ? "on" : "off");
   },
 };
 characterKeys.restore();

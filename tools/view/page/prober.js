@@ -1,6 +1,7 @@
 // Probes of pixels: at most one is under way, and of those of a moving pointer only the newest
 // waits.
-const patienceMs = 3000;
+const patienceMs = 1000;
+const noAnswer = "The probe got no answer: its connection has ended. Try again when the picture is back.";
 
 export class Prober {
   newest = null;    // the newest answer
@@ -9,33 +10,40 @@ export class Prober {
   #asked = [];      // by clicks and keys: each is answered
   #hovering = null;
 
-  /** @param send  sends an object to the server and returns whether it could */
-  constructor(send) {
-    this.send = send;
+  /**
+   * @param send  sends an object to the server and returns whether it could
+   * @param say   shows the user a sentence: that a probe waits, or why it has no answer
+   */
+  constructor(send, say) {
+    Object.assign(this, { send, say });
   }
 
   /** Resolves with the answer for a pixel of the canvas, or with null if none comes. */
   ask(pixel) {
     return new Promise((then) => {
-      this.#asked.push({ pixel, then });
+      const timer = setTimeout(() => this.say("The probe waits for an answer."), patienceMs);
+      this.#asked.push({ pixel, then, timer, isAsked: true });
       this.#next();
     });
   }
 
-  /** As ask(), but a later call replaces one that still waits. */
+  /** Calls then() with the answer, unless none comes or a later call replaces this one. */
   hover(pixel, then) {
     this.#hovering = { pixel, then };
     this.#next();
   }
 
   take(answer) {
-    if (answer.id === this.#underWay?.id) this.#end(this.newest = answer);
+    if (answer.id !== this.#underWay?.id) return;
+    if (!answer.why_not) this.newest = answer;
+    this.#end(answer);
   }
 
+  /** No probe is answered any more: the connection was lost. */
   reset() {
-    this.#hovering = null;
-    for (const { then } of this.#asked.splice(0)) then(null);
-    if (this.#underWay) this.#end(null);
+    const lost = [this.#underWay, ...this.#asked.splice(0)].filter(Boolean);
+    this.#hovering = this.#underWay = null;
+    for (const probe of lost) this.#finish(probe, { why_not: noAnswer });
   }
 
   #next() {
@@ -43,15 +51,23 @@ export class Prober {
     if (!wanted) return;
     if (wanted === this.#hovering) this.#hovering = null;
     const id = ++this.#id;
-    this.#underWay = { ...wanted, id, timer: setTimeout(() => this.#end(null), patienceMs) };
-    if (!this.send({ probe: wanted.pixel, id })) this.#end(null);
+    this.#underWay = { ...wanted, id };
+    if (!this.send({ probe: wanted.pixel, id })) this.#end({ why_not: noAnswer });
   }
 
   #end(answer) {
-    const { then, timer } = this.#underWay;
-    clearTimeout(timer);
+    const probe = this.#underWay;
     this.#underWay = null;
-    then(answer);
+    this.#finish(probe, answer);
     this.#next();
+  }
+
+  #finish({ then, timer, isAsked }, answer) {
+    clearTimeout(timer);
+    if (!answer.why_not) then(answer);
+    else if (isAsked) {
+      this.say(answer.why_not);
+      then(null);
+    }
   }
 }

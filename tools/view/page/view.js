@@ -5,7 +5,7 @@ import { Orientation } from "./orientation.js";
 import { at, difference, equal, merge, put } from "./patch.js";
 import { decode, drawPicture, readPicture } from "./pictures.js";
 import { Prober } from "./prober.js";
-import { clamp, rounded } from "./vectors.js";
+import { rounded } from "./vectors.js";
 
 const restMs = 150, largestSide = 4096, lossless = "finished, lossless";
 /** Opacity of a boundary around something else, as that of `rhoray render --context`. */
@@ -51,7 +51,9 @@ export class View {
       id: name === "A" ? "picture" : "picture-2", tabIndex: 0, role: "application",
       "aria-label": `Picture of the data, view ${name}. Arrow keys turn it, plus and minus zoom.` });
     this.overlay = make("div", { class: "overlay" });
-    this.label = make("p", { class: "view-label", hidden: true });
+    this.labelName = make("strong");
+    this.labelState = make("span", { text: this.state });
+    this.label = make("p", { class: "view-label", hidden: true }, this.labelName, ": ", this.labelState);
     this.section = make("section", { class: "view", "aria-label": `View ${name}` },
                         this.canvas, this.overlay, this.label);
     container.append(this.section);
@@ -61,13 +63,14 @@ export class View {
     } catch {
       this.observer.observe(this.canvas);
     }
-    this.prober = new Prober((message) => this.connection.send(message));
+    this.prober = new Prober((message) => this.connection.send(message), app.say);
     this.connection = new Connection({
       onOpen: () => this.#start(),
       onMessage: (message) => this.#take(message),
       onPicture: (buffer, socket) => this.#draw(buffer, socket),
       onLost: (ms) => {
         this.isOnline = false;
+        this.prober.reset();
         this.#setState(`no connection; the next try is in ${(ms / 1000).toFixed(1)} s`, true);
       },
       onRefused: () => this.#setState("not let in: open the URL that the program printed last; " +
@@ -76,6 +79,8 @@ export class View {
   }
 
   close() {
+    this.prober.reset();
+    this.app.hideRefusal(this);
     clearTimeout(this.#restTimer);
     this.observer.disconnect();
     this.connection.close();
@@ -240,14 +245,13 @@ export class View {
   keep(then) {
     this.sendRequest();
     if (this.connection.send({ keep: true })) this.#keepers.push(then);
-    else this.app.showError("There is no connection to the server. Try again when the picture is back.");
+    else this.app.showError(this, "There is no connection to the server. Try again when the picture is back.");
   }
 
   #start() {
     this.drawn = null;
     this.requestNumber = this.setNumber = this.#editedAt = 0;
     this.#keepers = [];
-    this.prober.reset();
     if (this === this.app.views[0]) this.connection.send({ follow: true });
   }
 
@@ -257,6 +261,7 @@ export class View {
     if (message.resolved) this.#resolve(message.resolved);
     if (message.finished) {
       this.finished = message.finished;
+      this.app.hideRefusal(this);
       if (this.#rest?.n === this.finished.n) this.methodMs[this.#rest.method] = this.finished.ms;
     }
     if (message.check && message.check.n === this.requestNumber) this.check = message.check;
@@ -276,15 +281,19 @@ export class View {
 
   /** Shows why the server refuses a request. A link that it refuses gives way to the start. */
   #refuse(error) {
-    this.app.showError(this.#isOfLink ? `The link cannot be shown: ${error}` : error);
-    if (this.#isOfLink) this.openLink({ patch: {}, camera: this.camera });
-    else this.#setState("refused", true);
+    if (this.#isOfLink) {
+      this.app.showError(this, `The link cannot be shown: ${error}`);
+      this.openLink({ patch: {}, camera: this.camera });
+    } else {
+      this.app.showError(this, error, true);
+      this.#setState("refused", true);
+    }
   }
 
   /** One answer may stand for several requests. */
   #kept(keep) {
     const keepers = this.#keepers.splice(0);
-    if (keep.error) this.app.showError(keep.error);
+    if (keep.error) this.app.showError(this, keep.error);
     else for (const then of keepers) then(keep);
   }
 
@@ -366,9 +375,9 @@ export class View {
     const { canvas } = this, box = entry.devicePixelContentBoxSize?.[0], isFirst = !this.#hasSize;
     if (canvas.clientWidth === 0) return;
     this.size = [canvas.clientWidth, canvas.clientHeight];
-    const side = (exact, css) => clamp(exact ?? Math.round(css * devicePixelRatio), 1, largestSide);
-    const width = side(box?.inlineSize, canvas.clientWidth);
-    const height = side(box?.blockSize, canvas.clientHeight);
+    const sides = box ? [box.inlineSize, box.blockSize] : this.size.map((css) => css * devicePixelRatio);
+    const factor = Math.min(1, largestSide / Math.max(...sides));  // one for both: a pixel stays a square
+    const [width, height] = sides.map((side) => Math.max(1, Math.round(factor * side)));
     this.#hasSize = true;
     this.app.placeOverlay(this);
     if (!isFirst && width === canvas.width && height === canvas.height) return;
