@@ -237,9 +237,10 @@ class Tools(PageTest):
         self.settle()
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 3)
         self.find("clip-add").click()  # planes 3 and 4 both go through the middle of the data
+        places = "[...document.querySelectorAll('.face')].map(({ style }) => `${style.left} ${style.top}`)"
+        self.wait(f"{places}.length === 4")
         self.settle()
-        places = [tuple(handle.rect.values()) for handle in self.driver.find_elements(By.CSS_SELECTOR, ".face")]
-        self.assertEqual(len(set(places)), 4, "no handle covers another")
+        self.assertEqual(len(set(self.js(places))), 4, "no handle covers another")
         self.find("clip-3-remove").click()
         self.settle()
         now = "rhoray.active.document.clip.planes"
