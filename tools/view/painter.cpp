@@ -78,7 +78,7 @@ void Painter::answer_probes(const std::stop_token& stop) {
     const std::shared_ptr<const ChangedScene> scene = client->scene;
     const std::string why_refused = client->why_refused;
     lock.unlock();
-    client->sink.send_text(why_refused.empty() ? probe_text(viewed_, *scene, request, probe)
+    client->sink.send_text(why_refused.empty() ? probe_text(viewed_, *scene, request, probe, stop)
                                                : refused_probe_text(probe, why_refused));
     lock.lock();
   }

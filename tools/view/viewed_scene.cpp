@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/stopping.h"
 #include "formats/base/text.h"
 #include "render/method_words.h"
 #include "render/png.h"
@@ -202,7 +203,7 @@ render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene
 
 namespace {
 
-Json json_of_probe(render::ResolvedScene plan, const Probe& probe) {
+Json json_of_probe(render::ResolvedScene plan, const Probe& probe, const std::stop_token& stop) {
   if (probe.x >= plan.frame.width || probe.y >= plan.frame.height)
     throw Error(ErrorCode::invalid, "message: \"probe\": expected a pixel of the picture");
   plan.scene.camera = camera_of_pixel(plan, probe);
@@ -213,7 +214,9 @@ Json json_of_probe(render::ResolvedScene plan, const Probe& probe) {
   plan.frame.antialiasing = 1;
   plan.frame.channels = channels_of_picks(plan.scene);
   render::Framebuffer pixel;
-  render::render(plan.datasets, plan.scene, plan.frame, pixel);
+  render::RenderContext memory;
+  render::refine(plan.datasets, plan.scene, plan.frame, {.first_spacing = 1, .stop = stop}, pixel, memory);
+  end_if_stopped(stop);
   Json json = picked(plan, pixel, {0, 0});
   json["pixel"] = {probe.x, probe.y};
   json["id"] = probe.id;
@@ -223,9 +226,9 @@ Json json_of_probe(render::ResolvedScene plan, const Probe& probe) {
 }  // namespace
 
 std::string probe_text(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request,
-                       const Probe& probe) {
+                       const Probe& probe, const std::stop_token& stop) {
   try {
-    return dump(Json{{"probe", json_of_probe(with_request(viewed, scene, request), probe)}});
+    return dump(Json{{"probe", json_of_probe(with_request(viewed, scene, request), probe, stop)}});
   } catch (const std::exception& error) {
     return refused_probe_text(probe, error.what());
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,9 @@ render::ResolvedScene with_request(const ViewedScene& viewed, const ChangedScene
 
 /// Returns a message about the hit of one pixel (tools/analysis/pick.h), or why there is none, such
 /// as that it is outside the picture. Traces one ray, at the level `certified` where layers have it.
+/// @param stop  ends the proof of ranges and the preparation
 std::string probe_text(const ViewedScene& viewed, const ChangedScene& scene, const PictureRequest& request,
-                       const Probe& probe);
+                       const Probe& probe, const std::stop_token& stop);
 /// The answer to a probe that cannot be made.
 std::string refused_probe_text(const Probe& probe, const std::string& why_not);
 
