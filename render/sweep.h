@@ -40,9 +40,9 @@ extern template class Track<Vec3>;
 /// of an orthographic picture follow their logarithms.
 class Sweep {
  public:
-  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, fields
-  /// of view and orthographic heights side by side, and an isovalue where there is not one isosurface alone
-  /// (ErrorCode::invalid, with the place); frames without keys.
+  /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, fields of
+  /// view and orthographic heights side by side, and an isovalue where there is not one isosurface
+  /// alone (ErrorCode::invalid, with the place); frames without keys.
   explicit Sweep(const SceneSpec& scene_spec);
 
   int frame_count() const { return frame_count_; }
