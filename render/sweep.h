@@ -64,8 +64,9 @@ class Sweep {
   SceneSpec scene_spec_;
   std::vector<KeyframeSpec> keys_;
   int frame_count_;
-  std::size_t isovalue_layer_ = 0;                                      ///< index into SceneSpec::layers
-  Track<double> azimuth_, elevation_, zoom_, fov_, height_, isovalue_;  ///< zoom and height: logarithms
+  std::size_t isovalue_layer_ = 0;  ///< index into SceneSpec::layers
+  Track<double> azimuth_, elevation_, fov_, isovalue_;
+  Track<double> log_zoom_, log_height_;
   Track<Vec3> position_, target_, up_;
   std::optional<Shown> shown_;                     ///< at any of the keys
   double distance_ = 0, orthographic_height_ = 0;  ///< of a camera of angles, at zoom 1

@@ -149,9 +149,9 @@ Sweep::Sweep(const SceneSpec& scene_spec)
     };
     add(azimuth_, key.azimuth_deg);
     add(elevation_, key.elevation_deg);
-    if (key.zoom) zoom_.add(key.time, std::log(*key.zoom));
+    if (key.zoom) log_zoom_.add(key.time, std::log(*key.zoom));
     add(fov_, key.fov_deg);
-    if (key.orthographic_height) height_.add(key.time, std::log(*key.orthographic_height));
+    if (key.orthographic_height) log_height_.add(key.time, std::log(*key.orthographic_height));
     add(isovalue_, key.isovalue);
     add(position_, key.position);
     add(target_, key.target);
@@ -175,9 +175,9 @@ SceneSpec Sweep::spec_at(double time) const {
   };
   set(camera.azimuth_deg, azimuth_);
   set(camera.elevation_deg, elevation_);
-  if (!zoom_.is_empty()) camera.zoom = std::exp(zoom_.at(time));
+  if (!log_zoom_.is_empty()) camera.zoom = std::exp(log_zoom_.at(time));
   set(camera.fov_deg, fov_);
-  if (!height_.is_empty()) camera.orthographic_height = std::exp(height_.at(time));
+  if (!log_height_.is_empty()) camera.orthographic_height = std::exp(log_height_.at(time));
   set(camera.position, position_);
   set(camera.target, target_);
   set(camera.up, up_);

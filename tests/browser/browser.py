@@ -98,7 +98,8 @@ class BrowserTest(unittest.TestCase):
     def setUpClass(cls):
         options = webdriver.ChromeOptions()
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
-                     f"--window-size={cls.window[0]},{cls.window[1]}", f"--force-device-scale-factor={cls.pixel_ratio}"):
+                     f"--window-size={cls.window[0]},{cls.window[1]}",
+                     f"--force-device-scale-factor={cls.pixel_ratio}"):
             options.add_argument(word)
         options.add_experimental_option("prefs", cls.preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})

@@ -1,4 +1,4 @@
-// The threads in which a context computes.
+// The threads in which calls compute.
 #include <gtest/gtest.h>
 
 #include <ctime>
@@ -24,7 +24,7 @@ double seconds_in_other_threads(const std::function<void()>& act) {
   return others() - before;
 }
 
-TEST(Threads, of_a_context_with_one_are_the_callers) {
+TEST(Threads, of_calls_that_may_use_one_are_the_callers) {
   const Size size{640, 480};
   const Dataset grid = gyroid_grid(), mesh = ball_mesh();
   Scene scene{.layers = {{.data = grid, .show = Isosurface{0.1}, .method = Accuracy::certified},
@@ -44,6 +44,12 @@ TEST(Threads, of_a_context_with_one_are_the_callers) {
        [&](RenderContext& context) {
          Picture picture;
          context.refine(scene, {.size = size, .max_samples = 4}, {}, picture);
+       }},
+      {"choose_method",
+       [&](RenderContext&) {
+         Scene alone = scene;
+         alone.layers.erase(alone.layers.begin() + 1, alone.layers.end());
+         choose_method(alone, 0, {64, 48}, {.max_error = 1e-3, .threads = 1});
        }},
   };
   for (const auto& [name, call] : calls) {

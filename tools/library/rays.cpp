@@ -35,9 +35,9 @@ double largest_of(const rhoray::Affine& map) {
   return std::max({largest_of(map.x_axis), largest_of(map.y_axis), largest_of(map.z_axis)});
 }
 
-/// The rays that are answered, by the largest coordinate of their start and of their direction in
-/// the frame of the data. They pass planes at times below 1e260; kernels need times below 2^959
-/// (render/traverse/ray_group.h).
+/// The range of rays (rhoray::Rays), in the frame of the data. Within it rays leave the data at
+/// times up to about 1e260. The kernels of grids would end them at 2^959
+/// (render/traverse/group-inl.h, clip_group).
 constexpr double farthest_start = 1e150, shortest_direction = 1e-110, longest_direction = 1e110;
 
 /// Finds rays that are out of range.
@@ -62,7 +62,8 @@ class RangeOfRays {
 
  private:
   rhoray::Affine data_from_world_;
-  double surely_near_, surely_long_, surely_short_;  ///< of coordinates in world axes
+  /// What is in range for any orientation; coordinates in world axes.
+  double surely_near_, surely_long_, surely_short_;
 };
 
 }  // namespace

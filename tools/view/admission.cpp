@@ -9,19 +9,13 @@
 #include <system_error>
 
 #include "formats/base/error.h"
+#include "formats/base/lower_case.h"
 #include "formats/base/read_value.h"
 #include "formats/base/text.h"
 
 namespace rhoray::tools {
 
 namespace {
-
-std::string in_lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& letter : result)
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  return result;
-}
 
 /// The name before the port, if there is one; an IPv6 address stands in brackets.
 std::string_view without_port(std::string_view host) {
@@ -48,7 +42,7 @@ void read_value(const std::string& text, std::vector<HostName>& out) {
   std::vector<std::string> names;
   rhoray::read_value(text, names);
   for (const std::string& name : names) {
-    HostName host{in_lower_case(name)};
+    HostName host{lower_case(name)};
     if (!is_host_name(without_port(host.text)))
       refuse_value(name, "a host name such as hub.example.org, or with a port, hub.example.org:8443");
     out.push_back(std::move(host));
@@ -56,14 +50,14 @@ void read_value(const std::string& text, std::vector<HostName>& out) {
 }
 
 bool Admission::is_own_host(std::string_view any_case) const {
-  const std::string host = in_lower_case(any_case);
+  const std::string host = lower_case(any_case);
   if (host == concat("127.0.0.1:", port) || host == concat("localhost:", port)) return true;
   return names_one_of(proxies, host);
 }
 
 bool Admission::is_own_origin(std::string_view any_case, std::string_view host_in_any_case) const {
   if (!is_own_host(host_in_any_case)) return false;
-  const std::string origin = in_lower_case(any_case), host = in_lower_case(host_in_any_case);
+  const std::string origin = lower_case(any_case), host = lower_case(host_in_any_case);
   if (origin == concat("http://", host)) return true;
   for (const std::string_view scheme : {"http://", "https://"})
     if (origin.starts_with(scheme) && names_one_of(proxies, std::string_view(origin).substr(scheme.size())))

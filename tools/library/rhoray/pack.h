@@ -40,10 +40,12 @@ struct GridArrays {
   /// At least one. Names differ and are not empty; the first is shown by default. All have one
   /// shape of three axes with at least 2 samples each. U64 and I64 must fit a double exactly.
   std::vector<FieldArray> fields;
-  Vec3 spacing{1, 1, 1};  ///< along x, y and z, whatever the axis order; finite, above 0
-  Vec3 origin{};          ///< position of sample (0, 0, 0)
+  /// Along x, y and z, whatever the axis order; finite, above 0. The volume of a cell and its inverse
+  /// are within the range of doubles.
+  Vec3 spacing{1, 1, 1};
+  Vec3 origin{};  ///< position of sample (0, 0, 0)
   /// Replaces spacing and origin: rotated, sheared or mirrored lattices. Its axes must be linearly
-  /// independent.
+  /// independent, with a volume as for `spacing`.
   std::optional<Affine> world_from_grid{};
   /// Replaces spacing and origin: positions of the samples along x, y and z, strictly rising, one
   /// for each sample of the axis. Give all three or none.
@@ -51,9 +53,9 @@ struct GridArrays {
   std::string length_unit{};
 };
 
-/// Tetrahedra with fields, whose names differ.
+/// Tetrahedra with fields, whose names differ. Their box has a volume.
 struct MeshArrays {
-  ArrayView points;      ///< [points, 3], F32 or F64, finite, world axes
+  ArrayView points;      ///< [points, 3], F32 or F64, up to 1e100, world axes
   ArrayView tetrahedra;  ///< [cells, 4], integers: indices of points, in VTK's order; others are turned
   std::vector<FieldArray> point_fields{};  ///< [points] each; linear in each cell
   /// [cells] each; they colour surfaces. Without point fields they are also averaged to the points.

@@ -20,12 +20,15 @@
 
 namespace rhoray::RHORAY_ABI {
 
-/// Rays of the caller: points origin + t * direction, in world axes and the length unit of the data,
-/// with t_min <= t <= t_max. They must not overlap the arrays of the answers.
-/// (*) In a grid; in a mesh or a surface these are length units.
+/// Rays of the caller: points origin + t * direction, in world axes and the length unit of the
+/// data, with t_min <= t <= t_max. They must not overlap the arrays of the answers.
+///
+/// Rays out of range are refused. The coordinates of a start are at most 1e150. The largest
+/// component of a direction is from 1e-110 to 1e110. Both are counted in cells of a grid, and in
+/// length units of a mesh or a surface.
 struct Rays {
-  ArrayView origins;     ///< [rays, 3], F32 or F64, finite, at most 1e150 cells (*) from the data
-  ArrayView directions;  ///< [rays, 3], F32 or F64, 1e-110 to 1e110 cells (*) long; t counts them
+  ArrayView origins;     ///< [rays, 3], F32 or F64, finite
+  ArrayView directions;  ///< [rays, 3], F32 or F64, finite, not 0; t counts their lengths
   ArrayView t_min{};     ///< [rays], F32 or F64; not given: 0
   ArrayView t_max{};     ///< [rays], F32 or F64; not given: infinity
 };
@@ -38,7 +41,7 @@ struct Hits {
   /// method proves it. NaN for a miss.
   std::span<double> error{};
   std::span<double> value{};        ///< of the field at the hit; NaN for a miss
-  std::span<double> gradient{};     ///< [rays, 3] world axes; 0 for a miss and for a largest value
+  std::span<double> gradient{};     ///< [rays, 3], world axes: of the field, or a triangle's normal; else 0
   std::span<std::uint64_t> cell{};  ///< id, as in Picture::cell; no_cell for a miss
 };
 

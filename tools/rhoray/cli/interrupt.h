@@ -37,9 +37,9 @@ int interrupted_exit_code();
 /// @param exit_code  what the program would end with
 int finish_standard_output(int exit_code);
 
-/// While this object exists, an interrupt requests a stop instead of ending the program, so that
-/// partial results can be written; a second interrupt ends the program. At most one object at a
-/// time.
+/// While this object exists, an interrupt requests a stop instead of ending the program: partial
+/// results can be written, and clients told. A second interrupt ends the program. At most one object
+/// at a time.
 class InterruptRequest {
  public:
   /// @param notice  is printed to stderr when an interrupt comes; empty where that is the usual end

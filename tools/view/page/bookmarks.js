@@ -8,7 +8,7 @@ const ofBookmarks = ["view", "azimuth", "elevation", "zoom", "position", "target
                      "ortho_height"];
 const isShownSurface = ({ type, visible }) => type === "isosurface" && visible !== false;
 
-/** Whether the bookmarks are all perspective or all orthographic: between them there is no camera. */
+/** Whether the bookmarks are all perspective or all orthographic. No camera lies between the two. */
 function areAlike(bookmarks) {
   return new Set(bookmarks.map(({ camera }) => Boolean(camera.ortho_height))).size < 2;
 }
@@ -63,7 +63,8 @@ export class Bookmarks {
 }
 
 function savePath(view, bookmarks) {
-  if (areAlike(bookmarks)) view.keep(({ document }) => downloadJson(withPath(document, bookmarks), `${view.hello.title}-path.json`));
+  const save = ({ document }) => downloadJson(withPath(document, bookmarks), `${view.hello.title}-path.json`);
+  if (areAlike(bookmarks)) view.keep(save);
   else view.app.showError(view, "A camera path is perspective or orthographic, and the saved views are both. " +
     "Remove those of one kind.");
 }

@@ -5,7 +5,7 @@ import { equal, put } from "./patch.js";
 import { add, clamp, corners, cross, distance, dot, length, middle, scale, subtract, unit } from "./vectors.js";
 
 const axes = ["x", "y", "z"], thinnestShare = 1e-3;
-/** Handles of planes are this share of the diagonal apart, so many of them in a row. */
+/** Handles of planes stand in rows of five, this share of the diagonal apart. */
 const handleShare = 0.08, handleRow = 5;
 /** A slice on the cut is moved by this share of the diagonal into what is shown. */
 const sliceShift = 1e-6;
