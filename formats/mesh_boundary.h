@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
-#include <stop_token>
 #include <vector>
+
+#include "formats/base/progress.h"
 
 namespace rhoray::formats {
 
@@ -40,19 +41,18 @@ using FaceNumbers = std::pmr::vector<std::uint64_t>;
 /// of the mesh. Faces are the same where their points have the same indices.
 /// @param cells         point indices, below point_count
 /// @param most_at_once  faces that are compared at a time
-/// @param stop          ends the search (ErrorCode::interrupted), here and below
 FaceNumbers boundary_faces(std::span<const std::array<std::uint32_t, 4>> cells, std::uint64_t point_count,
-                           std::uint64_t most_at_once = most_faces_at_once, const std::stop_token& stop = {});
+                           std::uint64_t most_at_once = most_faces_at_once, const Watch& watch = {});
 
 /// The same for a packed mesh: the stored boundary, or else the computed one.
-FaceNumbers boundary_faces(const TetMesh& mesh, const std::stop_token& stop = {});
+FaceNumbers boundary_faces(const TetMesh& mesh, const Watch& watch = {});
 
 /// The boundary of a part of a packed mesh: the numbers of the faces that belong to one cell of the
 /// part only, ascending. On the other side of each is no cell, or one outside the part.
 /// @param part  indices of cells, all different
-FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part, const std::stop_token& stop = {});
+FaceNumbers boundary_faces(const TetMesh& mesh, std::span<const std::uint64_t> part, const Watch& watch = {});
 
 /// The boundary, computed from the cells even where it is stored.
-FaceNumbers computed_boundary_faces(const TetMesh& mesh, const std::stop_token& stop = {});
+FaceNumbers computed_boundary_faces(const TetMesh& mesh, const Watch& watch = {});
 
 }  // namespace rhoray::formats

@@ -202,17 +202,20 @@ std::span<const std::byte> PackedFile::checked_bytes(std::string_view array, Ele
   return mapping_->bytes_of(found);
 }
 
-std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads, const std::stop_token& stop) const {
+std::vector<DamagedBlock> PackedFile::damaged_blocks(unsigned threads, const Watch& watch) const {
   const Mapping& file = *mapping_;
   std::vector<DamagedBlock> damaged;
   std::mutex guard;
   const envelope::Stretch stretch{file.descriptor, file.header_bytes, file.summed_bytes};
+  ProgressMeter meter(watch.progress, "comparing checksums (bytes)", file.summed_bytes);
   envelope::sum_blocks(stretch, threads, [&](std::uint64_t block, std::optional<std::uint64_t> sum) {
-    end_if_stopped(stop);
-    if (sum == file.sums[block]) return;
+    end_if_stopped(watch.stop);
     const std::uint64_t at = block * envelope::block_bytes;
+    const std::uint64_t bytes = std::min(envelope::block_bytes, file.summed_bytes - at);
+    meter.add(bytes);
+    if (sum == file.sums[block]) return;
     const std::lock_guard lock(guard);
-    damaged.push_back({file.header_bytes + at, std::min(envelope::block_bytes, file.summed_bytes - at)});
+    damaged.push_back({file.header_bytes + at, bytes});
   });
   std::sort(damaged.begin(), damaged.end(),
             [](const DamagedBlock& a, const DamagedBlock& b) { return a.first_byte < b.first_byte; });

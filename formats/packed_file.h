@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/file_description.h"
 
 namespace rhoray::formats {
@@ -79,7 +79,7 @@ class PackedFile {
 
   /// Reads every byte of the data area once, on `threads` threads (0 = all cores), and returns each
   /// damaged block. Arrays outside the file are not read.
-  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, const std::stop_token& stop = {}) const;
+  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, const Watch& watch = {}) const;
 
  private:
   struct Mapping;

@@ -32,15 +32,15 @@ std::uint64_t prove(const Data& data, std::size_t field, const details::CheckOpt
 
 }  // namespace
 
-std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, const std::stop_token& stop) {
+std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads, const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
-  return prove(grid, field, {.threads = threads, .stop = stop}, findings);
+  return prove(grid, field, {.threads = threads, .watch = watch}, findings);
 }
 
-std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, const std::stop_token& stop) {
+std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads, const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
-  const details::CheckOptions options{.threads = threads, .stop = stop};
+  const details::CheckOptions options{.threads = threads, .watch = watch};
   details::Findings findings;
   details::check_boxes_and_lists(mesh, options, findings);
   return prove(mesh, field, options, findings);

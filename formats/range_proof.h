@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <stop_token>
 
+#include "formats/base/progress.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 
@@ -21,9 +21,7 @@ namespace rhoray::formats {
 /// then it has proven nothing.
 /// @param threads  0 = all cores
 /// @return         number of bytes of the file that were compared
-std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0,
-                           const std::stop_token& stop = {});
-std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads = 0,
-                           const std::stop_token& stop = {});
+std::uint64_t prove_ranges(const BrickGrid& grid, std::size_t field, unsigned threads = 0, const Watch& watch = {});
+std::uint64_t prove_ranges(const TetMesh& mesh, std::size_t field, unsigned threads = 0, const Watch& watch = {});
 
 }  // namespace rhoray::formats

@@ -106,7 +106,7 @@ TetMeshDescription read_description(const PackedFile& file) {
 // ---- the scan at opening ------------------------------------------------------------------------
 
 void check_offsets(const PackedFile& file, std::string_view array, std::span<const std::uint64_t> offsets,
-                   std::uint64_t item_count, const std::stop_token& stop) {
+                   std::uint64_t item_count, const Watch& watch) {
   if (offsets.front() != 0) refuse(file.name(), concat("array '", array, "', element 0"), concat(offsets.front()), "0");
   if (offsets.back() != item_count)
     refuse(file.name(), concat("array '", array, "', element ", offsets.size() - 1), concat(offsets.back()),
@@ -116,7 +116,7 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
     for (std::uint64_t i = first; i < last; ++i) falls += offsets[i + 1] < offsets[i] ? 1 : 0;
     return falls != 0;
   };
-  if (const auto bad = first_bad(offsets.size() - 1, stop, is_bad))
+  if (const auto bad = first_bad(array, offsets.size() - 1, watch, is_bad))
     refuse(file.name(), concat("array '", array, "', element ", *bad + 1), concat(offsets[*bad + 1]),
            concat("at least ", offsets[*bad], ", the one before"));
 }
@@ -124,21 +124,21 @@ void check_offsets(const PackedFile& file, std::string_view array, std::span<con
 /// Readers keep the vertices of a cluster in arrays of this size, and a corner is a one-byte index.
 constexpr std::uint64_t largest_table = 4 * ClusterShape::largest_cell_count;
 
-void check_tables(const PackedFile& file, const CellClustersView& clusters, const std::stop_token& stop) {
+void check_tables(const PackedFile& file, const CellClustersView& clusters, const Watch& watch) {
   const auto is_bad = [&](std::uint64_t first, std::uint64_t last) {
     std::uint64_t largest = 0;
     for (std::uint64_t cluster = first; cluster < last; ++cluster)
       largest = std::max<std::uint64_t>(largest, clusters.table(cluster).size());
     return largest > largest_table;
   };
-  if (const auto bad = first_bad(clusters.cluster_count(), stop, is_bad))
+  if (const auto bad = first_bad("cluster.offsets", clusters.cluster_count(), watch, is_bad))
     refuse(file.name(), concat("array 'cluster.offsets', cluster ", *bad),
            concat("a table of ", clusters.table(*bad).size(), " vertices"),
            concat("at most ", largest_table, " vertices"));
 }
 
 /// Checks that corners lie in the table of their cluster.
-void check_corners(const PackedFile& file, const CellClustersView& clusters, const std::stop_token& stop) {
+void check_corners(const PackedFile& file, const CellClustersView& clusters, const Watch& watch) {
   const auto largest_corner = [&](std::uint64_t cluster) {
     std::uint8_t largest = 0;
     for (std::uint64_t cell = clusters.first_cell(cluster); cell < clusters.end_cell(cluster); ++cell)
@@ -151,7 +151,7 @@ void check_corners(const PackedFile& file, const CellClustersView& clusters, con
       bad += largest_corner(cluster) >= clusters.table(cluster).size() ? 1 : 0;
     return bad != 0;
   };
-  if (const auto bad = first_bad(clusters.cluster_count(), stop, is_bad))
+  if (const auto bad = first_bad("cluster.corners", clusters.cluster_count(), watch, is_bad))
     refuse(file.name(), concat("array 'cluster.corners', cluster ", *bad), concat(+largest_corner(*bad)),
            concat("positions in its table of ", clusters.table(*bad).size(), " vertices"));
 }
@@ -168,14 +168,13 @@ std::uint64_t leaf_count_of(const TetMeshDescription& description) {
 
 }  // namespace
 
-TetMesh::TetMesh(PackedFile file, const std::stop_token& stop)
-    : file_(std::move(file)), description_(read_description(file_)) {
+TetMesh::TetMesh(PackedFile file, const Watch& watch) : file_(std::move(file)), description_(read_description(file_)) {
   const TetMeshDescription& d = description_;
   const std::span<const double> coordinates = file_.array<double>("points", {d.point_count, 3});
   if (has_clusters())
-    view_clusters(stop);
+    view_clusters(watch);
   else
-    view_leaf_lists(stop);
+    view_leaf_lists(watch);
   if (!d.in_source_order) point_ranks_ = file_.array<std::uint32_t>("point_ranks", {d.point_count});
   if (file_.has("cell_ids") || d.dropped_cell_count != 0 || !d.in_source_order)
     cell_ids_ = file_.array<std::uint32_t>("cell_ids", {d.cell_count});
@@ -188,19 +187,19 @@ TetMesh::TetMesh(PackedFile file, const std::stop_token& stop)
   for (std::size_t field = 0; field < d.cell_fields.size(); ++field)
     with_element_type(d.cell_fields[field].type, [&](auto zero) { cell_values<decltype(zero)>(field); });
 
-  if (d.boundary_face_count != 0) view_boundary(stop);
+  if (d.boundary_face_count != 0) view_boundary(watch);
 
-  check_finite<double>(file_, "points", coordinates, stop);
-  check_below(file_, "point_ranks", point_ranks_, d.point_count, stop);
+  check_finite<double>(file_, "points", coordinates, watch);
+  check_below(file_, "point_ranks", point_ranks_, d.point_count, watch);
   points_ = grouped<3>(coordinates);
 }
 
-void TetMesh::view_boundary(const std::stop_token& stop) {
+void TetMesh::view_boundary(const Watch& watch) {
   boundary_ = file_.array<std::uint64_t>("boundary", {description_.boundary_face_count});
-  details::check_rising(file_, "boundary", boundary_, 4 * description_.cell_count, stop);
+  details::check_rising(file_, "boundary", boundary_, 4 * description_.cell_count, watch);
 }
 
-void TetMesh::view_leaf_lists(const std::stop_token& stop) {
+void TetMesh::view_leaf_lists(const Watch& watch) {
   const TetMeshDescription& d = description_;
   const std::span<const std::uint32_t> vertices = file_.array<std::uint32_t>("cells", {d.cell_count, 4});
   leaf_lists_.offsets = file_.array<std::uint64_t>("leaf.offsets", {leaf_count_of(d) + 1});
@@ -208,13 +207,13 @@ void TetMesh::view_leaf_lists(const std::stop_token& stop) {
   // if the description says 0, the shape check accepts any size
   if (leaf_lists_.items.size() != d.leaf_item_count)
     refuse(file_.name(), "array 'leaf.items'", concat(leaf_lists_.items.size(), " elements"), "none");
-  check_below(file_, "cells", vertices, d.point_count, stop);
-  check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count, stop);
-  check_below(file_, "leaf.items", leaf_lists_.items, d.cell_count, stop);
+  check_below(file_, "cells", vertices, d.point_count, watch);
+  check_offsets(file_, "leaf.offsets", leaf_lists_.offsets, d.leaf_item_count, watch);
+  check_below(file_, "leaf.items", leaf_lists_.items, d.cell_count, watch);
   cells_ = grouped<4>(vertices);
 }
 
-void TetMesh::view_clusters(const std::stop_token& stop) {
+void TetMesh::view_clusters(const Watch& watch) {
   const TetMeshDescription& d = description_;
   clusters_.shape = cluster_shape(d);
   clusters_.box_unit = d.clusters->box_unit;
@@ -222,10 +221,10 @@ void TetMesh::view_clusters(const std::stop_token& stop) {
   clusters_.tables = file_.array<std::uint32_t>("cluster.vertices", {d.clusters->vertex_count});
   clusters_.corners = grouped<4>(file_.array<std::uint8_t>("cluster.corners", {d.cell_count, 4}));
   clusters_.boxes = view_cluster_boxes(file_, clusters_.shape);
-  check_offsets(file_, "cluster.offsets", clusters_.table_starts, d.clusters->vertex_count, stop);
-  check_below(file_, "cluster.vertices", clusters_.tables, d.point_count, stop);
-  check_tables(file_, clusters_, stop);
-  check_corners(file_, clusters_, stop);
+  check_offsets(file_, "cluster.offsets", clusters_.table_starts, d.clusters->vertex_count, watch);
+  check_below(file_, "cluster.vertices", clusters_.tables, d.point_count, watch);
+  check_tables(file_, clusters_, watch);
+  check_corners(file_, clusters_, watch);
   for (std::size_t field = 0; field < d.fields.size(); ++field)
     if (d.fields[field].type == ElementType::F32)
       cluster_ranges<float>(field);

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/base/text.h"
 #include "formats/brick_grid.h"
 #include "formats/cell_clusters.h"
@@ -83,8 +83,7 @@ class TetMesh {
   /// decreasing offsets. Refuses a face of a cell beyond the last one. Refuses a corner beyond its
   /// cluster's table, and entries of the cluster tree beyond its last one. Reads all indices and
   /// points once.
-  /// @param stop  ends the checks (ErrorCode::interrupted)
-  explicit TetMesh(PackedFile file, const std::stop_token& stop = {});
+  explicit TetMesh(PackedFile file, const Watch& watch = {});
 
   const TetMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }
@@ -135,9 +134,9 @@ class TetMesh {
   }
 
  private:
-  void view_leaf_lists(const std::stop_token& stop);
-  void view_clusters(const std::stop_token& stop);
-  void view_boundary(const std::stop_token& stop);
+  void view_leaf_lists(const Watch& watch);
+  void view_clusters(const Watch& watch);
+  void view_boundary(const Watch& watch);
 
   PackedFile file_;
   TetMeshDescription description_;

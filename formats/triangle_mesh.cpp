@@ -42,21 +42,21 @@ TriangleMeshDescription read_description(const PackedFile& file) {
 
 }  // namespace
 
-TriangleMesh::TriangleMesh(PackedFile file, const std::stop_token& stop)
+TriangleMesh::TriangleMesh(PackedFile file, const Watch& watch)
     : file_(std::move(file)), description_(read_description(file_)) {
   const TriangleMeshDescription& d = description_;
   const auto corners = file_.array<std::uint32_t>("triangles", {d.triangle_count, 3});
   if (!d.has_source_order) triangle_ids_ = file_.array<std::uint32_t>("triangle_ids", {d.triangle_count});
   const auto view_points = [&]<class T>(std::span<const std::array<T, 3>>& points) {
     const std::span<const T> coordinates = file_.array<T>("points", {d.point_count, 3});
-    details::check_finite(file_, "points", coordinates, stop);
+    details::check_finite(file_, "points", coordinates, watch);
     points = details::grouped<3>(coordinates);
   };
   if (d.point_type == ElementType::F32)
     view_points(floats_);
   else
     view_points(doubles_);
-  details::check_below(file_, "triangles", corners, d.point_count, stop);
+  details::check_below(file_, "triangles", corners, d.point_count, watch);
   triangles_ = details::grouped<3>(corners);
 }
 

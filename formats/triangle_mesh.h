@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/base/vector.h"
 #include "formats/brick_grid.h"
 #include "formats/packed_file.h"
@@ -43,8 +43,7 @@ class TriangleMesh {
 
   /// Refuses a file of another kind, shapes that differ from the description, a corner not below
   /// point_count, and a point that is not finite. Reads all corners and points once.
-  /// @param stop  ends the checks (ErrorCode::interrupted)
-  explicit TriangleMesh(PackedFile file, const std::stop_token& stop = {});
+  explicit TriangleMesh(PackedFile file, const Watch& watch = {});
 
   const TriangleMeshDescription& description() const { return description_; }
   const PackedFile& file() const { return file_; }

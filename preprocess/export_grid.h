@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "preprocess/progress.h"
+#include "formats/base/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

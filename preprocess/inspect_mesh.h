@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/pack_cache.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "formats/color_grid.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/brick_grid.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

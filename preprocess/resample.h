@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

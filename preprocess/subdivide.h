@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

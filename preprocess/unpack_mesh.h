@@ -1,7 +1,6 @@
 #pragma once
 
-#include <stop_token>
-
+#include "formats/base/progress.h"
 #include "formats/tet_mesh.h"
 #include "preprocess/neutral.h"
 
@@ -10,7 +9,6 @@ namespace rhoray::preprocess {
 /// Converts a packed mesh into a neutral one: points in world coordinates, fields, cell ids. Points
 /// are in the source's order. Cells are ordered by their ids, so those cut from one cell are
 /// consecutive.
-/// @param stop  ends it (ErrorCode::interrupted)
-NeutralMesh unpack_mesh(const formats::TetMesh& packed, const std::stop_token& stop = {});
+NeutralMesh unpack_mesh(const formats::TetMesh& packed, const Watch& watch = {});
 
 }  // namespace rhoray::preprocess

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "render/document.h"
 #include "render/framebuffer.h"
 
@@ -19,7 +19,7 @@ struct SelfCheckOptions {
   /// For 99 % of the pixels, in addition to proven bounds and instead of other promises: in cells;
   /// for largest values a share of the field's range.
   std::optional<double> limit;
-  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
+  Watch watch{};
 };
 
 /// Result of checking some pixels of a picture with exact arithmetic.
@@ -93,10 +93,11 @@ struct Choice {
 /// fastest is chosen. The sentence says so.
 /// @param goal  for this layer, if there are several
 Choice choose_method(const ResolvedScene& resolved, std::size_t layer, const Goal& goal, unsigned threads,
-                     std::stop_token stop = {});
+                     const Watch& watch = {});
 
 /// Chooses for every isosurface and projection, which share the time. Stores the methods in the
 /// scene.
-std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads);
+std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads,
+                                   const Watch& watch = {});
 
 }  // namespace rhoray::render

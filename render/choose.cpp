@@ -15,7 +15,7 @@ namespace rhoray::render {
 namespace {
 
 using Load = std::shared_ptr<const LoadedDataset> (*)(const formats::PackedFile& file, const std::string& field,
-                                                      formats::Space world, const std::stop_token& stop);
+                                                      formats::Space world, const Watch& watch);
 
 /// The loaders, by the kinds of packed files.
 constexpr std::array<std::pair<std::string_view, Load>, 4> loaders{{{"grid", load_grid},
@@ -41,9 +41,9 @@ Choose chooser_of(const TriangleData&) {
 }  // namespace
 
 std::shared_ptr<const LoadedDataset> load_view(const formats::PackedFile& file, const std::string& field,
-                                               formats::Space world, const std::stop_token& stop) {
+                                               formats::Space world, const Watch& watch) {
   for (const auto& [kind, load] : loaders)
-    if (kind == file.description().kind) return load(file, field, world, stop);
+    if (kind == file.description().kind) return load(file, field, world, watch);
   return nullptr;
 }
 

@@ -2,10 +2,10 @@
 
 #include <filesystem>
 #include <functional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "render/called_for.h"
 #include "render/resolved_scene.h"
 #include "render/scene_spec.h"
@@ -65,9 +65,9 @@ formats::PackedFile open_packed_colors(const DataSpec& data);
 /// is outside its field's range is left out with a note if anything else is shown. Refuses
 /// conflicts: in a document with the JSON pointer (ErrorCode::invalid), on a command line with the
 /// option (ErrorCode::usage).
-/// @param stop  ends the search for boundaries of meshes (ErrorCode::interrupted)
+/// @param watch  of the search for boundaries of meshes
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
-                             const OpenColors& open_colors = open_packed_colors, const std::stop_token& stop = {});
+                             const OpenColors& open_colors = open_packed_colors, const Watch& watch = {});
 
 /// All that is shown, world axes.
 struct Shown {
@@ -76,15 +76,14 @@ struct Shown {
 };
 
 /// Finds what is shown. If no surface passes through any cell, returns the bounds of the data.
-/// @param stop  ends the search (ErrorCode::interrupted)
-Shown what_is_shown(const ResolvedScene& plan, const std::stop_token& stop = {});
+Shown what_is_shown(const ResolvedScene& plan, const Watch& watch = {});
 
 /// Points the camera: where it is not said, so that all that is shown is seen. Then places what
 /// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the
 /// specification gives it (PictureSpec::size). Looks at every cell of a mesh where any of these is
 /// fitted to what is shown.
-/// @param stop  ends the search for what is shown (ErrorCode::interrupted)
-void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const std::stop_token& stop = {});
+/// @param watch  of the search for what is shown
+void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const Watch& watch = {});
 
 /// The axes from which angles of the camera and words of views count.
 ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan);

@@ -36,17 +36,15 @@ Box3 box_world(const Box3& box, const Affine& world_from_data) {
 }
 
 /// A NanoVDB grid stores no ranges: they were computed from the voxels in this process.
-std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsigned threads,
-                           const std::stop_token& stop) {
-  return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads, stop) : 0;
+std::uint64_t proven_bytes(const GridData& view, const std::string& field, unsigned threads, const Watch& watch) {
+  return view.packed() ? formats::prove_ranges(*view.packed(), *view.packed()->find_field(field), threads, watch) : 0;
 }
 
-std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads,
-                           const std::stop_token& stop) {
-  return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads, stop);
+std::uint64_t proven_bytes(const TetData& view, const std::string& field, unsigned threads, const Watch& watch) {
+  return formats::prove_ranges(view.mesh(), *view.mesh().find_field(field), threads, watch);
 }
 
-std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned, const std::stop_token&) {
+std::uint64_t proven_bytes(const TriangleData&, const std::string&, unsigned, const Watch&) {
   return 0;
 }
 
@@ -94,15 +92,15 @@ Dataset::Dataset(std::shared_ptr<const LoadedDataset> implementation)
       boundaries_(std::make_shared<Boundaries>()) {}
 
 Dataset Dataset::load(const std::filesystem::path& path, const std::string& field, formats::Space world,
-                      const std::stop_token& stop) {
+                      const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
-  return load(formats::PackedFile::open(path), field, world, stop);
+  return load(formats::PackedFile::open(path), field, world, watch);
 }
 
 Dataset Dataset::load(const formats::PackedFile& file, const std::string& field, formats::Space world,
-                      const std::stop_token& stop) {
+                      const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
-  if (auto implementation = load_view(file, field, world, stop)) return Dataset(std::move(implementation));
+  if (auto implementation = load_view(file, field, world, watch)) return Dataset(std::move(implementation));
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::unsupported, concat(file.name(), ": holds colours; expected a grid, a mesh or a surface"),
                 "use it as a texture of other data: --texture FILE, or the key \"texture\" of a scene's layer");
@@ -161,16 +159,16 @@ const std::vector<std::string>& Dataset::notes() const {
   return implementation_->notes;
 }
 
-Dataset Dataset::boundary(const std::stop_token& stop) const {
+Dataset Dataset::boundary(const Watch& watch) const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(boundaries_->of({}, stop, [&] { return load_boundary(*implementation_, stop); }));
+  return Dataset(boundaries_->of({}, watch.stop, [&] { return load_boundary(*implementation_, watch); }));
 }
 
 Dataset Dataset::boundary(const std::string& cell_field, int label, std::span<const int> without,
-                          const std::stop_token& stop) const {
+                          const Watch& watch) const {
   const DefaultFloatingPoint default_floating_point;
-  return Dataset(boundaries_->of({cell_field, label, {without.begin(), without.end()}}, stop,
-                                 [&] { return load_boundary(*implementation_, cell_field, label, without, stop); }));
+  return Dataset(boundaries_->of({cell_field, label, {without.begin(), without.end()}}, watch.stop,
+                                 [&] { return load_boundary(*implementation_, cell_field, label, without, watch); }));
 }
 
 FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
@@ -187,13 +185,13 @@ FeatureEdges Dataset::feature_edges(double angle_deg, unsigned threads) const {
   return found;
 }
 
-RangeProof Dataset::prove_ranges(unsigned threads, const std::stop_token& stop) const {
-  const StoppableLock lock(proof_->guard, stop);
+RangeProof Dataset::prove_ranges(unsigned threads, const Watch& watch) const {
+  const StoppableLock lock(proof_->guard, watch.stop);
   if (proof_->is_done) return {};
-  end_if_stopped(stop);
+  end_if_stopped(watch.stop);
   const auto start = std::chrono::steady_clock::now();
   const std::uint64_t bytes = std::visit(
-      [&](const auto& view) { return proven_bytes(view, field().name, threads, stop); }, implementation_->view);
+      [&](const auto& view) { return proven_bytes(view, field().name, threads, watch); }, implementation_->view);
   proof_->is_done = true;
   return {.bytes = bytes, .wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
@@ -228,10 +226,10 @@ Box3 Dataset::isosurface_bounds(double isovalue) const {
   return bounds;
 }
 
-std::vector<std::array<Vec3, 8>> Dataset::shown_boxes(double isovalue, const std::stop_token& stop) const {
+std::vector<std::array<Vec3, 8>> Dataset::shown_boxes(double isovalue, const Watch& watch) const {
   const DefaultFloatingPoint default_floating_point;
   std::vector<std::array<Vec3, 8>> boxes;
-  for (const Box3& box : render::shown_boxes(*implementation_, isovalue, stop)) {
+  for (const Box3& box : render::shown_boxes(*implementation_, isovalue, watch)) {
     boxes.push_back(corners_of(box));
     for (Vec3& corner : boxes.back()) corner = implementation_->world_from_data.point(corner);
   }

@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/base/vector.h"
 #include "formats/field_summary.h"
 #include "formats/packed_file.h"
@@ -50,27 +50,26 @@ class Dataset {
   ///   that exist (ErrorCode::usage).
   /// @param world  the space that world coordinates are converted to where the file says which is
   ///   its own; unknown: they stay the file's
-  /// @param stop   ends the checks (ErrorCode::interrupted)
   static Dataset load(const std::filesystem::path& path, const std::string& field = {},
-                      formats::Space world = formats::Space::unknown, const std::stop_token& stop = {});
+                      formats::Space world = formats::Space::unknown, const Watch& watch = {});
 
   /// As above, for a file that is already open; also accepts the kind "vdb" (formats/vdb_grid.h).
   static Dataset load(const formats::PackedFile& file, const std::string& field = {},
-                      formats::Space world = formats::Space::unknown, const std::stop_token& stop = {});
+                      formats::Space world = formats::Space::unknown, const Watch& watch = {});
 
   /// Returns the boundary of a mesh: a surface of the triangles that belong to one cell only. A
   /// triangle has the fields of its cell. If the file does not store the boundary, this function
   /// computes it. While a boundary is in use, further calls return it again; any thread may call.
-  /// Refuses a dataset of another kind (ErrorCode::usage).
-  /// @param stop  ends the call (ErrorCode::interrupted), also while it waits for another caller
-  Dataset boundary(const std::stop_token& stop = {}) const;
+  /// Refuses a dataset of another kind (ErrorCode::usage). A stop request also ends the wait for
+  /// another caller.
+  Dataset boundary(const Watch& watch = {}) const;
   /// Returns the boundary of the cells of a mesh that have this label in a field of cells: a closed
   /// surface, unless a face belongs to three cells. A face between two labels is part of both
   /// surfaces. Refuses a dataset of another kind, an unknown field (ErrorCode::usage) and a label
   /// that no cell has (ErrorCode::invalid).
   /// @param without  labels; the faces to their cells are left out
   Dataset boundary(const std::string& cell_field, int label, std::span<const int> without = {},
-                   const std::stop_token& stop = {}) const;
+                   const Watch& watch = {}) const;
 
   const formats::PackedFile& file() const;
   const formats::FieldSummary& field() const;    ///< of a surface: without a name and values
@@ -105,8 +104,7 @@ class Dataset {
   /// Returns the corners of up to some ten thousand boxes, world axes; their convex hull contains
   /// the isosurface, or the triangles of a surface. Every box is as small as the points of the
   /// isosurface (of a grid: the cells that it passes through) in its part of the data allow.
-  /// @param stop  ends the search (ErrorCode::interrupted)
-  std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue, const std::stop_token& stop = {}) const;
+  std::vector<std::array<Vec3, 8>> shown_boxes(double isovalue, const Watch& watch = {}) const;
 
   /// Returns the edges of a surface at which it turns by more than an angle: 0 where its triangles
   /// lie in one plane. An edge of one triangle, or of more than two, counts as 180 degrees, so that
@@ -128,7 +126,7 @@ class Dataset {
   /// A proof that was stopped counts for nothing: the next call makes all of it. If the proof is
   /// already done, a stop request changes nothing.
   /// @param threads  0 = all cores
-  RangeProof prove_ranges(unsigned threads = 0, const std::stop_token& stop = {}) const;
+  RangeProof prove_ranges(unsigned threads = 0, const Watch& watch = {}) const;
 
   /// Returns the bytes of memory that hold what was prepared for tracing and is kept for the next
   /// picture: facets and occupied blocks of the last four isovalues, normals, gradients. The file

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <span>
-#include <stop_token>
 
+#include "formats/base/progress.h"
 #include "formats/base/vector.h"
 #include "render/load.h"
 
@@ -26,8 +26,8 @@ struct PointValue {
 /// time.
 /// @param points  finite, world axes
 /// @param values  as many
-/// @param stop    ends the evaluation (ErrorCode::interrupted), but not the sorting of the points
+/// @param watch   a stop request ends the evaluation, but not the sorting of the points
 void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values,
-                  const std::stop_token& stop = {});
+                  const Watch& watch = {});
 
 }  // namespace rhoray::render

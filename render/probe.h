@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -53,9 +52,9 @@ struct ProbeHit {
 /// @param options  size of the picture; threads that prove ranges; the machine. Nothing else is
 ///   read
 /// @param most     number of points at most, nearest first
-/// @param stop     ends the proof of ranges (ErrorCode::interrupted)
+/// @param watch    of the proof of ranges
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
-                            const PicturePoint& point, std::size_t most, const std::stop_token& stop = {});
+                            const PicturePoint& point, std::size_t most, const Watch& watch = {});
 
 /// Bound on the distance of a position in the world from the exact position. It includes the error
 /// of the depth, and the rounding of the arithmetic from a depth to a position.

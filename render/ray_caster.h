@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "formats/base/affine.h"
+#include "formats/base/progress.h"
 #include "render/camera.h"
 #include "render/load.h"
 #include "render/method.h"
@@ -47,17 +47,16 @@ class RayCaster {
   /// ErrorCode::invalid).
   /// @param threads  that trace crossings; 0 = all cores
   /// @param machine  whose kernels answer; none: chosen_machine()
-  /// @param stop     ends a proof (ErrorCode::interrupted)
   RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads = 1,
-            std::optional<Machine> machine = {}, const std::stop_token& stop = {});
+            std::optional<Machine> machine = {}, const Watch& watch = {});
   ~RayCaster();
 
   /// Prepares what first crossings need: facets, or occupied blocks. Otherwise the first ray does,
   /// on its own thread.
   /// @param machine  whose kernels will answer
   /// @param threads  0 = all cores
-  /// @param stop     ends it (ErrorCode::interrupted); then the next call repeats it
-  void prepare_first_crossings(Machine machine, unsigned threads, const std::stop_token& stop) const;
+  /// @param watch    a stop request ends it, and the next call repeats it
+  void prepare_first_crossings(Machine machine, unsigned threads, const Watch& watch) const;
 
   /// hits[i] belongs to rays[i]. It is the same for any number of threads, and what `render` would
   /// find for that ray. t is in lengths of the ray's direction.

@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string_view>
 
+#include "formats/base/progress.h"
 #include "render/framebuffer.h"
 #include "render/load.h"
 #include "render/method.h"
@@ -178,10 +178,11 @@ struct Refinement {
   /// meanwhile. Every other pixel is a copy of its traced neighbour to the left and above.
   /// Returning false ends the frame.
   std::function<bool(int spacing)> pass_done = nullptr;
-  /// Ends the frame within the time of one tile. It also ends the proof of stored ranges and,
-  /// between its steps, the preparation: then nothing is traced. Pixels of an unfinished pass have
-  /// either spacing; those of an unfinished first pass may keep the framebuffer's previous content.
-  std::stop_token stop{};
+  /// A stop request ends the frame within the time of one tile. It also ends the proof of stored
+  /// ranges and, between its steps, the preparation: then nothing is traced. Pixels of an
+  /// unfinished pass have either spacing; those of an unfinished first pass may keep the
+  /// framebuffer's previous content.
+  Watch watch{};
 };
 
 /// Renders in passes. The finished picture is the same as that of `render`, bit for bit; counts of

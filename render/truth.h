@@ -4,9 +4,9 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/brick_grid.h"
 #include "formats/tet_mesh.h"
 #include "render/ray_caster.h"
@@ -79,14 +79,14 @@ struct TraceSpec {
   Method method{};
   const Clip* clip = nullptr;  ///< the region of the scene; null: no clipping
   unsigned threads = 0;        ///< 0: all cores
-  std::stop_token stop{};
+  Watch watch{};
   std::optional<Machine> machine{};  ///< none: chosen_machine()
 };
 
 /// The clip region that a scene applies to a layer; null: none.
 const Clip* clip_of(const Scene& scene, const Layer& layer);
 
-/// Traces rays in the data's frame with a method. An interrupt ends it (ErrorCode::interrupted).
+/// Traces rays in the data's frame with a method.
 std::vector<Hit> trace_rays(const TraceSpec& spec, std::span<const Ray> rays);
 
 /// The lengths of a dataset's cells along rays, to measure distances in cells.
@@ -129,7 +129,7 @@ struct TruthSpec {
   double seconds = 0;  ///< pixels are taken in random order until this time is over
   std::uint64_t most_pixels = 1'000'000;
   unsigned threads = 0;
-  std::stop_token stop{};
+  Watch watch{};
 };
 Truth find_truth(const TruthSpec& spec);
 

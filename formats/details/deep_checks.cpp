@@ -104,7 +104,7 @@ void check_levels_upward(const MacroLevelsView<T>& view, const std::string& what
         });
       });
     };
-    for_each_until_stopped(static_cast<std::uint64_t>(above.z), 4, 1, options.threads, options.stop, check_layer);
+    for_each_until_stopped(static_cast<std::uint64_t>(above.z), 4, 1, options.threads, options.watch.stop, check_layer);
   }
 }
 

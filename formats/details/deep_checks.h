@@ -5,10 +5,10 @@
 #include <functional>
 #include <map>
 #include <mutex>
-#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/base/text.h"
 #include "formats/field_summary.h"
 #include "formats/macro_levels.h"
@@ -18,8 +18,8 @@ namespace rhoray::formats::details {
 
 /// How a check runs.
 struct CheckOptions {
-  unsigned threads = 0;    ///< 0 = all cores
-  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
+  unsigned threads = 0;  ///< 0 = all cores
+  Watch watch{};
 };
 
 /// Collects findings. Findings of the same kind become one sentence: the first location, and the

@@ -35,12 +35,15 @@ class GridRanges {
     for (const std::span<const T>& level : levels_.ranges) read.bytes += level.size_bytes();
     std::mutex guard;
     const Index3 count = levels_.shape.count(1);
+    ProgressMeter meter(options_.watch.progress, "checking ranges (macrocells)",
+                        static_cast<std::uint64_t>(volume(count)));
     for_each_range(static_cast<std::uint64_t>(count.y * count.z), least_rows, options_.threads,
                    [&](std::uint64_t first, std::uint64_t last) {
                      Part part(layout_.sample_count.x);
                      for (auto row = static_cast<std::int64_t>(first); row < static_cast<std::int64_t>(last); ++row) {
-                       end_if_stopped(options_.stop);
+                       end_if_stopped(options_.watch.stop);
                        check_row(row % count.y, row / count.y, part);
+                       meter.add(static_cast<std::uint64_t>(count.x));
                      }
                      const std::lock_guard lock(guard);
                      if (!part.values.is_empty())

@@ -23,6 +23,13 @@ bool have_data(std::span<const T> values, const std::array<std::uint32_t, 4>& ve
   return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return is_value(values[v]); });
 }
 
+/// Calls act(index) on the threads and under the watch of a check.
+template <class Act>
+void for_each_watched(const char* phase, std::uint64_t count, const CheckOptions& options, const Act& act) {
+  ProgressMeter meter(options.watch.progress, phase, count);
+  for_each_until_stopped(count, range_piece, stop_piece, options.threads, options.watch.stop, act, &meter);
+}
+
 // ---- leaf lists ---------------------------------------------------------------------------------
 
 /// A tetrahedron in units of leaf cells, relative to the low corner of the lattice.
@@ -124,7 +131,8 @@ class LeafLists {
 
   void check() {
     if (!check_points()) return;  // otherwise cells may lie outside the lattice
-    for_each(mesh_.description().cell_count, [&](std::uint64_t cell) { check_cell(cell); });
+    for_each_watched("checking leaf lists (cells)", mesh_.description().cell_count, options_,
+                     [&](std::uint64_t cell) { check_cell(cell); });
   }
 
   template <class T>
@@ -132,19 +140,15 @@ class LeafLists {
     const std::span<const T> values = mesh_.values<T>(field);
     const MacroLevelsView<T> levels = mesh_.macro_levels<T>(field);
     const std::string what = concat("macro levels of field '", mesh_.description().fields[field].name, "'");
-    for_each(leaf_count_, [&](std::uint64_t leaf) { check_range<T>(leaf, values, levels.ranges[0], what); });
+    for_each_watched("checking ranges (leaf cells)", leaf_count_, options_,
+                     [&](std::uint64_t leaf) { check_range<T>(leaf, values, levels.ranges[0], what); });
     check_levels_upward(levels, what, options_, findings_);
   }
 
  private:
-  template <class Act>
-  void for_each(std::uint64_t count, const Act& act) const {
-    for_each_until_stopped(count, range_piece, stop_piece, options_.threads, options_.stop, act);
-  }
-
   bool check_points() {
     std::atomic<bool> all_inside = true;
-    for_each(mesh_.points().size(), [&](std::uint64_t point) {
+    for_each_watched("checking points (points)", mesh_.points().size(), options_, [&](std::uint64_t point) {
       const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
       bool is_inside = true;
       for (int axis = 0; axis < 3; ++axis)
@@ -173,7 +177,7 @@ class LeafLists {
                     [&] { return concat("cell ", cell, " touches leaf ", leaf, ", which lists ", list.size()); });
       return false;  // one leaf cell is enough for a finding
     };
-    for_leaves_near(tet, tet.first(), tet.end(), options_.stop, is_listed_or_apart);
+    for_leaves_near(tet, tet.first(), tet.end(), options_.watch.stop, is_listed_or_apart);
   }
 
   template <class T>
@@ -212,7 +216,7 @@ void check_upward(const ClusterShape& shape, const std::vector<std::span<const B
                   const CheckOptions& options, Findings& findings, const Holds& holds_below, const TextOf& text_of) {
   for (int level = 1; level <= shape.top_level(); ++level) {
     const auto l = static_cast<std::size_t>(level);
-    for_each_until_stopped(0, shape.count(level), range_piece, options.stop, [&](std::uint64_t entry) {
+    for_each_until_stopped(0, shape.count(level), range_piece, options.watch.stop, [&](std::uint64_t entry) {
       const Block &block = levels[l][entry / width], &below = levels[l - 1][entry];
       if (!holds_below(entry % width, block, below))
         findings.add(what, entry,
@@ -272,8 +276,8 @@ void check_box(const TetMesh& mesh, std::uint64_t cluster, Findings& findings) {
 
 void check_boxes(const TetMesh& mesh, const CheckOptions& options, Findings& findings) {
   const CellClustersView& clusters = mesh.clusters();
-  for_each_until_stopped(clusters.cluster_count(), range_piece, stop_piece, options.threads, options.stop,
-                         [&](std::uint64_t cluster) { check_box(mesh, cluster, findings); });
+  for_each_watched("checking boxes (clusters)", clusters.cluster_count(), options,
+                   [&](std::uint64_t cluster) { check_box(mesh, cluster, findings); });
   check_upward(clusters.shape, clusters.boxes, "a box that does not hold those below it", options, findings,
                holds_boxes, [&](std::size_t entry, const BoxBlock& block, const BoxBlock& below) {
                  BoxBlock needed{};
@@ -334,8 +338,7 @@ void check_cluster_ranges(const TetMesh& mesh, std::size_t field, const CheckOpt
       return concat("cluster ", cluster, " has ", interval_text(stored), ", its cells need ", interval_text(needed));
     });
   };
-  for_each_until_stopped(clusters.cluster_count(), range_piece, stop_piece, options.threads, options.stop,
-                         check_cluster);
+  for_each_watched("checking ranges (clusters)", clusters.cluster_count(), options, check_cluster);
   check_upward(
       clusters.shape, levels, concat(what, ": an entry does not match the level below"), options, findings,
       [](std::size_t entry, const RangeBlock<T>& block, const RangeBlock<T>& below) {
@@ -387,7 +390,7 @@ RangesRead check_ranges(const TetMesh& mesh, std::size_t field, const CheckOptio
       check_cluster_ranges<T>(mesh, field, options, findings);
     else
       LeafLists(mesh, options, findings).check_ranges<T>(field);
-    RangesRead read = read_values(mesh.values<T>(field), options.stop);
+    RangesRead read = read_values(mesh.values<T>(field), options.watch.stop);
     read.bytes += structure_bytes(mesh, field);
     return read;
   };

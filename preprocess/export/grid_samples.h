@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "formats/base/pending_file.h"
+#include "formats/base/progress.h"
 #include "formats/brick_grid.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/cell_clusters.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

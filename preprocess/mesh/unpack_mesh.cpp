@@ -40,10 +40,12 @@ Array<std::uint32_t> cells_in_source_order(const TetMesh& packed, const std::sto
 }
 
 template <class T>
-Array<double> taken_from(std::span<const T> values, const Array<std::uint32_t>& order, const std::stop_token& stop) {
+Array<double> taken_from(std::span<const T> values, const Array<std::uint32_t>& order, const Watch& watch) {
+  ProgressMeter meter(watch.progress, "copying a field (values)", order.size());
   Array<double> taken(order.size());
-  for_each_until_stopped(0, order.size(), light_piece, stop,
-                         [&](std::uint64_t i) { taken[i] = static_cast<double>(values[order[i]]); });
+  for_each_until_stopped(
+      0, order.size(), light_piece, watch.stop,
+      [&](std::uint64_t i) { taken[i] = static_cast<double>(values[order[i]]); }, &meter);
   return taken;
 }
 
@@ -61,31 +63,35 @@ NeutralField unpacked(const formats::FieldSummary& summary, const Take& take) {
 
 }  // namespace
 
-NeutralMesh unpack_mesh(const TetMesh& packed, const std::stop_token& stop) {
+NeutralMesh unpack_mesh(const TetMesh& packed, const Watch& watch) {
   const formats::TetMeshDescription& description = packed.description();
   NeutralMesh mesh;
   mesh.length_unit = description.length_unit;
-  const Array<std::uint32_t> points = points_in_source_order(packed, stop);
+  const Array<std::uint32_t> points = points_in_source_order(packed, watch.stop);
   mesh.points.reserve(points.size());
-  for_each_until_stopped(0, points.size(), light_piece, stop, [&](std::uint64_t i) {
+  const auto copy_point = [&](std::uint64_t i) {
     const auto& p = packed.points()[points[i]];
     mesh.points.push_back({description.origin.x + p[0], description.origin.y + p[1], description.origin.z + p[2]});
-  });
-  const Array<std::uint32_t> cells = cells_in_source_order(packed, stop);
+  };
+  ProgressMeter copying_points(watch.progress, "copying (points)", points.size());
+  for_each_until_stopped(0, points.size(), light_piece, watch.stop, copy_point, &copying_points);
+  const Array<std::uint32_t> cells = cells_in_source_order(packed, watch.stop);
   mesh.cells.reserve(cells.size());
   mesh.cell_ids.reserve(cells.size());
-  for_each_until_stopped(0, cells.size(), light_piece, stop, [&](std::uint64_t i) {
+  const auto copy_cell = [&](std::uint64_t i) {
     const auto cell = packed.cell(cells[i]);
     mesh.cell_ids.push_back(packed.cell_id(cells[i]));
     mesh.cells.push_back({packed.point_rank(cell[0]), packed.point_rank(cell[1]), packed.point_rank(cell[2]),
                           packed.point_rank(cell[3])});
-  });
+  };
+  ProgressMeter copying_cells(watch.progress, "copying (cells)", cells.size());
+  for_each_until_stopped(0, cells.size(), light_piece, watch.stop, copy_cell, &copying_cells);
   for (std::size_t f = 0; f < description.fields.size(); ++f)
     mesh.point_fields.push_back(
-        unpacked(description.fields[f], [&]<class T>(T) { return taken_from(packed.values<T>(f), points, stop); }));
+        unpacked(description.fields[f], [&]<class T>(T) { return taken_from(packed.values<T>(f), points, watch); }));
   for (std::size_t f = 0; f < description.cell_fields.size(); ++f)
-    mesh.cell_fields.push_back(unpacked(description.cell_fields[f],
-                                        [&]<class T>(T) { return taken_from(packed.cell_values<T>(f), cells, stop); }));
+    mesh.cell_fields.push_back(unpacked(
+        description.cell_fields[f], [&]<class T>(T) { return taken_from(packed.cell_values<T>(f), cells, watch); }));
   return mesh;
 }
 

@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/base/vector.h"
 #include "formats/macro_levels.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "formats/field_summary.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -64,7 +64,7 @@ double traced_ms(Alone& alone, const std::stop_token& stop) {
   std::vector<double> ms;
   for (int time = 0; time <= times; ++time) {
     const FrameStatistics statistics =
-        refine(alone.dataset, alone.scene, frame, {.first_spacing = 1, .stop = stop}, picture, memory);
+        refine(alone.dataset, alone.scene, frame, {.first_spacing = 1, .watch = stop}, picture, memory);
     end_if_stopped(stop);
     const double taken = 1e3 * (statistics.wall_s - statistics.preparation_s);
     // The first fills caches; a slow one is timed once.
@@ -81,7 +81,7 @@ bool is_proven(const Method& method, double max_error, bool is_projection, bool 
   return method.algorithm == Method::Algorithm::certified && !is_projection && !is_mesh && max_error >= 1e-3;
 }
 
-Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Goal& goal, std::stop_token stop) {
+Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Goal& goal, const std::stop_token& stop) {
   alone.layer().method = method;
   Candidate candidate{.method = method, .word = option_of(method, alone.layer().mode, alone.dataset.is_mesh()).word};
   const bool is_exact = method.algorithm == Method::Algorithm::exact;
@@ -92,7 +92,7 @@ Candidate tried(Alone& alone, const Method& method, const Truth& truth, const Go
                                                        .method = method,
                                                        .clip = clip_of(alone.scene, alone.layer()),
                                                        .threads = alone.threads,
-                                                       .stop = stop,
+                                                       .watch = stop,
                                                        .machine = alone.machine},
                                                       truth.rays);
   const ErrorCounts errors = count_errors(errors_against(truth, alone.layer().mode, hits));
@@ -155,7 +155,7 @@ Choice chosen_of(const std::vector<Candidate>& candidates, const Goal& goal, con
 }  // namespace
 
 Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goal& goal, unsigned threads,
-                     std::stop_token stop) {
+                     const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
   const Layer& layer = resolved.scene.layers[index];
   Alone alone{.dataset = resolved.datasets[layer.dataset],
@@ -170,21 +170,25 @@ Choice choose_method(const ResolvedScene& resolved, std::size_t index, const Goa
                                   .size = alone.size,
                                   .seconds = judge_seconds,
                                   .threads = threads,
-                                  .stop = stop});
+                                  .watch = watch});
   const double growth = static_cast<double>(resolved.frame.width) * resolved.frame.height /
                         (static_cast<double>(alone.size.width) * alone.size.height);
+  std::vector<CandidateRow> rows;
+  std::copy_if(std::begin(candidate_rows), std::end(candidate_rows), std::back_inserter(rows),
+               [&](const CandidateRow& row) { return alone.is_projection() ? row.of_projections : row.of_surfaces; });
   std::vector<Candidate> candidates;
-  for (const CandidateRow& row : candidate_rows) {
-    if (!(alone.is_projection() ? row.of_projections : row.of_surfaces)) continue;
+  ProgressMeter meter(watch.progress, "trying methods (methods)", rows.size());
+  for (const CandidateRow& row : rows) {
     const Method method = row.is_level ? method_of(accuracy_named(row.word))
                                        : method_named(row.word, layer.mode, alone.dataset.is_mesh());
-    candidates.push_back(tried(alone, method, truth, goal, stop));
+    candidates.push_back(tried(alone, method, truth, goal, watch.stop));
     candidates.back().foreseen_ms *= growth;
+    meter.add(1);
   }
   return chosen_of(candidates, goal, alone);
 }
 
-std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads) {
+std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads, const Watch& watch) {
   std::vector<std::size_t> layers;
   for (std::size_t layer = 0; layer < resolved.scene.layers.size(); ++layer)
     if (const Mode mode = resolved.scene.layers[layer].mode; mode == Mode::isosurface || mode == Mode::mip)
@@ -193,7 +197,7 @@ std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, un
   if (goal.budget_ms)
     of_layer.budget_ms = *goal.budget_ms / static_cast<double>(std::max<std::size_t>(1, layers.size()));
   std::vector<Choice> choices;
-  for (const std::size_t layer : layers) choices.push_back(choose_method(resolved, layer, of_layer, threads));
+  for (const std::size_t layer : layers) choices.push_back(choose_method(resolved, layer, of_layer, threads, watch));
   for (std::size_t i = 0; i < layers.size(); ++i) resolved.scene.layers[layers[i]].method = choices[i].chosen.method;
   return choices;
 }

@@ -97,8 +97,7 @@ struct TrueHit {
 };
 
 std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer& picture,
-                               const std::vector<std::uint32_t>& pixels, unsigned threads,
-                               const std::stop_token& stop) {
+                               const std::vector<std::uint32_t>& pixels, unsigned threads, const Watch& watch) {
   std::vector<TrueHit> nearest(pixels.size());
   for (const Layer& layer : resolved.scene.layers) {
     const Dataset& dataset = resolved.datasets[layer.dataset];
@@ -110,7 +109,7 @@ std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer&
                                               .method = method_of(Accuracy::exact),
                                               .clip = clip_of(resolved.scene, layer),
                                               .threads = threads,
-                                              .stop = stop},
+                                              .watch = watch},
                                              rays);
     for (std::size_t i = 0; i < hits.size(); ++i)
       if (!hits[i].is_miss() && hits[i].t < nearest[i].hit.t)
@@ -122,9 +121,9 @@ std::vector<TrueHit> true_hits(const ResolvedScene& resolved, const Framebuffer&
 
 CheckedPixels checked_pixels(const ResolvedScene& resolved, const Framebuffer& picture,
                              const std::vector<std::uint32_t>& pixels, double limit, unsigned threads,
-                             const std::stop_token& stop) {
+                             const Watch& watch) {
   const bool is_value = is_projection(resolved);
-  const std::vector<TrueHit> truth = true_hits(resolved, picture, pixels, threads, stop);
+  const std::vector<TrueHit> truth = true_hits(resolved, picture, pixels, threads, watch);
   CheckedPixels found{.pixels = pixels.size()};
   ErrorList list;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -209,7 +208,7 @@ SelfCheck check_picture(const ResolvedScene& resolved, const Framebuffer& pictur
   const Promise promise = promise_of(resolved);
   const double limit = options.limit ? limit_in_unit(resolved, *options.limit) : promise.kept;
   const auto look_at = [&](const std::vector<std::uint32_t>& pixels) {
-    return checked_pixels(resolved, picture, some_of(pixels, options.pixels, random), limit, threads, options.stop);
+    return checked_pixels(resolved, picture, some_of(pixels, options.pixels, random), limit, threads, options.watch);
   };
   check.random = look_at(all_pixels(picture));
   check.edges = look_at(edge_pixels(picture));

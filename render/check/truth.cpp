@@ -25,17 +25,20 @@ std::size_t piece_for(const Method& method) {
 /// Calls act(range) for pieces of the rays.
 template <class Act>
 void for_each_piece(const TraceSpec& spec, std::size_t count, const Act& act) {
+  ProgressMeter meter(spec.watch.progress, "tracing (rays)", count);
   const auto act_unless_stopped = [&](const IndexRange& part) {
-    if (!spec.stop.stop_requested()) act(part);
+    if (spec.watch.stop.stop_requested()) return;
+    act(part);
+    meter.add(part.size());
   };
   parallel_for(count, piece_for(spec.method), act_unless_stopped, spec.threads);
-  end_if_stopped(spec.stop);
+  end_if_stopped(spec.watch.stop);
 }
 
 void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
   const Machine machine = spec.machine.value_or(chosen_machine());
-  const RayCaster queries(spec.dataset, spec.isovalue, spec.method, 1, machine, spec.stop);
-  if (!rays.empty()) queries.prepare_first_crossings(machine, spec.threads, spec.stop);
+  const RayCaster queries(spec.dataset, spec.isovalue, spec.method, 1, machine, spec.watch);
+  if (!rays.empty()) queries.prepare_first_crossings(machine, spec.threads, spec.watch);
   PerWorker<RayCaster::Scratch> scratch([&] { return RayCaster::Scratch(machine); });
   for_each_piece(spec, rays.size(), [&](const IndexRange& part) {
     queries.first_crossings(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()),
@@ -46,8 +49,9 @@ void trace_crossings(const TraceSpec& spec, std::span<const Ray> rays, std::span
 /// Each thread has its own RayCaster, because the search keeps data from ray to ray. The results do
 /// not depend on them.
 void trace_largest(const TraceSpec& spec, std::span<const Ray> rays, std::span<Hit> hits) {
+  if (proves(spec.method)) spec.dataset.prove_ranges(spec.threads, spec.watch);
   PerWorker<RayCaster> queries(
-      [&] { return RayCaster(spec.dataset, spec.isovalue, spec.method, 1, spec.machine, spec.stop); });
+      [&] { return RayCaster(spec.dataset, spec.isovalue, spec.method, 1, spec.machine, spec.watch.stop); });
   for_each_piece(spec, rays.size(), [&](const IndexRange& part) {
     queries.of(part).largest_values(rays.subspan(part.begin(), part.size()), hits.subspan(part.begin(), part.size()));
   });
@@ -155,7 +159,8 @@ Truth find_truth(const TruthSpec& spec) {
                         .method = method_of(Accuracy::exact),
                         .clip = clip_of(spec.scene, layer),
                         .threads = spec.threads,
-                        .stop = spec.stop};
+                        .watch = spec.watch.stop};
+  spec.dataset.prove_ranges(spec.threads, spec.watch);
   const CellLengths lengths(spec.dataset);
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu_begin = std::clock();  // of all threads of this process
@@ -163,6 +168,7 @@ Truth find_truth(const TruthSpec& spec) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < spec.seconds;
   };
   constexpr std::size_t rays_at_a_time = 256;
+  ProgressMeter meter(spec.watch.progress, "tracing in exact arithmetic (rays)", order.size());
   std::vector<Ray> rays;  // in that order, as the hits
   std::vector<Hit> hits;
   while (hits.size() < order.size() && (hits.empty() || is_in_time())) {
@@ -172,6 +178,7 @@ Truth find_truth(const TruthSpec& spec) {
     const std::vector<Hit> found = trace_rays(exact, some);
     rays.insert(rays.end(), some.begin(), some.end());
     hits.insert(hits.end(), found.begin(), found.end());
+    meter.add(count);
   }
   truth.cpu_s = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   std::vector<std::size_t> rising(hits.size());

@@ -4,7 +4,7 @@
 namespace rhoray::render {
 
 std::shared_ptr<const LoadedDataset> load_grid(const formats::PackedFile& file, const std::string& field,
-                                               formats::Space world, const std::stop_token&) {
+                                               formats::Space world, const Watch&) {
   const formats::BrickGrid grid(file);
   const formats::GridDescription& description = grid.description();
   std::vector<std::string> names;

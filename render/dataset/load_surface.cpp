@@ -24,12 +24,12 @@ bool has_y_up(const std::string& source_name) {
 }  // namespace
 
 std::shared_ptr<const LoadedDataset> load_surface(const formats::PackedFile& file, const std::string& field,
-                                                  formats::Space, const std::stop_token& stop) {
-  const formats::TriangleMesh mesh(file, stop);
+                                                  formats::Space, const Watch& watch) {
+  const formats::TriangleMesh mesh(file, watch);
   if (!field.empty())
     throw Error(ErrorCode::usage, concat(file.name(), ": no field '", field, "'; a surface has no fields"));
   Box3 bounds;
-  for_each_until_stopped(0, mesh.description().point_count, light_piece, stop, [&](std::uint64_t p) {
+  for_each_until_stopped(0, mesh.description().point_count, light_piece, watch.stop, [&](std::uint64_t p) {
     const std::array<double, 3> point = mesh.point(p);
     bounds.extendBy(Vec3(point[0], point[1], point[2]));
   });

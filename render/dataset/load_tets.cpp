@@ -14,8 +14,8 @@
 namespace rhoray::render {
 
 std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, const std::string& field,
-                                               formats::Space, const std::stop_token& stop) {
-  const formats::TetMesh mesh(file, stop);
+                                               formats::Space, const Watch& watch) {
+  const formats::TetMesh mesh(file, watch);
   const formats::TetMeshDescription& description = mesh.description();
   std::vector<std::string> names;
   for (const formats::FieldSummary& summary : description.fields) names.push_back(summary.name);
@@ -25,7 +25,7 @@ std::shared_ptr<const LoadedDataset> load_tets(const formats::PackedFile& file, 
   const formats::FieldSummary& summary = description.fields[chosen];
   Box3 bounds;
   const auto points = mesh.points();
-  for_each_until_stopped(0, points.size(), light_piece, stop,
+  for_each_until_stopped(0, points.size(), light_piece, watch.stop,
                          [&](std::uint64_t p) { bounds.extendBy(Vec3(points[p][0], points[p][1], points[p][2])); });
   return std::make_shared<LoadedDataset>(
       LoadedDataset{.file = file,
@@ -69,12 +69,12 @@ std::shared_ptr<const LoadedDataset> with_boundary(const LoadedDataset& mesh,
 
 }  // namespace
 
-std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::stop_token& stop) {
-  return with_boundary(mesh, std::make_shared<const MeshBoundary>(mesh_of(mesh), stop));
+std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const Watch& watch) {
+  return with_boundary(mesh, std::make_shared<const MeshBoundary>(mesh_of(mesh), watch));
 }
 
 std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, const std::string& cell_field, int label,
-                                                   std::span<const int> without, const std::stop_token& stop) {
+                                                   std::span<const int> without, const Watch& watch) {
   const TetData& view = mesh_of(mesh);
   const std::optional<std::size_t> field = view.mesh().find_cell_field(cell_field);
   if (!field) {
@@ -82,7 +82,7 @@ std::shared_ptr<const LoadedDataset> load_boundary(const LoadedDataset& mesh, co
     throw Error(ErrorCode::usage, concat(mesh.file.name(), ": no field '", cell_field, "' of cells; it has ",
                                          known.empty() ? "none" : joined(known, ", ", "'")));
   }
-  auto boundary = std::make_shared<const MeshBoundary>(view, *field, label, without, stop);
+  auto boundary = std::make_shared<const MeshBoundary>(view, *field, label, without, watch);
   if (boundary->cells.empty() && without.empty())
     throw Error(ErrorCode::invalid,
                 concat(mesh.file.name(), ": no cell has label ", label, " in field '", cell_field, "'"));

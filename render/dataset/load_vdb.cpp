@@ -5,7 +5,7 @@
 namespace rhoray::render {
 
 std::shared_ptr<const LoadedDataset> load_vdb(const formats::PackedFile& file, const std::string& field, formats::Space,
-                                              const std::stop_token&) {
+                                              const Watch&) {
   const formats::VdbGrid grid(file);
   const formats::VdbGridDescription& description = grid.description();
   check_field_name(file, field, {description.field.name});

@@ -63,14 +63,15 @@ std::int64_t row_width(const WalkLattice& lattice) {
 /// Calls act(macrocells) for each row of lowest-level macrocells along x, with those that may be
 /// crossed. The ends come first, because most others lie between them.
 template <class Grid, class Act>
-void for_each_row(const Grid& view, double isovalue, const std::stop_token& stop, const Act& act) {
+void for_each_row(const Grid& view, double isovalue, const Watch& watch, const Act& act) {
   const WalkLattice lattice = view.lattice();
   const Index3 count = whole_level(lattice, lattice.cell_edge(1)).end;
   std::vector<Index3> row;
+  ProgressMeter meter(watch.progress, "finding the surface (macrocells)", static_cast<std::uint64_t>(volume(count)));
   Index3 c;
   for (c.z = 0; c.z < count.z; ++c.z)
     for (c.y = 0; c.y < count.y; ++c.y) {
-      end_if_stopped(stop);
+      end_if_stopped(watch.stop);
       row.clear();
       for (c.x = 0; c.x < count.x; ++c.x) {
         const Interval<double> range = view.range(1, c);
@@ -78,17 +79,18 @@ void for_each_row(const Grid& view, double isovalue, const std::stop_token& stop
       }
       if (row.size() > 1) std::swap(row[1], row.back());
       if (!row.empty()) act(row);
+      meter.add(static_cast<std::uint64_t>(count.x));
     }
 }
 
 template <class Geometry>
 std::vector<Box3> boxes_in(const PlacedGrid<Geometry>& view, const LoadedDataset&, double isovalue,
-                           const std::stop_token& stop) {
+                           const Watch& watch) {
   const WalkLattice lattice = view.lattice();
   const std::int64_t width = row_width(lattice);
   const auto planes = view.geometry().planes();
   std::vector<Box3> boxes;
-  for_each_row(view, isovalue, stop, [&](const std::vector<Index3>& row) {
+  for_each_row(view, isovalue, watch, [&](const std::vector<Index3>& row) {
     const CellBlock of_row = children(lattice, row[0], 1);
     Index3 low = of_row.first;
     for (low.z = of_row.first.z; low.z < of_row.end.z; low.z += width)
@@ -139,10 +141,9 @@ class Columns {
 };
 
 /// A tetrahedron's part of the isosurface is the polygon between the crossings of its edges.
-std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, double isovalue,
-                           const std::stop_token& stop) {
+std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, double isovalue, const Watch& watch) {
   Columns columns(dataset.bounds_data);
-  for_each_until_stopped(0, view.description().cell_count, light_piece, stop, [&](std::uint64_t cell) {
+  const auto include = [&](std::uint64_t cell) {
     const auto vertices = view.sorted_vertices(static_cast<std::uint32_t>(cell));
     const auto values = view.values_at(vertices);
     const auto [lo, hi] = std::minmax({values[0], values[1], values[2], values[3]});
@@ -155,14 +156,16 @@ std::vector<Box3> boxes_in(const TetData& view, const LoadedDataset& dataset, do
         const Vec3 from(points[a][0], points[a][1], points[a][2]), to(points[b][0], points[b][1], points[b][2]);
         columns.include((1 - share) * from + share * to);
       }
-  });
+  };
+  const std::uint64_t cell_count = view.description().cell_count;
+  ProgressMeter meter(watch.progress, "finding the surface (cells)", cell_count);
+  for_each_until_stopped(0, cell_count, light_piece, watch.stop, include, &meter);
   return columns.take();
 }
 
-std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& dataset, double,
-                           const std::stop_token& stop) {
+std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& dataset, double, const Watch& watch) {
   Columns columns(dataset.bounds_data);
-  for_each_until_stopped(0, view.triangle_count(), light_piece, stop, [&](std::uint64_t triangle) {
+  for_each_until_stopped(0, view.triangle_count(), light_piece, watch.stop, [&](std::uint64_t triangle) {
     for (const auto& [x, y, z] : view.points_at(view.vertices(static_cast<std::uint32_t>(triangle))))
       columns.include({x, y, z});
   });
@@ -171,8 +174,8 @@ std::vector<Box3> boxes_in(const TriangleData& view, const LoadedDataset& datase
 
 }  // namespace
 
-std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const std::stop_token& stop) {
-  return std::visit([&](const auto& view) { return boxes_in(view, dataset, isovalue, stop); }, dataset.view);
+std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const Watch& watch) {
+  return std::visit([&](const auto& view) { return boxes_in(view, dataset, isovalue, watch); }, dataset.view);
 }
 
 }  // namespace rhoray::render

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <stop_token>
 #include <vector>
 
 #include "formats/base/vector.h"
@@ -16,7 +15,6 @@ namespace rhoray::render {
 /// if that makes no more than 128 x 128 rows, else up to one lowest-level macrocell. In a mesh and
 /// a surface there is one for each of 128 x 128 columns along x, around the crossings of edges, or
 /// the corners of triangles, in the column.
-/// @param stop  ends the search (ErrorCode::interrupted)
-std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const std::stop_token& stop);
+std::vector<Box3> shown_boxes(const LoadedDataset& dataset, double isovalue, const Watch& watch);
 
 }  // namespace rhoray::render

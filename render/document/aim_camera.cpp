@@ -37,9 +37,9 @@ int count_of_scales(const AnnotationsSpec& annotations) {
 }
 
 /// The boxes around parts of a layer, before clipping.
-std::vector<std::array<Vec3, 8>> boxes_of(const Layer& layer, const ResolvedScene& plan, const std::stop_token& stop) {
+std::vector<std::array<Vec3, 8>> boxes_of(const Layer& layer, const ResolvedScene& plan, const Watch& watch) {
   if (layer.mode == Mode::isosurface || layer.mode == Mode::triangles)
-    return plan.datasets[layer.dataset].shown_boxes(layer.isovalue, stop);
+    return plan.datasets[layer.dataset].shown_boxes(layer.isovalue, watch);
   const Box3 bounds = bounds_of(layer, plan);
   if (bounds.isEmpty()) return {};
   return {corners_of(bounds)};
@@ -103,11 +103,11 @@ ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
                                                                                    : ViewFrame::engineering_y_up);
 }
 
-Shown what_is_shown(const ResolvedScene& plan, const std::stop_token& stop) {
+Shown what_is_shown(const ResolvedScene& plan, const Watch& watch) {
   Shown shown;
   for (const Layer& layer : plan.scene.layers) {
     const std::optional<Clip>& clip = plan.scene.clip;
-    for (const auto& box : boxes_of(layer, plan, stop))
+    for (const auto& box : boxes_of(layer, plan, watch))
       for (const Vec3& corner : left_of(layer.clipped ? clip : std::nullopt, box)) shown.corners.push_back(corner);
   }
   if (shown.corners.empty())
@@ -165,10 +165,10 @@ void note_camera_inside(ResolvedScene& plan) {
 
 }  // namespace
 
-void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const std::stop_token& stop) {
+void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const Watch& watch) {
   std::optional<Shown> shown;
   const FindShown find_shown = [&]() -> const Shown& {
-    if (!shown) shown = what_is_shown(plan, stop);
+    if (!shown) shown = what_is_shown(plan, watch);
     return *shown;
   };
   const CameraSpec& camera = scene_spec.camera;

@@ -33,9 +33,8 @@ Interval<double> projected_window(const formats::FieldSummary& field) {
 /// Adds the layers of a planned scene one after another.
 class LayerPlanner {
  public:
-  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors,
-               const std::stop_token& stop)
-      : scene_spec_(scene_spec), open_(open), open_colors_(open_colors), stop_(stop) {
+  LayerPlanner(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors, const Watch& watch)
+      : scene_spec_(scene_spec), open_(open), open_colors_(open_colors), watch_(watch) {
     if (scene_spec.space == "lps") plan_.space = formats::Space::lps;
   }
 
@@ -123,7 +122,7 @@ class LayerPlanner {
   std::size_t boundary_of(std::size_t mesh) {
     for (std::size_t i = mesh + 1; i < plan_.datasets.size(); ++i)
       if (plan_.datasets[i].is_surface() && plan_.data[i].name == plan_.data[mesh].name) return i;
-    plan_.datasets.push_back(plan_.datasets[mesh].boundary(stop_));
+    plan_.datasets.push_back(plan_.datasets[mesh].boundary(watch_));
     plan_.data.push_back(DataSpec(plan_.data[mesh]));
     return plan_.datasets.size() - 1;
   }
@@ -153,7 +152,7 @@ class LayerPlanner {
   std::size_t boundary_of_label(std::size_t index, std::size_t mesh) {
     const DataSpec data = plan_.data[mesh];
     plan_.datasets.push_back(at_place(root(scene_spec_).at("data").at(data.name).at("label"), [&] {
-      return plan_.datasets[mesh].boundary(data.field, *data.label, labels_instead(index), stop_);
+      return plan_.datasets[mesh].boundary(data.field, *data.label, labels_instead(index), watch_);
     }));
     plan_.data.push_back(data);
     return plan_.datasets.size() - 1;
@@ -329,7 +328,7 @@ class LayerPlanner {
   const SceneSpec& scene_spec_;
   const OpenData& open_;
   const OpenColors& open_colors_;
-  const std::stop_token& stop_;
+  const Watch& watch_;
   ResolvedScene plan_;
   std::vector<Outside> outside_;
 };
@@ -337,8 +336,8 @@ class LayerPlanner {
 }  // namespace
 
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open, const OpenColors& open_colors,
-                             const std::stop_token& stop) {
-  ResolvedScene plan = LayerPlanner(scene_spec, open, open_colors, stop).plan();
+                             const Watch& watch) {
+  ResolvedScene plan = LayerPlanner(scene_spec, open, open_colors, watch).plan();
   plan_image(scene_spec, plan);
   const Place clip = root(scene_spec).at("clip");
   plan.scene.clip = choose_clip(scene_spec.clip, clip);

@@ -235,7 +235,7 @@ void EdgeSamples::refine_tile(const Tile& tile, Worker& worker, Work& work, Fram
   worker.counts.tile_ticks += ticks_now() - start;
 }
 
-void EdgeSamples::add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture) {
+void EdgeSamples::add_to(RenderContext::Implementation& memory, const Watch& watch, Framebuffer& picture) {
   std::vector<Tile> tiles = tiles_in_order(width_, height_);
   if (window_)
     std::erase_if(tiles, [this](const Tile& tile) {
@@ -244,8 +244,11 @@ void EdgeSamples::add_to(RenderContext::Implementation& memory, const std::stop_
     });
   memory.threads().for_each_tile(tiles.size(), [&](std::size_t tile, std::size_t) { mark_tile(picture, tiles[tile]); });
   std::vector<Work> works(memory.threads().worker_count());
+  ProgressMeter meter(watch.progress, "antialiasing (tiles)", tiles.size());
   memory.threads().for_each_tile(tiles.size(), [&](std::size_t tile, std::size_t worker) {
-    if (!stop.stop_requested()) refine_tile(tiles[tile], memory.worker(worker), works[worker], picture);
+    if (watch.stop.stop_requested()) return;
+    refine_tile(tiles[tile], memory.worker(worker), works[worker], picture);
+    meter.add(1);
   });
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <stop_token>
 #include <vector>
 
 #include "render/frame/pass.h"
@@ -51,7 +50,7 @@ class EdgeSamples {
   /// Refines the colours of a picture with channels() whose rays have all been traced. The result
   /// is the same, bit for bit, for any number of threads. If stopped, some tiles keep one sample
   /// per pixel.
-  void add_to(RenderContext::Implementation& memory, const std::stop_token& stop, Framebuffer& picture);
+  void add_to(RenderContext::Implementation& memory, const Watch& watch, Framebuffer& picture);
 
  private:
   struct Work;

@@ -62,7 +62,7 @@ double rounding_in(const Box3& box_world, const Affine& data_from_world, int axi
 }  // namespace
 
 void point_values(const Dataset& dataset, std::span<const Vec3> points, std::span<PointValue> values,
-                  const std::stop_token& stop) {
+                  const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
   RHORAY_CHECK(points.size() == values.size());
   const LoadedDataset& loaded = dataset.implementation();
@@ -78,8 +78,9 @@ void point_values(const Dataset& dataset, std::span<const Vec3> points, std::spa
   const Box3 bounds = dataset.bounds();
   for (int axis = 0; axis < 3; ++axis)
     places->slack[static_cast<std::size_t>(axis)] = rounding_in(bounds, data_from_world, axis);
+  ProgressMeter meter(watch.progress, "evaluating (points)", order.size());
   for (std::size_t first = 0; first < order.size(); first += group_size) {
-    end_if_stopped(stop);
+    end_if_stopped(watch.stop);
     const std::size_t count = std::min(group_size, order.size() - first);
     for (std::size_t i = 0; i < group_size; ++i) {
       places->is_asked[i] = i < count;
@@ -90,6 +91,7 @@ void point_values(const Dataset& dataset, std::span<const Vec3> points, std::spa
     for (std::size_t i = 0; i < count; ++i)
       values[order[first + i]] = {answers->value[i],
                                   std::isnan(answers->value[i]) ? PointValue::no_cell : answers->cell[i]};
+    meter.add(count);
   }
   formats::require_intact(dataset.file());
 }

@@ -37,8 +37,8 @@ RayBatch group_of(const Ray& ray) {
 class Probe {
  public:
   Probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options, const PicturePoint& point,
-        std::size_t most, const std::stop_token& stop)
-      : datasets_(datasets), scene_(scene), options_(options), most_(most), stop_(stop), in_world_(world_ray(point)) {
+        std::size_t most, const Watch& watch)
+      : datasets_(datasets), scene_(scene), options_(options), most_(most), watch_(watch), in_world_(world_ray(point)) {
     if (scene.clip) {
       kept_ = KeptParts(group_size);
       ClipRegion(*scene.clip, machine()).find_kept(group_of(in_world_), kept_);
@@ -115,7 +115,7 @@ class Probe {
 
   void add_crossings(std::size_t layer) {
     const Dataset& dataset = dataset_of(layer);
-    dataset.prove_ranges(options_.threads, stop_);
+    dataset.prove_ranges(options_.threads, watch_);
     std::size_t left = most_;
     for (const Ray& part : parts(layer)) {
       if (left == 0) return;
@@ -171,7 +171,7 @@ class Probe {
 
   void add_largest(std::size_t layer) {
     const Dataset& dataset = dataset_of(layer);
-    dataset.prove_ranges(options_.threads, stop_);
+    dataset.prove_ranges(options_.threads, watch_);
     RayCaster caster(dataset, dataset.field().range.lo, method_of(Accuracy::exact), 1, machine());
     Hit largest;
     double error = 0;  // the exact largest value may be in either part
@@ -193,7 +193,7 @@ class Probe {
   const Scene& scene_;
   const FrameOptions& options_;
   std::size_t most_;
-  const std::stop_token& stop_;
+  const Watch& watch_;
   Ray in_world_;
   KeptParts kept_;         ///< of the first ray of a group; only with a clip region
   double end_ = infinity;  ///< depth of the nearest opaque surface
@@ -211,11 +211,11 @@ void check(const PicturePoint& point, const FrameOptions& options) {
 }  // namespace
 
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
-                            const PicturePoint& point, std::size_t most, const std::stop_token& stop) {
+                            const PicturePoint& point, std::size_t most, const Watch& watch) {
   const DefaultFloatingPoint default_floating_point;
   check_request(datasets, scene, {.width = options.width, .height = options.height});
   check(point, options);
-  return Probe(datasets, scene, options, point, most, stop).hits();
+  return Probe(datasets, scene, options, point, most, watch).hits();
 }
 
 double position_error(double bound, double depth, const Vec3& eye, const Vec3& position) {

@@ -36,14 +36,14 @@ struct RayCaster::Worker {
 };
 
 RayCaster::RayCaster(const Dataset& dataset, double isovalue, const Method& method, unsigned threads,
-                     std::optional<Machine> machine, const std::stop_token& stop)
+                     std::optional<Machine> machine, const Watch& watch)
     : dataset_(dataset.implementation()),
       query_{.isovalue = finite(isovalue), .field_range = dataset.field().range, .method = method},
       machine_(machine.value_or(chosen_machine())),
       intersectors_(choose_intersectors(dataset_, query_, machine_)),
       threads_(threads),
       workers_(TileThreads(threads).worker_count()) {
-  if (proves(method)) range_proof_ = dataset.prove_ranges(threads, stop);
+  if (proves(method)) range_proof_ = dataset.prove_ranges(threads, watch);
   workers_.front().scratch.queue.reserve(intersectors_.queue_entries);
 }
 
@@ -67,10 +67,12 @@ void RayCaster::answer(Kernel kernel, std::span<const Ray> rays, std::span<Hit> 
   }
 }
 
-void RayCaster::prepare_first_crossings(Machine machine, unsigned threads, const std::stop_token& stop) const {
+void RayCaster::prepare_first_crossings(Machine machine, unsigned threads, const Watch& watch) const {
   const DefaultFloatingPoint default_floating_point;
   const Intersectors intersectors = intersectors_for(machine);
-  if (intersectors.prepare != nullptr) intersectors.prepare(dataset_, query_, threads, stop);
+  if (intersectors.prepare == nullptr) return;
+  if (watch.progress) watch.progress("preparing", 0, 0);
+  intersectors.prepare(dataset_, query_, threads, watch.stop);
 }
 
 void RayCaster::first_crossings(std::span<const Ray> rays, std::span<Hit> hits) {

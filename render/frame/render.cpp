@@ -153,7 +153,8 @@ Frame frame_without_layers(const Scene& scene, const FrameOptions& options, cons
 
 /// Omits what cannot be seen: surfaces of zero opacity, layers that are clipped away completely,
 /// and layers outside the view that shade nothing. Nothing is prepared or read for these.
-void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options, Frame& frame) {
+void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
+                   const Watch& watch, Frame& frame) {
   for (const auto& [blend, is_slice] : {std::pair{Blend::opaque, true},
                                         {Blend::opaque, false},
                                         {Blend::transparent, true},
@@ -169,7 +170,7 @@ void choose_layers(std::span<const Dataset> datasets, const Scene& scene, const 
       if (options.antialiasing == 1 && !may_shade_others(layer, scene) &&
           lies_outside_view(dataset, frame.camera_rays, options, frame.machine))
         continue;
-      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads, frame.stop);
+      if (proves(layer.method)) frame.range_proof += dataset.prove_ranges(options.threads, watch);
       frame.layers.push_back(choose_layer(dataset, layer, blend, scene, options, frame));
       if (is_slice)
         frame.layers.back().slice =
@@ -396,15 +397,19 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
 
+  const std::stop_token& stop = refinement.watch.stop;
+  const Progress& progress = refinement.watch.progress;
   const auto preparation_start = std::chrono::steady_clock::now();
-  Frame frame = frame_without_layers(scene, options, refinement.stop);
+  Frame frame = frame_without_layers(scene, options, stop);
   bool is_wide = false, prepares = false;
   const bool is_prepared = completes([&] {
-    choose_layers(datasets, scene, options, frame);
+    choose_layers(datasets, scene, options, refinement.watch, frame);
+    ProgressMeter preparing(progress, "preparing (layers)", frame.layers.size());
     for (FrameLayer& layer : frame.layers) {
-      is_wide |= prepare(layer, scene.clip, options, refinement.stop);
-      prepare_occluders(layer, options, refinement.stop, memory.implementation().occluders());
+      is_wide |= prepare(layer, scene.clip, options, stop);
+      prepare_occluders(layer, options, stop, memory.implementation().occluders());
       prepares |= layer.intersectors.prepare != nullptr || layer.shading.lookup;
+      preparing.add(1);
     }
   });
   if (!is_prepared) frame.layers.clear(), frame.needs = {};  // no tile is traced after a stop request
@@ -421,16 +426,21 @@ FrameStatistics refine(std::span<const Dataset> datasets, const Scene& scene, co
   RenderContext::Implementation& kept = memory.implementation();
   kept.begin_frame(options.threads, frame.needs);
   int spacing = refinement.first_spacing;
+  std::size_t tile_count = 0;
+  for (const Pass& pass : passes) tile_count += pass.tile_count();
+  ProgressMeter tracing(progress, "tracing (tiles)", tile_count);
   for (const Pass& pass : passes) {
     kept.threads().for_each_tile(pass.tile_count(), [&](std::size_t tile, std::size_t worker) {
-      if (!refinement.stop.stop_requested()) pass.trace_tile(frame, tile, kept.worker(worker), framebuffer);
+      if (stop.stop_requested()) return;
+      pass.trace_tile(frame, tile, kept.worker(worker), framebuffer);
+      tracing.add(1);
     });
-    if (refinement.stop.stop_requested()) break;
+    if (stop.stop_requested()) break;
     if (refinement.pass_done && !refinement.pass_done(spacing)) break;
     spacing /= 2;
   }
   if (edges) {
-    if (spacing == 0) edges->add_to(kept, refinement.stop, framebuffer);
+    if (spacing == 0) edges->add_to(kept, refinement.watch, framebuffer);
     framebuffer.keep(options.channels);
   }
   require_intact(datasets, scene);

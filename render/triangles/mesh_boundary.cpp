@@ -32,14 +32,14 @@ class CellLabels {
 
 /// Faces between a label and labels to leave out belong to no cell alone in the part of both.
 formats::FaceNumbers faces_of(const formats::TetMesh& mesh, std::size_t cell_field, int label,
-                              std::span<const int> without, const std::stop_token& stop) {
+                              std::span<const int> without, const Watch& watch) {
   const CellLabels labels(mesh, cell_field);
   std::vector<std::uint64_t> part;
-  for_each_until_stopped(0, labels.count(), light_piece, stop, [&](std::uint64_t cell) {
+  for_each_until_stopped(0, labels.count(), light_piece, watch.stop, [&](std::uint64_t cell) {
     if (labels[cell] == label || std::find(without.begin(), without.end(), labels[cell]) != without.end())
       part.push_back(cell);
   });
-  formats::FaceNumbers faces = formats::boundary_faces(mesh, part, stop);
+  formats::FaceNumbers faces = formats::boundary_faces(mesh, part, watch);
   if (!without.empty())
     std::erase_if(faces, [&](std::uint64_t number) { return labels[formats::face_of_number(number).cell] != label; });
   return faces;
@@ -47,22 +47,21 @@ formats::FaceNumbers faces_of(const formats::TetMesh& mesh, std::size_t cell_fie
 
 }  // namespace
 
-MeshBoundary::MeshBoundary(const TetData& of, const std::stop_token& stop)
-    : MeshBoundary(of, formats::boundary_faces(of.mesh(), stop), stop) {}
+MeshBoundary::MeshBoundary(const TetData& of, const Watch& watch)
+    : MeshBoundary(of, formats::boundary_faces(of.mesh(), watch), watch) {}
 
 MeshBoundary::MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without,
-                           const std::stop_token& stop)
-    : MeshBoundary(of, faces_of(of.mesh(), cell_field, label, without, stop), stop) {}
+                           const Watch& watch)
+    : MeshBoundary(of, faces_of(of.mesh(), cell_field, label, without, watch), watch) {}
 
-MeshBoundary::MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const std::stop_token& stop)
-    : mesh(of) {
+MeshBoundary::MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const Watch& watch) : mesh(of) {
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   if (faces.size() >= none)
     throw Error(ErrorCode::unsupported, concat(mesh.mesh().file().name(), ": a boundary of ", faces.size(),
                                                " faces; expected fewer than ", none));
   triangles.reserve(faces.size()), cells.reserve(faces.size());
   std::vector<std::uint32_t> place(mesh.points().size(), none);
-  for_each_until_stopped(0, faces.size(), light_piece, stop, [&](std::uint64_t f) {
+  for_each_until_stopped(0, faces.size(), light_piece, watch.stop, [&](std::uint64_t f) {
     const auto [cell, opposite] = formats::face_of_number(faces[f]);
     cells.push_back(static_cast<std::uint32_t>(cell));
     std::array<std::uint32_t, 3> corners = formats::face_points(mesh.vertices(cells.back()), opposite);

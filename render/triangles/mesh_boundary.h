@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <stop_token>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "formats/mesh_boundary.h"
 #include "render/tets/tet_data.h"
 
@@ -20,12 +20,11 @@ namespace rhoray::render {
 /// order of indices and start with the same corner, so kernels compute the same t for both.
 struct MeshBoundary {
   /// Refuses a boundary of 2^32 faces or more (ErrorCode::unsupported).
-  /// @param stop  ends the search (ErrorCode::interrupted)
-  explicit MeshBoundary(const TetData& of, const std::stop_token& stop = {});
+  explicit MeshBoundary(const TetData& of, const Watch& watch = {});
   /// The boundary of the cells that have a label in a cell field; without triangles if there are no
   /// such cells. See Dataset::boundary.
   MeshBoundary(const TetData& of, std::size_t cell_field, int label, std::span<const int> without,
-               const std::stop_token& stop = {});
+               const Watch& watch = {});
 
   TetData mesh;
   std::vector<std::array<double, 3>> points;            ///< of the mesh that are corners; in its order
@@ -33,7 +32,7 @@ struct MeshBoundary {
   std::vector<std::uint32_t> cells;                     ///< of each triangle
 
  private:
-  MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const std::stop_token& stop);
+  MeshBoundary(const TetData& of, const formats::FaceNumbers& faces, const Watch& watch);
 };
 
 }  // namespace rhoray::render

@@ -275,7 +275,7 @@ TEST(RangeProof, that_was_stopped_before_looks_at_nothing_and_finds_nothing) {
     std::string file = one.file;
     for (const auto& [array, step] : one.arrays) file = narrowed(file, array, step, true);
     for (const unsigned threads : {1U, 3U}) {
-      EXPECT_THAT(one.checks_stopped(file, {.threads = threads, .stop = stop.get_token()}), testing::IsEmpty());
+      EXPECT_THAT(one.checks_stopped(file, {.threads = threads, .watch = stop.get_token()}), testing::IsEmpty());
       for (const std::string& each : {one.file, file})
         expect_stopped([&] { one.prove_or_stop(each, threads, stop.get_token()); });
     }

@@ -87,7 +87,7 @@ TEST(LargeArrays, of_a_repeated_value_are_refused_or_there_is_no_memory) {
   // A call that was stopped before does not begin to copy.
   std::stop_source stop;
   stop.request_stop();
-  const PackOptions stopped{.stop = stop.get_token()};
+  const PackOptions stopped{.watch = stop.get_token()};
   expect_refused(ErrorCode::interrupted, "interrupted", [&] {
     pack(SurfaceArrays{.points = view({many, 3}), .triangles = {}}, stopped);
   });

@@ -165,7 +165,7 @@ void expect_each(ErrorCode code, const std::string& words, const Dataset& data, 
   scene.layers[0].method = Accuracy::float32;
   expect_refused(code, words, [&] { context.probe(scene, size, 4, 4, 16, stop); });
   const Picture picture = rendered(scene, {.size = size, .channels = {.depth = true}});
-  expect_refused(code, words, [&] { self_check(scene, picture, {.pixels = 50, .stop = stop}); });
+  expect_refused(code, words, [&] { self_check(scene, picture, {.pixels = 50, .watch = stop}); });
 }
 
 TEST(Stopping, of_a_proof_leaves_it_to_the_next_call) {
@@ -364,7 +364,7 @@ TEST(Stopping, of_packing_leaves_no_file) {
   for (const bool before : {true, false}) {
     std::stop_source stop;
     if (before) stop.request_stop();
-    PackOptions options{.progress = [&](auto, auto, auto) { stop.request_stop(); }, .stop = stop.get_token()};
+    PackOptions options{.watch = {stop.get_token(), [&](auto, auto, auto) { stop.request_stop(); }}};
     for (const std::filesystem::path& file : {std::filesystem::path(), folder / "stopped.rho"}) {
       options.file = file;
       expect_refused(ErrorCode::interrupted, "interrupted", [&] { gyroid_grid(options); });
@@ -378,23 +378,10 @@ TEST(Stopping, of_packing_leaves_no_file) {
 TEST(Callbacks, that_throw_end_packing_and_leave_no_file) {
   const TemporaryFolder folder;
   const PackOptions options{.file = folder / "thrown.rho",
-                            .progress = [](auto, auto, auto) { throw std::out_of_range("of the caller"); }};
+                            .watch = [](auto, auto, auto) { throw std::out_of_range("of the caller"); }};
   EXPECT_THROW(gyroid_grid(options), std::out_of_range);
   EXPECT_THROW(ball_mesh(3, options), std::out_of_range);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-}
-
-TEST(Callbacks, of_packing_say_how_much_is_done) {
-  std::string phase;
-  std::uint64_t last = 0, calls = 0;
-  gyroid_grid({.progress = [&](std::string_view now, std::uint64_t done, std::uint64_t total) {
-    if (now != phase) phase = now, last = 0;
-    EXPECT_FALSE(now.empty());
-    EXPECT_GE(done, last) << now;
-    EXPECT_TRUE(total == 0 || done <= total) << now;
-    last = done, ++calls;
-  }});
-  EXPECT_GE(calls, 2U);
 }
 
 TEST(Callbacks, that_throw_reach_the_caller_and_leave_the_context_usable) {
@@ -428,7 +415,7 @@ TEST(Callbacks, that_throw_an_internal_error_end_the_use_of_their_context) {
 /// Expects that an exception of any callback reaches the caller as it was thrown.
 template <class Exception>
 void expect_to_reach_the_caller(const Exception& exception) {
-  EXPECT_THROW(gyroid_grid({.progress = [&](auto, auto, auto) { throw exception; }}), Exception);
+  EXPECT_THROW(gyroid_grid({.watch = [&](auto, auto, auto) { throw exception; }}), Exception);
   RenderContext context;
   Picture picture;
   const Passes passes{.pass_done = [&](int) -> bool { throw exception; }};

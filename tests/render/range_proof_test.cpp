@@ -159,12 +159,12 @@ void expect_all_stopped(const render::Dataset& dataset) {
   const std::vector<render::Ray> ray(1, {Vec3(0, 0, 0), Vec3(1, 1, 1)});
   for (const Mode mode : {Mode::isosurface, Mode::mip})
     expect_stopped([&] {
-      render::trace_rays({.dataset = dataset, .mode = mode, .isovalue = 1, .method = certified, .stop = stopped}, ray);
+      render::trace_rays({.dataset = dataset, .mode = mode, .isovalue = 1, .method = certified, .watch = stopped}, ray);
     });
   render::RenderContext memory;
   Framebuffer picture;
   const render::FrameStatistics statistics = render::refine(dataset, scene_of(dataset, certified), small,
-                                                            {.first_spacing = 1, .stop = stopped}, picture, memory);
+                                                            {.first_spacing = 1, .watch = stopped}, picture, memory);
   EXPECT_EQ(statistics.rays, 0U);
   EXPECT_EQ(statistics.range_proof.bytes, 0U);
   EXPECT_EQ(picture.pixel_count(), 48U * 36);

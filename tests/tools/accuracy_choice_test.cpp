@@ -176,7 +176,7 @@ TEST(SelfCheck, notices_a_picture_that_is_wrong) {
 
   std::stop_source source;
   source.request_stop();
-  const render::SelfCheckOptions stopped{.pixels = 500, .limit = {}, .stop = source.get_token()};
+  const render::SelfCheckOptions stopped{.pixels = 500, .limit = {}, .watch = source.get_token()};
   expect_error(ErrorCode::interrupted, "interrupted", [&] { render::check_picture(plan, right, stopped, 1); });
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "formats/base/error.h"
+#include "formats/base/progress.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 #include "render/load.h"
 #include "tools/analysis/border.h"
 #include "tools/analysis/variant.h"
@@ -32,7 +32,7 @@ struct FormOptions {
   std::filesystem::path folder;          ///< for the copies
   std::uint64_t memory_limit_bytes = 0;  ///< 0: half of the machine's memory
   double seconds = 0;                    ///< limit; a copy that would take longer is not made
-  preprocess::Progress progress{};
+  Progress progress{};
 };
 
 /// The forms of one volume. Each is made at the first request and kept.

@@ -172,7 +172,7 @@ template <class Measure>
 Sums sum_over(std::uint64_t count, std::uint64_t least, const EnclosedOptions& options, const Measure& measure) {
   Sums all;
   std::mutex guard;
-  preprocess::ProgressMeter meter(options.progress, "measuring", count);
+  ProgressMeter meter(options.progress, "measuring", count);
   for_each_range(count, least, options.threads, [&](std::uint64_t first, std::uint64_t last) {
     Sums part;
     for (std::uint64_t index = first; index < last; ++index) measure(index, part);

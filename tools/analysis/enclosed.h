@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "formats/packed_file.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::tools {
 
@@ -25,7 +25,7 @@ struct EnclosedOptions {
   /// sure, or 6 times.
   double undecided_share = 1e-3;
   unsigned threads = 0;
-  preprocess::Progress progress{};
+  Progress progress{};
 };
 
 /// Measures a packed grid or mesh. Refuses other kinds (ErrorCode::unsupported) and an unknown

@@ -84,7 +84,7 @@ render::FrameStatistics LayerStudy::draw(const Variant& variant, const render::P
                                          const render::ChannelSet& channels, render::Framebuffer& picture) {
   const Setup drawn = setup(variant, size, channels);
   const render::FrameStatistics statistics = render::refine(
-      drawn.data.dataset, drawn.scene, drawn.frame, {.first_spacing = 1, .stop = options_.stop}, picture, memory_);
+      drawn.data.dataset, drawn.scene, drawn.frame, {.first_spacing = 1, .watch = options_.stop}, picture, memory_);
   end_if_stopped(options_.stop);
   return statistics;
 }
@@ -126,7 +126,7 @@ void LayerStudy::ask_rays(Measured& row, const FormedData& data, const PassResul
                           .method = row.variant.method.value_or(render::default_method(data.dataset, layer.mode)),
                           .clip = render::clip_of(scene_, layer),
                           .threads = options_.threads,
-                          .stop = options_.stop},
+                          .watch = options_.stop},
                          rays);
   for (render::Hit& hit : hits) hit.value = data.original(hit.value);
   render::ErrorList list = errors_on_data(result.truth, field_, layer, hits, data.border.get());
@@ -266,7 +266,7 @@ Measured LayerStudy::measured_in_part(const Variant& variant, const PassResult& 
                                  .method = *variant.method,
                                  .clip = render::clip_of(scene_, layer),
                                  .threads = options_.threads,
-                                 .stop = options_.stop};
+                                 .watch = options_.stop};
     std::vector<render::Hit> found;
     cpu_s += meter.measure([&] { found = render::trace_rays(spec, std::span(part.rays).subspan(first)); }).cpu_s;
     said.insert(said.end(), found.begin(), found.end());
@@ -331,7 +331,7 @@ void LayerStudy::pass(const Pass& spec) {
                                                  .seed = options_.seed,
                                                  .seconds = spec.judge_seconds,
                                                  .threads = options_.threads,
-                                                 .stop = options_.stop})};
+                                                 .watch = options_.stop})};
   if (result.truth.hit_count() == 0)
     throw Error(ErrorCode::usage,
                 concat(name_, ": none of ", grouped(result.truth.pixels.size()),

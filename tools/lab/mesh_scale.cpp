@@ -49,7 +49,7 @@ struct Packed {
   }
 };
 
-Packed pack_box(std::uint64_t cell_count, const std::filesystem::path& file, const preprocess::Progress& progress) {
+Packed pack_box(std::uint64_t cell_count, const std::filesystem::path& file, const Progress& progress) {
   const preprocess::NeutralMesh mesh = warped_box(edge_for(cell_count));
   const tools::Stopwatch watch;
   const double cpu_before = tools::usage_so_far().cpu_s;

@@ -76,7 +76,7 @@ class PhaseClock {
     if (!phase_.empty()) clock_.add_to(steps_, phase_);
     phase_ = phase;
   }
-  preprocess::Progress progress() {
+  Progress progress() {
     return [this](std::string_view phase, std::uint64_t, std::uint64_t) { next(std::string(phase)); };
   }
 

@@ -33,10 +33,11 @@ void check(const Goal& goal) {
 }  // namespace
 
 MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& size, const Goal& goal,
-                           std::stop_token stop) {
+                           const Watch& watch) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(watch);
     check(goal);
-    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, stop);
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, watched);
     resolved.frame.machine = inside::machine_of(goal.machine, "Goal::machine");
     if (layer >= resolved.scene.layers.size())
       inside::refuse("choose_method: layer ", layer, " of ", resolved.scene.layers.size());
@@ -45,7 +46,7 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
       inside::refuse("choose_method: layer ", layer, " is neither an isosurface nor a projection");
     const render::Choice choice =
         render::choose_method(resolved, layer, {.max_error = goal.max_error, .budget_ms = goal.budget_ms},
-                              std::min(goal.threads, available_cores()), std::move(stop));
+                              std::min(goal.threads, available_cores()), watched);
     return MethodChoice{.method = inside::outside_of(choice.chosen.method),
                         .error = choice.chosen.error,
                         .predicted_ms = choice.chosen.foreseen_ms,
@@ -56,19 +57,20 @@ MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& si
 
 SelfCheck self_check(const Scene& scene, const Picture& picture, const SelfCheckOptions& options) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(options.watch);
     const render::Framebuffer& pixels = picture.implementation().pixels;
     const Size size = picture.size();
     if (pixels.pixel_count() == 0 || pixels.width != size.width || pixels.height != size.height)
       inside::refuse("self_check: the picture is empty or a window; expected a whole picture");
     if (options.pixels < 1) inside::refuse("SelfCheckOptions::pixels: found 0; expected at least 1");
-    const render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, options.stop);
+    const render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, watched);
     if (const std::string why = render::why_not_checkable(resolved); !why.empty()) inside::refuse("self_check: ", why);
     const bool is_projection = resolved.scene.layers[0].mode == render::Mode::mip;
     if (is_projection ? pixels.value.empty() : pixels.depth.empty())
       inside::refuse("self_check: the picture has no channel `", is_projection ? "value" : "depth",
                      "`; ask for it in RenderOptions::channels");
     const render::SelfCheck check = render::check_picture(
-        resolved, pixels, {.pixels = options.pixels, .seed = options.seed, .limit = {}, .stop = options.stop},
+        resolved, pixels, {.pixels = options.pixels, .seed = options.seed, .limit = {}, .watch = watched},
         std::min(options.threads, available_cores()));
     return SelfCheck{.random = outside_of(check.random),
                      .edges = outside_of(check.edges),

@@ -49,14 +49,14 @@ void hand_over(const RenderOptions& options, const render::Framebuffer& whole, P
 }
 
 RenderResult trace(RenderContext::Implementation& context, const Scene& scene, const RenderOptions& options,
-                   const Passes& passes, Picture& picture, const std::stop_token& stop) {
+                   const Passes& passes, Picture& picture, const rhoray::Watch& watch) {
   return context.call([&](render::RenderContext& threads) {
     const int spacings[] = {1, 2, 4, 8, 16};
     if (std::find(std::begin(spacings), std::end(spacings), passes.first_spacing) == std::end(spacings))
       inside::refuse("Passes::first_spacing: found ", passes.first_spacing, "; expected 1, 2, 4, 8 or 16");
     render::ResolvedScene resolved;
     try {
-      resolved = inside::resolved_with_camera(scene, options, stop);
+      resolved = inside::resolved_with_camera(scene, options, watch);
     } catch (const rhoray::Error& error) {
       if (error.code() != rhoray::ErrorCode::interrupted) throw;
       return RenderResult();
@@ -65,17 +65,17 @@ RenderResult trace(RenderContext::Implementation& context, const Scene& scene, c
     resolved.frame.threads = context.threads(), resolved.frame.machine = context.machine();
     bool all_traced = false, was_ended = false;
     const auto pass_done = [&](int spacing) {
-      all_traced = spacing == 1 && !stop.stop_requested();
+      all_traced = spacing == 1 && !watch.stop.stop_requested();
       hand_over(options, pixels, picture.implementation());
       was_ended = passes.pass_done && !inside::call_back(passes.pass_done, spacing);
       return !was_ended;
     };
-    const render::FrameStatistics statistics =
-        render::refine(resolved.datasets, resolved.scene, resolved.frame,
-                       {.first_spacing = passes.first_spacing, .pass_done = pass_done, .stop = stop}, pixels, threads);
+    const render::FrameStatistics statistics = render::refine(
+        resolved.datasets, resolved.scene, resolved.frame,
+        {.first_spacing = passes.first_spacing, .pass_done = pass_done, .watch = watch}, pixels, threads);
     hand_over(options, pixels, picture.implementation());
     // Samples at edges follow the last pass.
-    const bool has_all_samples = options.max_samples == 1 || !(was_ended || stop.stop_requested());
+    const bool has_all_samples = options.max_samples == 1 || !(was_ended || watch.stop.stop_requested());
     return RenderResult{.statistics = inside::outside_of(statistics), .complete = all_traced && has_all_samples};
   });
 }
@@ -134,32 +134,34 @@ RenderContext::RenderContext(const ContextOptions& options)
 RenderContext::~RenderContext() = default;
 
 RenderResult RenderContext::render(const Scene& scene, const RenderOptions& options, Picture& picture,
-                                   std::stop_token stop) {
-  return trace(*implementation_, scene, options, {.first_spacing = 1}, picture, stop);
+                                   const Watch& watch) {
+  return trace(*implementation_, scene, options, {.first_spacing = 1}, picture, inside::inside_of(watch));
 }
 
 RenderResult RenderContext::refine(const Scene& scene, const RenderOptions& options, const Passes& passes,
-                                   Picture& picture, std::stop_token stop) {
+                                   Picture& picture, const Watch& watch) {
   // What ends the tiles: the caller's token, from the end of the first pass on.
   std::stop_source after_first_pass;
   std::optional<std::stop_callback<std::function<void()>>> link;
   Passes linked{.first_spacing = passes.first_spacing};
   linked.pass_done = [&](int spacing) {
-    if (!link) link.emplace(stop, [&] { after_first_pass.request_stop(); });
+    if (!link) link.emplace(watch.stop, [&] { after_first_pass.request_stop(); });
     return !passes.pass_done || passes.pass_done(spacing);
   };
-  return trace(*implementation_, scene, options, linked, picture, after_first_pass.get_token());
+  return trace(*implementation_, scene, options, linked, picture,
+               rhoray::Watch(after_first_pass.get_token(), inside::inside_of(watch).progress));
 }
 
 std::vector<ProbeHit> RenderContext::probe(const Scene& scene, const Size& size, double x, double y, int max_hits,
-                                           std::stop_token stop) {
+                                           const Watch& watch) {
   return implementation_->call([&](render::RenderContext&) {
+    const rhoray::Watch watched = inside::inside_of(watch);
     if (max_hits < 1) inside::refuse("RenderContext::probe: max_hits is ", max_hits, "; expected at least 1");
-    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, stop);
+    render::ResolvedScene resolved = inside::resolved_with_camera(scene, {.size = size}, watched);
     resolved.frame.threads = implementation_->threads(), resolved.frame.machine = implementation_->machine();
     std::vector<ProbeHit> hits;
     for (const render::ProbeHit& hit : render::probe(resolved.datasets, resolved.scene, resolved.frame, {x, y},
-                                                     static_cast<std::size_t>(max_hits), stop))
+                                                     static_cast<std::size_t>(max_hits), watched))
       hits.push_back(inside::outside_of(hit));
     return hits;
   });

@@ -29,9 +29,9 @@ class Datasets {
   explicit Datasets(render::ResolvedScene& resolved) : resolved_(resolved) {}
 
   /// @return  its index
-  std::size_t index_of(const Dataset& data, const std::string& field, const std::stop_token& stop) {
+  std::size_t index_of(const Dataset& data, const std::string& field, const rhoray::Watch& watch) {
     const Dataset::Implementation& handle = data.implementation();
-    const render::Dataset dataset = handle.of(field, stop);
+    const render::Dataset dataset = handle.of(field, watch);
     const std::string name = dataset.is_surface() ? "" : dataset.field().name;
     for (std::size_t i = 0; i < known_.size(); ++i)
       if (known_[i].id == handle.id() && known_[i].field == name) return i;
@@ -267,7 +267,7 @@ ChannelSet outside_of(const render::ChannelSet& channels) {
   return channels_of<ChannelSet>(channels);
 }
 
-render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const std::stop_token& stop) {
+render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const rhoray::Watch& watch) {
   for (const int side : {options.size.width, options.size.height})
     if (side < 1 || side > longest_side)
       refuse("RenderOptions::size: found ", options.size.width, " x ", options.size.height,
@@ -280,7 +280,7 @@ render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options,
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const Layer& layer = scene.layers[i];
     try {
-      const std::size_t index = datasets.index_of(layer.data, layer.field, stop);
+      const std::size_t index = datasets.index_of(layer.data, layer.field, watch);
       out.scene.layers.push_back(converted(layer, index, out.datasets[index]));
     } catch (const v0_1::Error& error) {
       throw v0_1::Error(error.code(), concat("layer ", i, ": ", error.what()), error.hint());
@@ -304,11 +304,11 @@ render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options,
 }
 
 render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options,
-                                           const std::stop_token& stop) {
+                                           const rhoray::Watch& watch) {
   if (!scene.camera)
     throw v0_1::Error(v0_1::ErrorCode::usage, "Scene::camera: not set",
                       "set it: scene.camera = fit_camera(scene, size)");
-  return resolved(scene, options, stop);
+  return resolved(scene, options, watch);
 }
 
 namespace {

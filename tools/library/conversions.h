@@ -30,12 +30,12 @@ ChannelSet outside_of(const render::ChannelSet& channels);
 /// The scene with its datasets, and everything else that a document says. Without a camera it has
 /// that of render::Scene.
 /// Refuses what no scene may hold; the rest is refused where it is used.
-/// @param stop  ends the loading of fields (ErrorCode::interrupted)
-render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const std::stop_token& stop = {});
+/// @param watch  of the loading of fields
+render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const rhoray::Watch& watch = {});
 
 /// Refuses a scene without a camera. Otherwise as above.
 render::ResolvedScene resolved_with_camera(const Scene& scene, const RenderOptions& options,
-                                           const std::stop_token& stop = {});
+                                           const rhoray::Watch& watch = {});
 
 /// The data that a document names, by render::DataSpec::name.
 using OpenedData = std::map<std::string, Dataset>;

@@ -84,13 +84,13 @@ void Dataset::Implementation::require_whole_file(std::string_view call) const {
                       "pack the arrays with Memory::copy");
 }
 
-render::Dataset Dataset::Implementation::of(std::string_view name, const std::stop_token& stop) const {
+render::Dataset Dataset::Implementation::of(std::string_view name, const rhoray::Watch& watch) const {
   if (first_.is_surface()) return first_;
   const std::string field(name.empty() ? std::string_view(this->field({}).name) : name);
   if (field == first_.field().name) return first_;
-  const StoppableLock lock(guard_, stop);
+  const StoppableLock lock(guard_, watch.stop);
   if (const auto known = loaded_.find(field); known != loaded_.end()) return known->second;
-  return loaded_.emplace(field, render::Dataset::load(first_.file(), field, first_.space(), stop)).first->second;
+  return loaded_.emplace(field, render::Dataset::load(first_.file(), field, first_.space(), watch)).first->second;
 }
 
 Dataset inside::handle_of(const render::Dataset& dataset, Origin origin) {
@@ -99,9 +99,12 @@ Dataset inside::handle_of(const render::Dataset& dataset, Origin origin) {
 
 Dataset::Dataset(std::shared_ptr<const Implementation> implementation) : implementation_(std::move(implementation)) {}
 
-Dataset Dataset::open(const std::filesystem::path& path, std::stop_token stop) {
-  return inside::guarded(
-      [&] { return inside::handle_of(render::Dataset::load(open_packed(path), {}, world_space, stop)); });
+Dataset inside::opened(const std::filesystem::path& path, const rhoray::Watch& watch) {
+  return handle_of(render::Dataset::load(open_packed(path), {}, world_space, watch));
+}
+
+Dataset Dataset::open(const std::filesystem::path& path, const Watch& watch) {
+  return inside::guarded([&] { return inside::opened(path, inside::inside_of(watch)); });
 }
 
 DataKind Dataset::kind() const {
@@ -142,17 +145,17 @@ std::filesystem::path Dataset::path() const {
   return implementation_->first().file().name();
 }
 
-Dataset Dataset::boundary(std::stop_token stop) const {
+Dataset Dataset::boundary(const Watch& watch) const {
   return inside::guarded([&] {
-    return inside::handle_of(implementation_->first().boundary(stop),
+    return inside::handle_of(implementation_->first().boundary(inside::inside_of(watch)),
                              {.is_in_memory = implementation_->is_in_memory()});
   });
 }
 
-Dataset Dataset::boundary(std::string_view cell_field, int label, std::stop_token stop) const {
+Dataset Dataset::boundary(std::string_view cell_field, int label, const Watch& watch) const {
   return inside::guarded([&] {
     const inside::MeshPart part{std::string(cell_field), label};
-    return inside::handle_of(implementation_->first().boundary(part.field, label, {}, stop),
+    return inside::handle_of(implementation_->first().boundary(part.field, label, {}, inside::inside_of(watch)),
                              {.is_in_memory = implementation_->is_in_memory(), .part = part});
   });
 }
@@ -176,10 +179,11 @@ ArrayView Dataset::array(std::string_view name) const {
   });
 }
 
-std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads, std::stop_token stop) const {
+std::vector<DamagedBlock> Dataset::damaged_blocks(unsigned threads, const Watch& watch) const {
   return inside::guarded([&] {
     std::vector<DamagedBlock> blocks;
-    for (const formats::DamagedBlock& block : implementation_->first().file().damaged_blocks(threads, stop))
+    for (const formats::DamagedBlock& block :
+         implementation_->first().file().damaged_blocks(threads, inside::inside_of(watch)))
       blocks.push_back({.first_byte = block.first_byte, .byte_count = block.byte_count});
     return blocks;
   });
@@ -197,7 +201,7 @@ void Dataset::drop_prepared() const {
   inside::guarded([&] { implementation_->for_each_loaded([](const render::Dataset& data) { data.drop_prepared(); }); });
 }
 
-void Dataset::save(const std::filesystem::path& path, bool replace_existing, std::stop_token stop) const {
+void Dataset::save(const std::filesystem::path& path, bool replace_existing, const Watch& watch) const {
   inside::guarded([&] {
     implementation_->require_whole_file("save");
     const Descriptor& memory = implementation_->memory();
@@ -206,10 +210,14 @@ void Dataset::save(const std::filesystem::path& path, bool replace_existing, std
     const MappedFile bytes(memory.number(), file.file_bytes(), file.name());
     PendingFile output(path, {.replace_existing = replace_existing});
     output.reserve(file.file_bytes());
+    const rhoray::Watch watched = inside::inside_of(watch);
+    ProgressMeter meter(watched.progress, "writing (bytes)", bytes.bytes().size());
     constexpr std::size_t piece = 1 << 22;  // bytes between two looks for a stop request
     for (std::size_t first = 0; first < bytes.bytes().size(); first += piece) {
-      end_if_stopped(stop);
-      output.write(first, bytes.bytes().subspan(first, std::min(piece, bytes.bytes().size() - first)));
+      end_if_stopped(watched.stop);
+      const std::size_t count = std::min(piece, bytes.bytes().size() - first);
+      output.write(first, bytes.bytes().subspan(first, count));
+      meter.add(count);
     }
     output.publish();
   });

@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,8 +39,8 @@ class Dataset::Implementation {
   explicit Implementation(render::Dataset first, Descriptor memory = Descriptor(), inside::Origin origin = {});
 
   /// The dataset with this field; it is loaded at its first use. Empty: that of Dataset::field().
-  /// @param stop  ends the loading, and the waiting for another caller (ErrorCode::interrupted)
-  render::Dataset of(std::string_view field = {}, const std::stop_token& stop = {}) const;
+  /// A stop request also ends the wait for another caller.
+  render::Dataset of(std::string_view field = {}, const rhoray::Watch& watch = {}) const;
 
   /// Calls act(const render::Dataset&) with each field that is loaded.
   template <class Act>
@@ -81,6 +80,9 @@ class Texture::Implementation {
 };
 
 namespace inside {
+
+/// Dataset::open for calls that are guarded already.
+Dataset opened(const std::filesystem::path& path, const rhoray::Watch& watch);
 
 /// A handle of what a room has loaded.
 Dataset handle_of(const render::Dataset& dataset, Origin origin = {});

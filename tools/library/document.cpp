@@ -63,7 +63,7 @@ std::span<const std::string> SceneDocument::warnings() const {
   return implementation_->document.warnings;
 }
 
-OpenData files_in(const fs::path& folder, std::stop_token stop) {
+OpenData files_in(const fs::path& folder, const Watch& watch) {
   const fs::path real = inside::guarded([&] {
     std::error_code error;
     const fs::path found = fs::canonical(folder, error);
@@ -71,14 +71,14 @@ OpenData files_in(const fs::path& folder, std::stop_token stop) {
       throw v0_1::Error(v0_1::ErrorCode::unreadable, concat(folder.string(), ": is no folder that can be read"));
     return found;
   });
-  return [real, stop = std::move(stop)](const fs::path& file) {
+  return [real, watch](const fs::path& file) {
     return inside::guarded([&] {
       std::error_code error;
       const fs::path found = fs::weakly_canonical(real / file, error);
       const fs::path relative = found.lexically_relative(real);
       if (error || relative.empty() || *relative.begin() == "..")
         inside::refuse(file.string(), ": is outside of ", real.string());
-      return Dataset::open(found, stop);
+      return inside::opened(found, inside::inside_of(watch));
     });
   };
 }
@@ -109,8 +109,9 @@ SceneDocument document_of(const render::ResolvedScene& resolved) {
 
 }  // namespace
 
-ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::stop_token stop) {
+ResolvedScene resolve(const SceneDocument& document, const OpenData& open, const Watch& watch) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(watch);
     if (!open) inside::refuse("resolve: no function that opens data; files_in(folder) is one");
     const render::SceneSpec& spec = document.implementation().document.scene_spec;
     inside::OpenedData all_opened;
@@ -121,17 +122,17 @@ ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::
         throw rhoray::Error(rhoray::ErrorCode::unsupported,
                             concat(data.file.string(), ": labels of grids are in the program only"));
       // The field of a label is one of cells.
-      const render::Dataset known = opened.implementation().of(data.label ? "" : data.field, stop);
+      const render::Dataset known = opened.implementation().of(data.label ? "" : data.field, watched);
       if (known.space() == world || known.space() == formats::Space::unknown) return known;
-      return render::Dataset::load(known.file(), known.is_surface() ? "" : known.field().name, world, stop);
+      return render::Dataset::load(known.file(), known.is_surface() ? "" : known.field().name, world, watched);
     };
     const auto refuse_colors = [](const render::DataSpec& data) -> formats::PackedFile {
       throw rhoray::Error(rhoray::ErrorCode::unsupported,
                           concat(data.file.string(), ": textures of documents are in the program only"));
     };
-    render::ResolvedScene resolved = render::resolve_layers(spec, load, refuse_colors, stop);
+    render::ResolvedScene resolved = render::resolve_layers(spec, load, refuse_colors, watched);
     leave_out_annotations(spec.annotations, resolved);
-    render::aim_camera(spec, resolved, stop);
+    render::aim_camera(spec, resolved, watched);
     return ResolvedScene{.scene = inside::outside_of(resolved, all_opened),
                          .options = inside::options_of(resolved),
                          .document = document_of(resolved),

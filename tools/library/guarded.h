@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -11,8 +12,10 @@
 
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
+#include "formats/base/progress.h"
 #include "formats/base/text.h"
 #include "rhoray/error.h"
+#include "rhoray/progress.h"
 
 namespace rhoray::v0_1::inside {
 
@@ -29,6 +32,16 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
   } catch (...) {
     throw ThrownByCallback{std::current_exception()};
   }
+}
+
+/// The caller's watch, for the rooms. It refers to `watch`.
+inline rhoray::Watch inside_of(const Watch& watch) {
+  rhoray::Watch inside(watch.stop);
+  if (watch.progress)
+    inside.progress = [&watch](std::string_view phase, std::uint64_t done, std::uint64_t total) {
+      call_back(watch.progress, phase, done, total);
+    };
+  return inside;
 }
 
 /// A hint of the rooms; none if it names an option of the program. A whole command in backquotes may

@@ -25,10 +25,12 @@ namespace {
 
 constexpr const char* source_name = "arrays";
 
-preprocess::Progress progress_of(const PackOptions& options) {
-  return [&options](std::string_view phase, std::uint64_t done, std::uint64_t total) {
-    end_if_stopped(options.stop);
-    if (options.progress) inside::call_back(options.progress, phase, done, total);
+/// Packers have no stop token: their progress function ends them.
+Progress progress_of(const PackOptions& options) {
+  return [stop = options.watch.stop, progress = inside::inside_of(options.watch).progress](
+             std::string_view phase, std::uint64_t done, std::uint64_t total) {
+    end_if_stopped(stop);
+    if (progress) progress(phase, done, total);
   };
 }
 
@@ -59,13 +61,13 @@ Dataset packed(const PackOptions& options, const Write& write) {
   if (options.owner) inside::refuse("PackOptions::owner: found one; expected none with Memory::copy, which copies");
   if (!options.file.empty()) {
     of_arrays([&] { write(formats::Destination(options.file), progress_of(options)); });
-    return Dataset::open(options.file, options.stop);
+    return inside::opened(options.file, inside::inside_of(options.watch));
   }
   Descriptor memory = file_in_memory();
   of_arrays([&] { write(formats::Destination(memory.number()), progress_of(options)); });
   const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name);
   return Dataset(std::make_shared<const Dataset::Implementation>(
-      render::Dataset::load(file, {}, formats::Space::unknown, options.stop), std::move(memory)));
+      render::Dataset::load(file, {}, formats::Space::unknown, inside::inside_of(options.watch)), std::move(memory)));
 }
 
 std::string name_of(std::string_view list, std::size_t index) {
@@ -241,13 +243,13 @@ preprocess::NeutralVolume volume_of(const GridArrays& grid, std::size_t index, A
   } else {
     volume.owned_samples.resize(total);
     std::byte* const to = volume.owned_samples.data();
-    if (bytes == 1) copy_samples<std::uint8_t>(lattice, first, to, options.stop);
-    if (bytes == 2) copy_samples<std::uint16_t>(lattice, first, to, options.stop);
-    if (bytes == 4) copy_samples<std::uint32_t>(lattice, first, to, options.stop);
-    if (bytes == 8) copy_samples<std::uint64_t>(lattice, first, to, options.stop);
+    if (bytes == 1) copy_samples<std::uint8_t>(lattice, first, to, options.watch.stop);
+    if (bytes == 2) copy_samples<std::uint16_t>(lattice, first, to, options.watch.stop);
+    if (bytes == 4) copy_samples<std::uint32_t>(lattice, first, to, options.watch.stop);
+    if (bytes == 8) copy_samples<std::uint64_t>(lattice, first, to, options.watch.stop);
     volume.samples = volume.owned_samples;
   }
-  require_doubles(name, field.values.type(), volume, options.stop);
+  require_doubles(name, field.values.type(), volume, options.watch.stop);
   volume.length_unit = grid.length_unit;
   volume.field_name = field.name, volume.field_unit = field.unit;
   volume.label_names = label_names(field);
@@ -271,7 +273,7 @@ Dataset wrapped(const std::vector<preprocess::NeutralVolume>& volumes, const Pac
   for (std::size_t f = 0; f < volumes.size(); ++f) samples.push_back({report.left_out[f], volumes[f].samples});
   const auto file = formats::PackedFile::from_descriptor(memory.number(), source_name, samples, options.owner);
   return Dataset(std::make_shared<const Dataset::Implementation>(
-      render::Dataset::load(file, {}, formats::Space::unknown, options.stop), std::move(memory),
+      render::Dataset::load(file, {}, formats::Space::unknown, inside::inside_of(options.watch)), std::move(memory),
       inside::Origin{.is_wrapped = true}));
 }
 
@@ -351,11 +353,11 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
     std::vector<preprocess::NeutralVolume> volumes;
     volumes.reserve(grid.fields.size());  // a volume's span is of its own samples
     for (std::size_t i = 0; i < grid.fields.size(); ++i) {
-      end_if_stopped(options.stop);
+      end_if_stopped(options.watch.stop);
       volumes.push_back(volume_of(grid, i, order, options));
     }
     if (options.memory == Memory::wrap) return wrapped(volumes, options);
-    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+    return packed(options, [&](const formats::Destination& destination, const Progress& progress) {
       preprocess::pack_grid(volumes, destination,
                             {.source_name = source_name, .replace_existing = options.replace_existing}, progress);
     });
@@ -364,10 +366,10 @@ Dataset pack(const GridArrays& grid, AxisOrder order, const PackOptions& options
 
 Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
-    end_if_stopped(options.stop);
+    end_if_stopped(options.watch.stop);
     preprocess::NeutralMesh mesh;
-    mesh.points = points_of("MeshArrays::points", arrays.points, options.stop);
-    for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(), options.stop,
+    mesh.points = points_of("MeshArrays::points", arrays.points, options.watch.stop);
+    for_each_index("MeshArrays::tetrahedra", arrays.tetrahedra, 4, mesh.points.size(), options.watch.stop,
                    [&](std::int64_t column, std::uint64_t index) {
                      if (column == 0) mesh.cells.emplace_back();
                      mesh.cells.back()[static_cast<std::size_t>(column)] = index;
@@ -377,11 +379,11 @@ Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
     check_names("MeshArrays::point_fields", arrays.point_fields, names);
     check_names("MeshArrays::cell_fields", arrays.cell_fields, names);
     mesh.point_fields = fields_of("MeshArrays::point_fields", arrays.point_fields,
-                                  static_cast<std::int64_t>(mesh.points.size()), options.stop);
+                                  static_cast<std::int64_t>(mesh.points.size()), options.watch.stop);
     mesh.cell_fields = fields_of("MeshArrays::cell_fields", arrays.cell_fields,
-                                 static_cast<std::int64_t>(mesh.cells.size()), options.stop);
+                                 static_cast<std::int64_t>(mesh.cells.size()), options.watch.stop);
     mesh.length_unit = arrays.length_unit;
-    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+    return packed(options, [&](const formats::Destination& destination, const Progress& progress) {
       preprocess::PackMeshOptions pack{.source_name = source_name, .replace_existing = options.replace_existing};
       preprocess::give_fields(mesh, pack.cells_to_points);
       preprocess::pack_mesh(mesh, destination, pack, progress);
@@ -391,16 +393,16 @@ Dataset pack(const MeshArrays& arrays, const PackOptions& options) {
 
 Dataset pack(const SurfaceArrays& arrays, const PackOptions& options) {
   return inside::guarded([&] {
-    end_if_stopped(options.stop);
+    end_if_stopped(options.watch.stop);
     preprocess::NeutralSurface surface;
-    surface.points = points_of("SurfaceArrays::points", arrays.points, options.stop);
-    for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(), options.stop,
+    surface.points = points_of("SurfaceArrays::points", arrays.points, options.watch.stop);
+    for_each_index("SurfaceArrays::triangles", arrays.triangles, 3, surface.points.size(), options.watch.stop,
                    [&](std::int64_t column, std::uint64_t index) {
                      surface.facet_corners.push_back(index);
                      if (column == 2) surface.facet_offsets.push_back(surface.facet_corners.size());
                    });
     if (surface.facet_corners.empty()) inside::refuse("SurfaceArrays::triangles: found none; expected at least one");
-    return packed(options, [&](const formats::Destination& destination, const preprocess::Progress& progress) {
+    return packed(options, [&](const formats::Destination& destination, const Progress& progress) {
       preprocess::pack_surface(surface, destination,
                                {.source_name = source_name, .replace_existing = options.replace_existing}, progress);
     });

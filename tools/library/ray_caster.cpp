@@ -12,13 +12,13 @@ namespace rhoray::v0_1 {
 class RayCaster::Implementation {
  public:
   Implementation(const Dataset& handle, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-                 std::string_view field, const std::stop_token& stop)
+                 std::string_view field, const rhoray::Watch& watch)
       : data(handle),
-        dataset(of_field(handle, field, stop)),
+        dataset(of_field(handle, field, watch)),
         isovalue(isovalue_of(surface)),
         is_isosurface(std::holds_alternative<Isosurface>(surface)),
         proves_errors(method.proves_errors()),
-        caster(dataset, isovalue, inside::inside_of(checked(method)), 1, {}, stop) {}
+        caster(dataset, isovalue, inside::inside_of(checked(method)), 1, {}, watch) {}
 
   void first_hits(const inside::CheckedRays& rays, std::int64_t first, std::int64_t count,
                   RayScratch::Implementation& scratch) const {
@@ -34,9 +34,9 @@ class RayCaster::Implementation {
   render::RayCaster caster;
 
  private:
-  static render::Dataset of_field(const Dataset& handle, std::string_view field, const std::stop_token& stop) {
+  static render::Dataset of_field(const Dataset& handle, std::string_view field, const rhoray::Watch& watch) {
     if (!field.empty()) static_cast<void>(handle.field(field));  // refuses an unknown one
-    return handle.implementation().of(field, stop);
+    return handle.implementation().of(field, watch);
   }
 
   double isovalue_of(const std::variant<Isosurface, Triangles>& surface) const {
@@ -113,10 +113,10 @@ auto any_hits_of(const RayCaster::Implementation& caster, const inside::CheckedR
 /// need is prepared.
 template <class Act>
 void answer_on(RenderContext::Implementation& context, render::RenderContext& threads,
-               const RayCaster::Implementation& caster, const inside::CheckedRays& rays, const std::stop_token& stop,
+               const RayCaster::Implementation& caster, const inside::CheckedRays& rays, const rhoray::Watch& watch,
                const Act& act) {
-  if (rays.count() > 0) caster.caster.prepare_first_crossings(context.machine(), context.threads(), stop);
-  inside::for_each_batch(rays.count(), context, threads, stop, act);
+  if (rays.count() > 0) caster.caster.prepare_first_crossings(context.machine(), context.threads(), watch);
+  inside::for_each_batch(rays.count(), context, threads, watch, act);
 }
 
 void check_flags(std::span<std::uint8_t> is_hit, std::int64_t count) {
@@ -127,68 +127,72 @@ void check_flags(std::span<std::uint8_t> is_hit, std::int64_t count) {
 }  // namespace
 
 RayCaster::RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-                     std::string_view field, std::stop_token stop)
-    : implementation_(
-          inside::guarded([&] { return std::make_shared<const Implementation>(data, surface, method, field, stop); })) {
-}
+                     std::string_view field, const Watch& watch)
+    : implementation_(inside::guarded([&] {
+        return std::make_shared<const Implementation>(data, surface, method, field, inside::inside_of(watch));
+      })) {}
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(const RayCaster&) = default;
 RayCaster& RayCaster::operator=(const RayCaster&) = default;
 
-void RayCaster::first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop) const {
+void RayCaster::first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, const Watch& watch) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     inside::check(hits, checked.count(), implementation_->proves_errors);
-    inside::for_each_batch(checked.count(), scratch, stop, first_hits_of(*implementation_, checked, hits));
+    inside::for_each_batch(checked.count(), scratch, inside::inside_of(watch),
+                           first_hits_of(*implementation_, checked, hits));
   });
 }
 
-void RayCaster::first_hits(const Rays& rays, const Hits& hits, RenderContext& context, std::stop_token stop) const {
+void RayCaster::first_hits(const Rays& rays, const Hits& hits, RenderContext& context, const Watch& watch) const {
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     inside::check(hits, checked.count(), implementation_->proves_errors);
-    answer_on(context.implementation(), threads, *implementation_, checked, stop,
+    answer_on(context.implementation(), threads, *implementation_, checked, inside::inside_of(watch),
               first_hits_of(*implementation_, checked, hits));
   });
 }
 
 void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch,
-                         std::stop_token stop) const {
+                         const Watch& watch) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     check_flags(is_hit, checked.count());
-    inside::for_each_batch(checked.count(), scratch, stop, any_hits_of(*implementation_, checked, is_hit));
+    inside::for_each_batch(checked.count(), scratch, inside::inside_of(watch),
+                           any_hits_of(*implementation_, checked, is_hit));
   });
 }
 
 void RayCaster::any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RenderContext& context,
-                         std::stop_token stop) const {
+                         const Watch& watch) const {
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     check_flags(is_hit, checked.count());
-    answer_on(context.implementation(), threads, *implementation_, checked, stop,
+    answer_on(context.implementation(), threads, *implementation_, checked, inside::inside_of(watch),
               any_hits_of(*implementation_, checked, is_hit));
   });
 }
 
 void RayCaster::all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits,
-                         std::stop_token stop) const {
+                         const Watch& watch) const {
   inside::guarded([&] {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     find_all(*implementation_, checked, hits, max_hits, [&](const auto& act) {
-      implementation_->dataset.prove_ranges(1, stop);  // on this thread alone
-      inside::for_each_batch(checked.count(), scratch, stop, act);
+      const rhoray::Watch watched = inside::inside_of(watch);
+      implementation_->dataset.prove_ranges(1, watched);  // on this thread alone
+      inside::for_each_batch(checked.count(), scratch, watched, act);
     });
   });
 }
 
 void RayCaster::all_hits(const Rays& rays, AllHits& hits, RenderContext& context, std::size_t max_hits,
-                         std::stop_token stop) const {
+                         const Watch& watch) const {
   context.implementation().call([&](render::RenderContext& threads) {
     const inside::CheckedRays checked(rays, implementation_->dataset);
     find_all(*implementation_, checked, hits, max_hits, [&](const auto& act) {
-      implementation_->dataset.prove_ranges(context.implementation().threads(), stop);
-      inside::for_each_batch(checked.count(), context.implementation(), threads, stop, act);
+      const rhoray::Watch watched = inside::inside_of(watch);
+      implementation_->dataset.prove_ranges(context.implementation().threads(), watched);
+      inside::for_each_batch(checked.count(), context.implementation(), threads, watched, act);
     });
   });
 }

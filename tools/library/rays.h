@@ -45,27 +45,33 @@ class CheckedRays {
 /// Calls act(first, count, scratch) for batches of rays, on the calling thread. Throws
 /// ErrorCode::interrupted if stopped.
 template <class Act>
-void for_each_batch(std::int64_t count, RayScratch& scratch, const std::stop_token& stop, const Act& act) {
+void for_each_batch(std::int64_t count, RayScratch& scratch, const rhoray::Watch& watch, const Act& act) {
+  ProgressMeter meter(watch.progress, "tracing (rays)", static_cast<std::uint64_t>(count));
   for (std::int64_t first = 0; first < count; first += batch_size) {
-    end_if_stopped(stop);
-    act(first, std::min(batch_size, count - first), scratch.implementation());
+    end_if_stopped(watch.stop);
+    const std::int64_t size = std::min(batch_size, count - first);
+    act(first, size, scratch.implementation());
+    meter.add(static_cast<std::uint64_t>(size));
   }
 }
 
 /// The same on the threads of a context.
 template <class Act>
 void for_each_batch(std::int64_t count, RenderContext::Implementation& context, render::RenderContext& threads,
-                    const std::stop_token& stop, const Act& act) {
+                    const rhoray::Watch& watch, const Act& act) {
   std::vector<RayScratch> scratch;
   for (std::size_t worker = threads.worker_count(context.threads()); worker > 0; --worker)
     scratch.emplace_back(static_cast<Machine>(context.machine()));
+  ProgressMeter meter(watch.progress, "tracing (rays)", static_cast<std::uint64_t>(count));
   threads.for_each(static_cast<std::size_t>((count + batch_size - 1) / batch_size), context.threads(),
                    [&](std::size_t batch, std::size_t worker) {
-                     if (stop.stop_requested()) return;
+                     if (watch.stop.stop_requested()) return;
                      const std::int64_t first = static_cast<std::int64_t>(batch) * batch_size;
-                     act(first, std::min(batch_size, count - first), scratch[worker].implementation());
+                     const std::int64_t size = std::min(batch_size, count - first);
+                     act(first, size, scratch[worker].implementation());
+                     meter.add(static_cast<std::uint64_t>(size));
                    });
-  end_if_stopped(stop);
+  end_if_stopped(watch.stop);
 }
 
 /// Refuses spans of wrong lengths, and `error` if the method proves none.

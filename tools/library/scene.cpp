@@ -43,13 +43,14 @@ Method Method::paper() {
   return {};
 }
 
-Camera fit_camera(const Scene& scene, const Size& size, const View& view, std::stop_token stop) {
+Camera fit_camera(const Scene& scene, const Size& size, const View& view, const Watch& watch) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(watch);
     const double aspect = aspect_of(size);
-    const render::ResolvedScene resolved = inside::resolved(scene, {.size = size}, stop);
+    const render::ResolvedScene resolved = inside::resolved(scene, {.size = size}, watched);
     const render::ViewAxes axes = render::view_axes({}, resolved);
     return inside::outside_of(
-        render::fit_camera_to(render::what_is_shown(resolved, stop).corners, inside_of(view, axes), aspect));
+        render::fit_camera_to(render::what_is_shown(resolved, watched).corners, inside_of(view, axes), aspect));
   });
 }
 

@@ -18,15 +18,17 @@ namespace {
 
 /// Copies all samples, x fastest.
 template <class T>
-void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* to, const std::stop_token& stop) {
+void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* to, const rhoray::Watch& watch) {
   const formats::BrickLayout& layout = grid.description().layout;
   const Index3& count = layout.sample_count;
   const std::span<const T> samples = grid.samples<T>(field);
   std::optional<formats::SparseAddress> sparse;
   if (layout.is_sparse) sparse.emplace(layout, grid.tables(), grid.brick_slots());
-  parallel_for(static_cast<std::size_t>(count.y * count.z), 16, [&](const IndexRange& rows) {
+  const auto row_count = static_cast<std::size_t>(count.y * count.z);
+  ProgressMeter meter(watch.progress, "copying (rows)", row_count);
+  parallel_for(row_count, 16, [&](const IndexRange& rows) {
     for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
-      end_if_stopped(stop);
+      end_if_stopped(watch.stop);
       const auto j = static_cast<std::int64_t>(row) % count.y, k = static_cast<std::int64_t>(row) / count.y;
       std::byte* target = to + row * static_cast<std::size_t>(count.x) * sizeof(T);
       for (std::int64_t i = 0; i < count.x; ++i, target += sizeof(T)) {
@@ -36,6 +38,7 @@ void copy_samples(const formats::BrickGrid& grid, std::size_t field, std::byte* 
         std::memcpy(target, &value, sizeof(T));
       }
     }
+    meter.add(rows.size());
   });
 }
 
@@ -50,8 +53,9 @@ void take_fields(std::vector<preprocess::NeutralField>& fields, bool is_of_cells
 
 }  // namespace
 
-GridCopy unpack_grid(const Dataset& grid, std::string_view field, std::stop_token stop) {
+GridCopy unpack_grid(const Dataset& grid, std::string_view field, const Watch& watch) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(watch);
     const Dataset::Implementation& data = grid.implementation();
     if (grid.kind() != DataKind::grid) inside::refuse("unpack_grid: ", data.first().file().name(), " is no grid");
     const formats::BrickGrid packed(data.first().file());
@@ -60,17 +64,19 @@ GridCopy unpack_grid(const Dataset& grid, std::string_view field, std::stop_toke
     const formats::ElementType type = packed.description().fields[number].type;
     GridCopy copy{.shape = {count.z, count.y, count.x}, .type = static_cast<ElementType>(type)};
     copy.samples.resize(static_cast<std::size_t>(volume(count)) * formats::element_bytes(type));
-    formats::with_element_type(type, [&]<class T>(T) { copy_samples<T>(packed, number, copy.samples.data(), stop); });
+    formats::with_element_type(type,
+                               [&]<class T>(T) { copy_samples<T>(packed, number, copy.samples.data(), watched); });
     return copy;
   });
 }
 
-MeshCopy unpack_mesh(const Dataset& mesh, std::stop_token stop) {
+MeshCopy unpack_mesh(const Dataset& mesh, const Watch& watch) {
   return inside::guarded([&] {
+    const rhoray::Watch watched = inside::inside_of(watch);
     const render::Dataset& data = mesh.implementation().first();
     if (mesh.kind() != DataKind::tetrahedra)
       inside::refuse("unpack_mesh: ", data.file().name(), " holds no tetrahedra");
-    preprocess::NeutralMesh unpacked = preprocess::unpack_mesh(formats::TetMesh(data.file(), stop), stop);
+    preprocess::NeutralMesh unpacked = preprocess::unpack_mesh(formats::TetMesh(data.file(), watched), watched);
     MeshCopy copy;
     copy.points.assign(unpacked.points.begin(), unpacked.points.end());
     copy.tetrahedra.assign(unpacked.cells.begin(), unpacked.cells.end());

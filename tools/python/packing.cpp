@@ -63,13 +63,13 @@ template <class Pack>
 Dataset packed(const std::filesystem::path& file, bool replace, const Progress& progress, const Pack& pack) {
   PackOptions options{.file = file, .replace_existing = replace};
   if (progress)
-    options.progress = [&](std::string_view phase, std::uint64_t done, std::uint64_t total) {
+    options.watch.progress = [&](std::string_view phase, std::uint64_t done, std::uint64_t total) {
       const py::gil_scoped_acquire acquire;
       progress(std::string(phase), done, total);
     };
   std::optional<Dataset> dataset;
   interruptible([&](const std::stop_token& stop) {
-    options.stop = stop;
+    options.watch.stop = stop;
     dataset.emplace(pack(options));
   });
   return std::move(*dataset);

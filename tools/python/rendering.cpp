@@ -117,7 +117,7 @@ py::array srgb8(const Rendered& rendered) {
 py::dict verify(const Rendered& rendered, std::uint64_t pixels, std::uint64_t seed) {
   SelfCheck check;
   interruptible([&](const std::stop_token& stop) {
-    check = self_check(rendered.scene, rendered.picture, {.pixels = pixels, .seed = seed, .stop = stop});
+    check = self_check(rendered.scene, rendered.picture, {.pixels = pixels, .seed = seed, .watch = stop});
   });
   py::dict dict;
   dict["random"] = dict_of(check.random);

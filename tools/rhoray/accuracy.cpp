@@ -305,18 +305,17 @@ int run(AccuracyCommand& command) {
   aim_camera(scene_spec, plan);
   for (const render::Dataset& dataset : plan.datasets) refuse_damage(dataset.file(), command.common.threads);
   require_results_folder(command.common.output, command.common.force);
-  display.show("checking stored value ranges");
   render::RangeProof range_proof;
-  for (const render::Dataset& dataset : plan.datasets) range_proof += dataset.prove_ranges(command.common.threads);
+  for (const render::Dataset& dataset : plan.datasets)
+    range_proof += dataset.prove_ranges(command.common.threads, {{}, display.progress()});
   tell(command.common, concat("stored value ranges checked: ", proof_text(range_proof)));
 
   StudyContext context{.facts = facts_of(command, plan), .stage = {}, .notes = plan.notes};
   context.facts["ranges_proven"] = proof_text(range_proof);
-  if (command.goal.is_given()) {
-    display.show("trying methods");
-    for (const render::Choice& choice : choose_methods(plan, command.goal, command.common.threads))
+  if (command.goal.is_given())
+    for (const render::Choice& choice :
+         choose_methods(plan, command.goal, command.common.threads, {{}, display.progress()}))
       context.notes.push_back(concat("`rhoray render` would use ", choice.sentence));
-  }
   Work work(command, plan, display, context);
   const bool is_whole = work.run();
   display.clear();

@@ -25,7 +25,7 @@ void require_packed(const std::filesystem::path& path);
 struct DataAccess {
   bool use_cache = true;
   render::ReadSpec read{};
-  preprocess::Progress progress{};
+  Progress progress{};
   std::function<void(const std::string&)> say{};   ///< one line about packing
   std::function<void(const std::string&)> tell{};  ///< more of it, for --verbose
   /// An opened file, and the names of fields for which it was opened.

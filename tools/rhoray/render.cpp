@@ -103,20 +103,15 @@ int run(RenderCommand& command) {
   settle_annotations(scene_spec, drawn.output, drawn.plan);
   if (draws) require_picture(command, drawn.output, drawn.plan);
   drawn.stations.open_s = opening.seconds();
-  aim_camera(scene_spec, drawn.plan);
-  if (draws && (command.goal.is_given() || command.self_check.pixels > 0)) {
-    display.show("checking stored value ranges");
-    prove_ranges(command, drawn);
-  }
-  if (draws && command.goal.is_given()) {
-    display.show("trying methods");
-    drawn.choices = choose_methods(drawn.plan, command.goal, command.common.threads);
-  }
+  const Progress progress = display.progress();
+  aim_camera(scene_spec, drawn.plan, {{}, progress});
+  if (draws && (command.goal.is_given() || command.self_check.pixels > 0)) prove_ranges(command, drawn, progress);
+  if (draws && command.goal.is_given())
+    drawn.choices = choose_methods(drawn.plan, command.goal, command.common.threads, {{}, progress});
   if (draws) {
     Checks checks(command, drawn.plan);
     render::RenderContext memory;
-    display.show("tracing");
-    draw(command, memory, checks, drawn);
+    draw(command, memory, checks, drawn, progress);
   }
   display.clear();
   if (command.explain)

@@ -70,7 +70,7 @@ Findings examine(const std::filesystem::path& path, const VerifyOptions& options
     const formats::PackedFile file = formats::PackedFile::open(path);
     findings.file_bytes = file.file_bytes();
     display.show(concat("checking ", path.string()));
-    findings.blocks = file.damaged_blocks(options.common.threads);
+    findings.blocks = file.damaged_blocks(options.common.threads, {{}, display.progress()});
     for (const formats::DamagedBlock& block : findings.blocks)
       findings.json_blocks.push_back({{"first_byte", block.first_byte},
                                       {"byte_count", block.byte_count},

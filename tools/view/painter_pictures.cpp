@@ -199,7 +199,7 @@ std::optional<render::FrameStatistics> Painter::trace(Client& client, render::Re
   };
   render::FrameStatistics statistics;
   const Outcome outcome = run_until_ended(client, begin, may_be_ended, [&](std::stop_token stop) {
-    refinement.stop = std::move(stop);
+    refinement.watch.stop = std::move(stop);
     statistics = render::refine(plan.datasets, plan.scene, plan.frame, refinement, picture, client.memory);
   });
   if (outcome == Outcome::took_too_long)
@@ -274,7 +274,7 @@ void Painter::check(Client& client) {
     render::SelfCheck found;
     const Outcome outcome = run_until_ended(client, begin, true, [&](std::stop_token stop) {
       const render::SelfCheckOptions options{
-          .pixels = checked_pixels, .seed = client.drawn->number, .limit = {}, .stop = std::move(stop)};
+          .pixels = checked_pixels, .seed = client.drawn->number, .limit = {}, .watch = std::move(stop)};
       found = check_picture(client.plan, client.picture, options, threads_);
     });
     if (outcome == Outcome::ended) {

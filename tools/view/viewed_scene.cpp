@@ -215,7 +215,7 @@ Json json_of_probe(render::ResolvedScene plan, const Probe& probe, const std::st
   plan.frame.channels = channels_of_picks(plan.scene);
   render::Framebuffer pixel;
   render::RenderContext memory;
-  render::refine(plan.datasets, plan.scene, plan.frame, {.first_spacing = 1, .stop = stop}, pixel, memory);
+  render::refine(plan.datasets, plan.scene, plan.frame, {.first_spacing = 1, .watch = stop}, pixel, memory);
   end_if_stopped(stop);
   Json json = picked(plan, pixel, {0, 0});
   json["pixel"] = {probe.x, probe.y};

@@ -4,10 +4,10 @@
 #include <span>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "formats/brick_layout.h"
 #include "formats/packed_file.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -3,9 +3,9 @@
 #include <span>
 #include <string>
 
+#include "formats/base/progress.h"
 #include "formats/brick_layout.h"
 #include "formats/packed_file.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/grid/resample/field_view.h"
 #include "preprocess/grid/resample/sample.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -4,11 +4,11 @@
 #include <variant>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/grid/resample/lattice.h"
 #include "preprocess/mesh/inspect/choose_fields.h"
 #include "preprocess/mesh/inspect/clean_mesh.h"
 #include "preprocess/mesh/leaf_lists/build_leaf_lists.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "preprocess/mesh/subdivide/curved_cell.h"
 #include "preprocess/mesh/subdivide/cut_cell.h"
 #include "preprocess/neutral.h"
-#include "preprocess/progress.h"
 
 namespace rhoray::preprocess {
 

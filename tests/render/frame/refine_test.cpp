@@ -122,10 +122,10 @@ TEST(Refine, ends_when_it_is_told_to) {
   };
   const FrameStatistics stopped = render::refine(
       traced.dataset(), scene, options,
-      {.first_spacing = 2, .pass_done = stop_in_second_pass, .stop = source.get_token()}, picture, memory);
+      {.first_spacing = 2, .pass_done = stop_in_second_pass, .watch = source.get_token()}, picture, memory);
   EXPECT_EQ(stopped.rays, 128U * 128U);
   const FrameStatistics nothing = render::refine(traced.dataset(), scene, options,
-                                                 {.first_spacing = 2, .stop = source.get_token()}, picture, memory);
+                                                 {.first_spacing = 2, .watch = source.get_token()}, picture, memory);
   EXPECT_EQ(nothing.rays, 0U);
   EXPECT_EQ(nothing.hits, 0U);
 }

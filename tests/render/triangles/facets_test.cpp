@@ -72,7 +72,7 @@ TEST(Facets, of_a_preparation_that_was_stopped_are_not_kept) {
     render::RenderContext memory;
     const render::FrameOptions frame{.width = 32, .height = 32};
     expect_nothing_kept();
-    EXPECT_EQ(render::refine(dataset, scene, frame, {.first_spacing = 1, .stop = stopped}, picture, memory).rays, 0U);
+    EXPECT_EQ(render::refine(dataset, scene, frame, {.first_spacing = 1, .watch = stopped}, picture, memory).rays, 0U);
     expect_nothing_kept();
     EXPECT_EQ(render::render(dataset, scene, frame, picture, memory).rays, 32U * 32);
     ASSERT_NE(kept(), nullptr);

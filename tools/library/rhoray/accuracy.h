@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <stop_token>
 #include <string>
 
 #include "rhoray/context.h"
 #include "rhoray/export.h"
 #include "rhoray/picture.h"
+#include "rhoray/progress.h"
 #include "rhoray/scene.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -41,7 +41,7 @@ struct MethodChoice {
 /// ErrorCode::invalid for data whose stored ranges do not hold; ErrorCode::interrupted if stopped;
 /// ErrorCode::unsupported for an instruction set that this processor does not have.
 RHORAY_API MethodChoice choose_method(const Scene& scene, std::size_t layer, const Size& size, const Goal& goal,
-                                      std::stop_token stop = {});
+                                      const Watch& watch = {});
 
 /// Some pixels of a picture, compared with exact arithmetic.
 struct CheckedPixels {
@@ -66,8 +66,8 @@ struct SelfCheck {
 struct SelfCheckOptions {
   std::uint64_t pixels = 500;  ///< of each kind, at least 1
   std::uint64_t seed = 1;
-  unsigned threads = 0;    ///< 0: all cores
-  std::stop_token stop{};  ///< ends the check with ErrorCode::interrupted
+  unsigned threads = 0;  ///< 0: all cores
+  Watch watch{};         ///< a stop request ends the check with ErrorCode::interrupted
 };
 
 /// Traces pixels of a picture again in exact arithmetic, which does not depend on the instruction

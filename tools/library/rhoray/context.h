@@ -6,12 +6,12 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "rhoray/export.h"
 #include "rhoray/picture.h"
+#include "rhoray/progress.h"
 #include "rhoray/scene.h"
 #include "rhoray/types.h"
 
@@ -122,21 +122,21 @@ class RHORAY_API RenderContext {
   RenderContext(const RenderContext&) = delete;
   RenderContext& operator=(const RenderContext&) = delete;
 
-  /// Traces a picture, or a window of it. `stop` ends it between tiles of 32 x 32 pixels: that is
-  /// not an error, and the result says that it is not complete. It also ends the proof of stored
-  /// ranges and, between its steps, the preparation; then nothing is traced. If it ends the loading
-  /// of a field, the picture stays as it was.
+  /// Traces a picture, or a window of it. A stop request ends it between tiles of 32 x 32 pixels:
+  /// that is not an error, and the result says that it is not complete. It also ends the proof of
+  /// stored ranges and, between its steps, the preparation; then nothing is traced. If it ends the
+  /// loading of a field, the picture stays as it was.
   ///
   /// Throws ErrorCode::usage for a scene or options out of range, with the layer, what was found
   /// and what was expected; ErrorCode::invalid for certified and exact pictures of data whose
   /// stored ranges do not hold.
-  RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, std::stop_token stop = {});
+  RenderResult render(const Scene& scene, const RenderOptions& options, Picture& picture, const Watch& watch = {});
 
-  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. `stop`
-  /// ends neither the first pass nor the loading, the preparation and the proof before it, so that
-  /// something of every request is shown; it ends a later pass at once.
+  /// As above, in passes. The finished picture is the same, bit for bit, but for `cost`. A stop
+  /// request ends neither the first pass nor the loading, the preparation and the proof before it,
+  /// so that something of every request is shown; it ends a later pass at once.
   RenderResult refine(const Scene& scene, const RenderOptions& options, const Passes& passes, Picture& picture,
-                      std::stop_token stop = {});
+                      const Watch& watch = {});
 
   /// Finds what the ray through a point of a picture meets, nearest first: all crossings of
   /// isosurfaces, all hits of triangles, a point on each slice, and the place of the largest value
@@ -158,9 +158,9 @@ class RHORAY_API RenderContext {
   /// @param size  of the picture; sides from 1 to 65,536
   /// @param x, y  in pixels; the centre of pixel (i, j) is at (i, j), so that the picture extends
   ///              from (-0.5, -0.5) to (width - 0.5, height - 0.5)
-  /// @param stop  ends the loading of fields and the proof (ErrorCode::interrupted)
+  /// @param watch  a stop request ends the loading of fields and the proof (ErrorCode::interrupted)
   std::vector<ProbeHit> probe(const Scene& scene, const Size& size, double x, double y, int max_hits = 64,
-                              std::stop_token stop = {});
+                              const Watch& watch = {});
 
   Machine machine() const;  ///< the instruction set of all calls
 

@@ -6,13 +6,13 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "rhoray/array_view.h"
 #include "rhoray/export.h"
+#include "rhoray/progress.h"
 #include "rhoray/types.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -56,7 +56,7 @@ class RHORAY_API Dataset {
   /// Throws ErrorCode::unreadable, invalid (damaged), or unsupported (a newer version; a file that
   /// is not packed, with the command that packs it); ErrorCode::interrupted if stopped while it
   /// reads points and cells.
-  static Dataset open(const std::filesystem::path& path, std::stop_token stop = {});
+  static Dataset open(const std::filesystem::path& path, const Watch& watch = {});
 
   DataKind kind() const;
   std::span<const FieldInfo> fields() const;  ///< fields of points or samples first; none of triangles
@@ -77,11 +77,11 @@ class RHORAY_API Dataset {
 
   /// Returns the outside of a mesh: the triangles that belong to one cell only, with the fields of
   /// their cells. Throws ErrorCode::usage for other kinds, ErrorCode::interrupted if stopped.
-  Dataset boundary(std::stop_token stop = {}) const;
+  Dataset boundary(const Watch& watch = {}) const;
   /// Returns the surface of the cells that have this label in a field of cells. Throws
   /// ErrorCode::usage for an unknown field, ErrorCode::invalid for a label that no cell has,
   /// ErrorCode::interrupted if stopped.
-  Dataset boundary(std::string_view cell_field, int label, std::stop_token stop = {}) const;
+  Dataset boundary(std::string_view cell_field, int label, const Watch& watch = {}) const;
 
   /// The arrays of the packed file, in the layout that formats/SPEC.md describes.
   std::vector<std::string> array_names() const;
@@ -93,7 +93,7 @@ class RHORAY_API Dataset {
   /// Reads every byte once and returns the blocks whose checksum does not match. It may run beside
   /// a render. Wrapped arrays have no checksums. Throws ErrorCode::interrupted if stopped.
   /// @param threads  0: all cores
-  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, std::stop_token stop = {}) const;
+  std::vector<DamagedBlock> damaged_blocks(unsigned threads = 0, const Watch& watch = {}) const;
 
   /// Returns the bytes of memory that hold what calls have prepared of these data and keep for the
   /// next one: surfaces and blocks of the last four isovalues of each field, normals, gradients.
@@ -109,7 +109,7 @@ class RHORAY_API Dataset {
   /// `replace_existing`, for wrapped arrays, and for data that are not in memory;
   /// ErrorCode::resource for a full disk or a folder in which no file may be made;
   /// ErrorCode::interrupted if stopped.
-  void save(const std::filesystem::path& path, bool replace_existing = false, std::stop_token stop = {}) const;
+  void save(const std::filesystem::path& path, bool replace_existing = false, const Watch& watch = {}) const;
 
   // Copies only: a moved-from handle would be a handle of nothing.
   Dataset(const Dataset&) = default;

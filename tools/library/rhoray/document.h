@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "rhoray/context.h"
 #include "rhoray/dataset.h"
 #include "rhoray/export.h"
+#include "rhoray/progress.h"
 #include "rhoray/scene.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -51,8 +51,8 @@ using OpenData = std::function<Dataset(const std::filesystem::path& file)>;
 
 /// Opens packed files in a folder and below it. Refuses names that lead out of it, by `..` or by
 /// symbolic links (ErrorCode::usage).
-/// @param stop  of Dataset::open
-RHORAY_API OpenData files_in(const std::filesystem::path& folder, std::stop_token stop = {});
+/// @param watch  of Dataset::open
+RHORAY_API OpenData files_in(const std::filesystem::path& folder, const Watch& watch = {});
 
 /// A document whose choices have all been made: isovalues, camera, lights, methods.
 struct ResolvedScene {
@@ -67,7 +67,7 @@ struct ResolvedScene {
 /// Throws ErrorCode::invalid for a document that contradicts itself or its data, with the JSON
 /// pointer; ErrorCode::unsupported for one that needs what this library does not do (labels of
 /// grids, textures); ErrorCode::interrupted if stopped. A stop request does not end `open`.
-RHORAY_API ResolvedScene resolve(const SceneDocument& document, const OpenData& open, std::stop_token stop = {});
+RHORAY_API ResolvedScene resolve(const SceneDocument& document, const OpenData& open, const Watch& watch = {});
 
 /// Returns the document that says every choice of a scene. `resolve` makes the same picture of it.
 /// Datasets are named by the files that they were opened from.

@@ -16,7 +16,7 @@ enum class ErrorCode {
   resource = 5,      ///< no memory, disk space or threads
   unsupported = 7,   ///< a file needs a newer version, a kind of data cannot answer a query,
                      ///< or this processor lacks an instruction set
-  interrupted = 130  ///< the caller's stop token ended the call
+  interrupted = 130  ///< the caller's stop request ended the call
 };
 
 /// The only exception that this library throws, besides std::bad_alloc and what callbacks throw.

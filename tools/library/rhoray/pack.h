@@ -1,20 +1,17 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "rhoray/array_view.h"
 #include "rhoray/dataset.h"
 #include "rhoray/export.h"
+#include "rhoray/progress.h"
 #include "rhoray/types.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -86,15 +83,14 @@ enum class Memory {
   wrap
 };
 
-/// Where `pack` writes, and how it reports and stops.
+/// Where `pack` writes, and how it is watched.
 struct PackOptions {
   /// Where the packed file is written. Empty: it stays in memory.
   std::filesystem::path file{};
   bool replace_existing = false;  ///< false: an existing file is refused
-  /// Called with the current phase and how much of it is done; `total` is 0 where it is not known.
-  /// Calls come one at a time, from any thread.
-  std::function<void(std::string_view phase, std::uint64_t done, std::uint64_t total)> progress{};
-  std::stop_token stop{};  ///< ends the call with ErrorCode::interrupted; no file is left behind
+  /// A stop request ends the call with ErrorCode::interrupted. No file is left behind, also if the
+  /// progress function throws.
+  Watch watch{};
   Memory memory = Memory::copy;
   /// With Memory::wrap: an object that keeps the arrays alive. It is released with the last handle
   /// of the dataset, on any thread. Empty: the caller keeps them alive.

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -16,6 +15,7 @@
 #include "rhoray/context.h"
 #include "rhoray/dataset.h"
 #include "rhoray/export.h"
+#include "rhoray/progress.h"
 #include "rhoray/scene.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -93,23 +93,23 @@ class RHORAY_API RayCaster {
   /// ErrorCode::invalid for data whose ranges do not hold. A proof that was stopped
   /// (ErrorCode::interrupted) is made again by the next call that needs it.
   /// @param field  empty: the first that is not constant
-  /// @param stop   ends the loading of the field and the proof
+  /// @param watch  a stop request ends the loading of the field and the proof
   RayCaster(const Dataset& data, const std::variant<Isosurface, Triangles>& surface, const Method& method,
-            std::string_view field = {}, std::stop_token stop = {});
+            std::string_view field = {}, const Watch& watch = {});
   ~RayCaster();
   RayCaster(const RayCaster&);
   RayCaster& operator=(const RayCaster&);
 
   /// Finds where each ray first passes from one side of the isovalue to the other. A ray starts on
   /// the side that the field has at its start; there is no surface at the border of data.
-  void first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop = {}) const;
+  void first_hits(const Rays& rays, const Hits& hits, RayScratch& scratch, const Watch& watch = {}) const;
   /// On the threads of a context.
-  void first_hits(const Rays& rays, const Hits& hits, RenderContext& context, std::stop_token stop = {}) const;
+  void first_hits(const Rays& rays, const Hits& hits, RenderContext& context, const Watch& watch = {}) const;
 
   /// Finds whether there is any hit: 1 or 0 for each ray.
-  void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch, std::stop_token stop = {}) const;
+  void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RayScratch& scratch, const Watch& watch = {}) const;
   void any_hits(const Rays& rays, std::span<std::uint8_t> is_hit, RenderContext& context,
-                std::stop_token stop = {}) const;
+                const Watch& watch = {}) const;
 
   /// Finds all crossings, decided by exact arithmetic whatever the method. In an MRI of 168 x 206 x
   /// 128 samples, a ray with one crossing took 7 microseconds of CPU on average, twice as long as
@@ -121,9 +121,9 @@ class RHORAY_API RayCaster {
   /// hold.
   /// @param max_hits  per ray, at least 1
   void all_hits(const Rays& rays, AllHits& hits, RayScratch& scratch, std::size_t max_hits = 4096,
-                std::stop_token stop = {}) const;
+                const Watch& watch = {}) const;
   void all_hits(const Rays& rays, AllHits& hits, RenderContext& context, std::size_t max_hits = 4096,
-                std::stop_token stop = {}) const;
+                const Watch& watch = {}) const;
 
   class RHORAY_INSIDE Implementation;
 
@@ -137,15 +137,15 @@ class RHORAY_API FieldSampler {
   /// Throws ErrorCode::unsupported for a surface. Otherwise as RayCaster.
   /// @param method  for the largest values along rays
   explicit FieldSampler(const Dataset& data, std::string_view field = {}, const Method& method = Accuracy::float64,
-                        std::stop_token stop = {});
+                        const Watch& watch = {});
   ~FieldSampler();
   FieldSampler(const FieldSampler&);
   FieldSampler& operator=(const FieldSampler&);
 
   /// Finds the largest value along each ray, and the smallest t where it is reached. A ray that
   /// passes no data is a miss.
-  void largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch, std::stop_token stop = {}) const;
-  void largest_values(const Rays& rays, const Hits& hits, RenderContext& context, std::stop_token stop = {}) const;
+  void largest_values(const Rays& rays, const Hits& hits, RayScratch& scratch, const Watch& watch = {}) const;
+  void largest_values(const Rays& rays, const Hits& hits, RenderContext& context, const Watch& watch = {}) const;
 
   /// Evaluates the field at points, in double precision. A point on a face between cells has a
   /// value if one of the cells has data.
@@ -153,7 +153,7 @@ class RHORAY_API FieldSampler {
   /// @param values  one per point; NaN: no data there
   /// @param cells   empty, or one per point: the id of its cell, or no_cell
   void at(const ArrayView& points, std::span<double> values, std::span<std::uint64_t> cells = {},
-          std::stop_token stop = {}) const;
+          const Watch& watch = {}) const;
 
   class RHORAY_INSIDE Implementation;
 

@@ -9,6 +9,7 @@
 #include "rhoray/error.h"
 #include "rhoray/pack.h"
 #include "rhoray/picture.h"
+#include "rhoray/progress.h"
 #include "rhoray/rays.h"
 #include "rhoray/scene.h"
 #include "rhoray/types.h"

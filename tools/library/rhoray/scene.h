@@ -2,13 +2,13 @@
 
 #include <limits>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "rhoray/dataset.h"
 #include "rhoray/export.h"
+#include "rhoray/progress.h"
 #include "rhoray/types.h"
 
 namespace rhoray::RHORAY_ABI {
@@ -193,7 +193,7 @@ struct View {
 /// of a mesh, and of a grid those that isosurfaces may cross.
 /// Throws ErrorCode::usage for a scene without layers, and for numbers out of range;
 /// ErrorCode::interrupted if stopped.
-RHORAY_API Camera fit_camera(const Scene& scene, const Size& size, const View& view = {}, std::stop_token stop = {});
+RHORAY_API Camera fit_camera(const Scene& scene, const Size& size, const View& view = {}, const Watch& watch = {});
 /// Returns a camera that sees a box. Throws ErrorCode::usage for an empty box.
 RHORAY_API Camera fit_camera(const Box3& box, const Size& size, const View& view = {});
 

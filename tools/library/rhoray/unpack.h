@@ -3,13 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "rhoray/array_view.h"
 #include "rhoray/dataset.h"
+#include "rhoray/progress.h"
 
 /// Packed data as arrays again. Everything is copied.
 namespace rhoray::RHORAY_ABI {
@@ -39,10 +39,10 @@ struct MeshCopy {
 /// Copies a field of a grid. Empty: that of Dataset::field().
 /// Throws ErrorCode::usage for data of another kind and for an unknown field,
 /// ErrorCode::interrupted if stopped.
-RHORAY_API GridCopy unpack_grid(const Dataset& grid, std::string_view field = {}, std::stop_token stop = {});
+RHORAY_API GridCopy unpack_grid(const Dataset& grid, std::string_view field = {}, const Watch& watch = {});
 
 /// Copies a mesh with all its fields.
 /// Throws ErrorCode::usage for data of another kind, ErrorCode::interrupted if stopped.
-RHORAY_API MeshCopy unpack_mesh(const Dataset& mesh, std::stop_token stop = {});
+RHORAY_API MeshCopy unpack_mesh(const Dataset& mesh, const Watch& watch = {});
 
 }  // namespace rhoray::RHORAY_ABI

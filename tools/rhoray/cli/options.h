@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "formats/base/interval.h"
+#include "formats/base/progress.h"
 #include "formats/base/read_value.h"
 #include "formats/base/text.h"
 #include "formats/packed_file.h"
-#include "preprocess/progress.h"
 #include "tools/rhoray/cli/subcommand.h"
 
 namespace rhoray::tools {

@@ -106,7 +106,7 @@ void ProgressDisplay::show(std::string_view phase, std::uint64_t done, std::uint
   }
 }
 
-preprocess::Progress ProgressDisplay::progress() {
+Progress ProgressDisplay::progress() {
   return [this](std::string_view phase, std::uint64_t done, std::uint64_t total) { show(phase, done, total); };
 }
 

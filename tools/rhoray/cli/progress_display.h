@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "preprocess/progress.h"
+#include "formats/base/progress.h"
 #include "tools/rhoray/cli/options.h"
 
 namespace rhoray::tools {
@@ -17,8 +17,7 @@ struct Pace {
   double rate_per_s = 0;    ///< of what is counted; 0 while it cannot be told
   double seconds_left = 0;  ///< at that rate; 0 when it cannot be told
 };
-/// @param phase  as preprocess::Progress has it, perhaps with what is counted in brackets at its
-///               end
+/// @param phase  of a Progress, perhaps with what is counted in brackets at its end
 Pace pace_of(std::string_view phase, std::uint64_t done, std::uint64_t total, double elapsed_s);
 
 /// "writing", "[===   ] 10%", "250.0 MiB/s", "1 min 20 s left": what a bar says, as far as it is
@@ -38,7 +37,7 @@ class ProgressDisplay {
   void clear();  ///< wipes a bar away, so that messages can follow
 
   /// The same as what the verbs call. Valid as long as this display.
-  preprocess::Progress progress();
+  Progress progress();
 
  private:
   enum class Style { none, bar, plain, json };

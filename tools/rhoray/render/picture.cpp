@@ -126,12 +126,13 @@ void require_picture(const RenderCommand& command, const std::filesystem::path& 
   if (command.self_check.pixels > 0) require_checkable(plan);
 }
 
-void prove_ranges(const RenderCommand& command, Drawn& drawn) {
+void prove_ranges(const RenderCommand& command, Drawn& drawn, const Progress& progress) {
   for (const render::Dataset& dataset : drawn.plan.datasets)
-    drawn.range_proof += dataset.prove_ranges(command.common.threads);
+    drawn.range_proof += dataset.prove_ranges(command.common.threads, {{}, progress});
 }
 
-render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn) {
+render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn,
+                          const Progress& progress) {
   render::ResolvedScene& plan = drawn.plan;
   plan.frame.threads = command.common.threads;
   plan.frame.time_phases = command.statistics;
@@ -144,13 +145,17 @@ render::Framebuffer trace(const RenderCommand& command, render::RenderContext& m
 
   render::Framebuffer framebuffer;
   const Stopwatch tracing;
-  drawn.statistics = render::render(plan.datasets, plan.scene, plan.frame, framebuffer, memory);
+  drawn.statistics = render::refine(plan.datasets, plan.scene, plan.frame,
+                                    {.first_spacing = 1, .watch = {{}, progress}}, framebuffer, memory);
   drawn.stations.trace_s = tracing.seconds() - drawn.statistics.range_proof.wall_s;
   drawn.statistics.range_proof += std::exchange(drawn.range_proof, {});
   drawn.stations.prove_s = drawn.statistics.range_proof.wall_s;
   drawn.picks = take_picks(command.picks, plan, framebuffer);
-  if (command.self_check.pixels > 0)
-    drawn.self_check = check_picture(plan, framebuffer, command.self_check, command.common.threads);
+  if (command.self_check.pixels > 0) {
+    render::SelfCheckOptions check = command.self_check;
+    check.watch.progress = progress;
+    drawn.self_check = check_picture(plan, framebuffer, check, command.common.threads);
+  }
   if (plan.page) drawn.heat = render::draw_heat_map(*plan.page, framebuffer);
   draw_annotations(plan, drawn.heat, framebuffer);
   framebuffer.keep(kept);
@@ -180,8 +185,9 @@ void write(const RenderCommand& command, const render::Framebuffer& picture, con
   drawn.stations.write_s = writing.seconds();
 }
 
-void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn) {
-  const render::Framebuffer picture = trace(command, memory, drawn);
+void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn,
+          const Progress& progress) {
+  const render::Framebuffer picture = trace(command, memory, drawn, progress);
   drawn.stations.wait_for_checks_s = checks.wait();
   drawn.reproduce = shell_line(reproducing_command(drawn.plan, drawn.output));
   write(command, picture, to_spec(drawn.plan), drawn);

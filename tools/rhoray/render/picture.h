@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/base/progress.h"
 #include "render/accuracy.h"
 #include "render/document.h"
 #include "render/render.h"
@@ -66,10 +67,11 @@ void require_picture(const RenderCommand& command, const std::filesystem::path& 
 /// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks
 /// pixels: where they do not hold, nothing is traced. Those that the picture's own method relies on
 /// are proven by render::render.
-void prove_ranges(const RenderCommand& command, Drawn& drawn);
+void prove_ranges(const RenderCommand& command, Drawn& drawn, const Progress& progress);
 
 /// Traces the picture and draws over it.
-render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn);
+render::Framebuffer trace(const RenderCommand& command, render::RenderContext& memory, Drawn& drawn,
+                          const Progress& progress = {});
 
 /// The texts of a picture file, with which `render` draws it again.
 /// @param folder   that file names in the scene are made relative to; empty: as they are
@@ -82,6 +84,7 @@ void write(const RenderCommand& command, const render::Framebuffer& picture, con
            Drawn& drawn);
 
 /// Traces the picture, and writes it when the files are known to be well.
-void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn);
+void draw(const RenderCommand& command, render::RenderContext& memory, Checks& checks, Drawn& drawn,
+          const Progress& progress = {});
 
 }  // namespace rhoray::tools

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
 
-namespace rhoray::preprocess {
+namespace rhoray {
 
 /// Called now and then during long work, from one thread at a time, with the current phase and how
 /// much of it is done. `total` is 0 where it is not known. A phase may end with the unit that is
@@ -39,4 +40,13 @@ class ProgressMeter {
   std::mutex mutex_;
 };
 
-}  // namespace rhoray::preprocess
+/// How a caller watches long work: ends it (ErrorCode::interrupted) and hears how far it has come.
+/// A stop token alone converts to it.
+struct Watch {
+  Watch(std::stop_token requests = {}, Progress report = {}) : stop(std::move(requests)), progress(std::move(report)) {}
+
+  std::stop_token stop;
+  Progress progress;
+};
+
+}  // namespace rhoray
