@@ -65,7 +65,7 @@ formats::PackedFile open_packed_colors(const DataSpec& data);
 /// is outside its field's range is left out with a note if anything else is shown. Refuses
 /// conflicts: in a document with the JSON pointer (ErrorCode::invalid), on a command line with the
 /// option (ErrorCode::usage).
-/// @param watch  of the search for boundaries of meshes
+/// @param watch  watches the search for boundaries of meshes
 ResolvedScene resolve_layers(const SceneSpec& scene_spec, const OpenData& open,
                              const OpenColors& open_colors = open_packed_colors, const Watch& watch = {});
 
@@ -82,7 +82,7 @@ Shown what_is_shown(const ResolvedScene& plan, const Watch& watch = {});
 /// depends on it: lights, ambient occlusion, fog. Chooses the picture's size, unless the
 /// specification gives it (PictureSpec::size). Looks at every cell of a mesh where any of these is
 /// fitted to what is shown.
-/// @param watch  of the search for what is shown
+/// @param watch  watches the search for what is shown
 void aim_camera(const SceneSpec& scene_spec, ResolvedScene& plan, const Watch& watch = {});
 
 /// The axes from which angles of the camera and words of views count.

@@ -52,7 +52,7 @@ struct ProbeHit {
 /// @param options  size of the picture; threads that prove ranges; the machine. Nothing else is
 ///   read
 /// @param most     number of points at most, nearest first
-/// @param watch    of the proof of ranges
+/// @param watch    watches the proof of ranges
 std::vector<ProbeHit> probe(std::span<const Dataset> datasets, const Scene& scene, const FrameOptions& options,
                             const PicturePoint& point, std::size_t most, const Watch& watch = {});
 

@@ -23,7 +23,7 @@ bool have_data(std::span<const T> values, const std::array<std::uint32_t, 4>& ve
   return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return is_value(values[v]); });
 }
 
-/// Calls act(index) on the threads and under the watch of a check.
+/// Calls act(index) for each index, with the threads and the watch of a check.
 template <class Act>
 void for_each_watched(const char* phase, std::uint64_t count, const CheckOptions& options, const Act& act) {
   ProgressMeter meter(options.watch.progress, phase, count);
@@ -148,7 +148,7 @@ class LeafLists {
  private:
   bool check_points() {
     std::atomic<bool> all_inside = true;
-    for_each_watched("checking points (points)", mesh_.points().size(), options_, [&](std::uint64_t point) {
+    for_each_watched("checking the lattice (points)", mesh_.points().size(), options_, [&](std::uint64_t point) {
       const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
       bool is_inside = true;
       for (int axis = 0; axis < 3; ++axis)

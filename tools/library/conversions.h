@@ -30,7 +30,7 @@ ChannelSet outside_of(const render::ChannelSet& channels);
 /// The scene with its datasets, and everything else that a document says. Without a camera it has
 /// that of render::Scene.
 /// Refuses what no scene may hold; the rest is refused where it is used.
-/// @param watch  of the loading of fields
+/// @param watch  watches the loading of fields
 render::ResolvedScene resolved(const Scene& scene, const RenderOptions& options, const rhoray::Watch& watch = {});
 
 /// Refuses a scene without a camera. Otherwise as above.

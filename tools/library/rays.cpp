@@ -62,7 +62,7 @@ class RangeOfRays {
 
  private:
   rhoray::Affine data_from_world_;
-  /// What is in range for any orientation; coordinates in world axes.
+  /// Rays within these bounds, in world axes, are in range, however the data are rotated.
   double surely_near_, surely_long_, surely_short_;
 };
 

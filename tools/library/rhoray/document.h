@@ -51,7 +51,7 @@ using OpenData = std::function<Dataset(const std::filesystem::path& file)>;
 
 /// Opens packed files in a folder and below it. Refuses names that lead out of it, by `..` or by
 /// symbolic links (ErrorCode::usage).
-/// @param watch  of Dataset::open
+/// @param watch  watches each Dataset::open
 RHORAY_API OpenData files_in(const std::filesystem::path& folder, const Watch& watch = {});
 
 /// A document whose choices have all been made: isovalues, camera, lights, methods.
