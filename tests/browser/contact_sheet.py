@@ -36,7 +36,7 @@ class Minute(PageTest):
 
     def press(self, *elements):
         for element in elements:
-            self.find(element).click()
+            self.click(element)
             self.settle()
 
     def ct(self):
@@ -57,7 +57,7 @@ class Minute(PageTest):
         self.view(DATA / "unstructured/utahtorso/utahtorso-lowres.vtu")
         self.shot()
         self.press("add-isosurface")
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 2")
         self.settle()
         self.set_number("layer-1-isovalue", 60)

@@ -1,6 +1,7 @@
 """What tests of the page of `rhoray view` have in common."""
 import statistics
 
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -19,6 +20,15 @@ class PageTest(BrowserTest):
 
     def find(self, element):
         return self.driver.find_element(By.ID, element)
+
+    def click(self, element):
+        """Clicks on the element of an id. The page builds the controls of a panel anew in the frame after a change,
+        so the one that was found may be gone before the click. It was not clicked then, and the new one is."""
+        while True:
+            try:
+                return self.find(element).click()
+            except StaleElementReferenceException:
+                continue
 
     def open_section(self, name):
         section = self.find(f"panel-{name}").find_element(By.XPATH, "..")

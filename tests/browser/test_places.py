@@ -101,8 +101,8 @@ class BlockedStorage(PageTest):
         self.wait("!rhoray.active.isOnline")
         self.wait("rhoray.active.isOnline", "the next connection, with the same token")
         self.settle()
-        self.find("help-button").click()
-        self.find("character-keys").click()
+        self.click("help-button")
+        self.click("character-keys")
         self.check_console()
 
 
@@ -198,22 +198,22 @@ class Trouble(PageTest):
     def test_what_the_server_refuses_is_said_and_can_be_undone(self):
         self.volume("--iso", "0.5")
         before = self.pixels()
-        self.find("layer-0-visible").click()
+        self.click("layer-0-visible")
         self.wait("!document.getElementById('alert').hidden")
         self.assertIn("no layer is visible", self.find("alert-text").text)
         self.assertEqual(self.state(), "refused")
-        self.find("layer-0-visible").click()
+        self.click("layer-0-visible")
         self.settle()
         self.assertEqual(self.pixels(), before)
         self.wait("document.getElementById('alert').hidden")
 
     def test_each_of_two_views_has_its_own_state_and_its_own_errors(self):
         self.volume("--iso", "0.5")
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 2")
         self.settle()
         self.find("picture-2").send_keys(Keys.NULL)
-        self.find("layer-0-visible").click()
+        self.click("layer-0-visible")
         self.wait("!document.getElementById('alert').hidden")
         self.assertRegex(self.find("alert-text").text, "^View B: .*no layer is visible")
         self.canvas().send_keys(Keys.ARROW_LEFT)  # another view's picture does not mend it
@@ -222,11 +222,11 @@ class Trouble(PageTest):
         self.assertEqual(labels, ["View A, edited by the panels: finished, lossless", "View B: refused"])
         self.assertFalse(self.js("document.getElementById('alert').hidden"))
         self.find("picture-2").send_keys(Keys.NULL)
-        self.find("layer-0-visible").click()
+        self.click("layer-0-visible")
         self.wait("document.getElementById('alert').hidden")
-        self.find("layer-0-visible").click()
+        self.click("layer-0-visible")
         self.wait("!document.getElementById('alert').hidden")
-        self.find("compare").click()  # the refusal goes with its view
+        self.click("compare")  # the refusal goes with its view
         self.wait("document.getElementById('alert').hidden")
 
 

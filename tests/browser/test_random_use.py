@@ -78,7 +78,7 @@ class RandomUse(PageTest):
         if self.js("document.getElementById('help').open"):
             self.driver.find_element(By.CSS_SELECTOR, "#help button").click()
         if self.js("!document.getElementById('alert').hidden"):
-            self.find("alert-close").click()
+            self.click("alert-close")
         if self.random.random() < 0.02:
             self.driver.refresh()
             # If the user hid all layers, the page only says so.

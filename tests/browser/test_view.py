@@ -44,7 +44,7 @@ class Pictures(PageTest):
         self.mesh()
         self.check_against_command()
         self.open_section("scene")
-        self.find("annotation-axes").click()
+        self.click("annotation-axes")
         self.settle()
         self.check_against_command()
 
@@ -133,8 +133,8 @@ class Motion(PageTest):
         viewer = self.volume()
 
         def switch():
-            self.find("help-button").click()
-            self.find("character-keys").click()
+            self.click("help-button")
+            self.click("character-keys")
             ActionChains(self.driver).send_keys(Keys.ESCAPE).perform()
             self.wait("!document.getElementById('help').open")
 
@@ -189,11 +189,11 @@ class Tools(PageTest):
         self.volume("--iso", "0.3")
         whole = self.pixels()
         self.open_section("clipping")
-        self.find("clip-add").click()
+        self.click("clip-add")
         self.settle()
         clipped = self.pixels()
         self.assertNotEqual(clipped, whole)
-        self.find("clip-0-slice").click()
+        self.click("clip-0-slice")
         self.settle()
         self.assertNotEqual(self.pixels(), clipped)
         self.check_against_command()
@@ -206,7 +206,7 @@ class Tools(PageTest):
             self.assertEqual(self.js("rhoray.active.layers.at(-1).spec.normal"), [1, 0, 0])
             self.check_against_command()
         for switch in ("clip-0-slice", "clip-0-remove", "clip-box"):
-            self.find(switch).click()
+            self.click(switch)
             self.settle()
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 6)
         faces = "Object.fromEntries(rhoray.active.clipHandles.map(({ name, value }) => [name, value()]))"
@@ -221,7 +221,7 @@ class Tools(PageTest):
         moved = self.js(faces).items() - before.items()
         self.assertEqual([face for face, _ in moved], [name], "the other faces stay")
         self.assertGreater(abs(dict(moved)[name] - before[name]), 1)
-        self.find("clip-handles").click()
+        self.click("clip-handles")
         self.wait("document.querySelectorAll('.face').length === 0")
         self.check_console()
 
@@ -234,19 +234,19 @@ class Tools(PageTest):
         self.view("ball.json")
         self.open_section("clipping")
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 2)
-        self.find("clip-add").click()
+        self.click("clip-add")
         self.settle()
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".face")), 3)
-        self.find("clip-add").click()  # planes 3 and 4 both go through the middle of the data
+        self.click("clip-add")  # planes 3 and 4 both go through the middle of the data
         places = "[...document.querySelectorAll('.face')].map(({ style }) => `${style.left} ${style.top}`)"
         self.wait(f"{places}.length === 4")
         self.settle()
         self.assertEqual(len(set(self.js(places))), 4, "no handle covers another")
-        self.find("clip-3-remove").click()
+        self.click("clip-3-remove")
         self.settle()
         now = "rhoray.active.document.clip.planes"
         for index in (1, 2):
-            self.find(f"clip-{index}-slice").click()
+            self.click(f"clip-{index}-slice")
         self.settle()
         third = self.js(f"{now}[2]")
         self.driver.find_element(By.CSS_SELECTOR, ".face[aria-label^='Clip plane 2']").send_keys(Keys.ARROW_LEFT)
@@ -257,11 +257,11 @@ class Tools(PageTest):
         slices = "rhoray.active.layers.filter(({ spec }) => spec.type === 'slice').map(({ spec }) => spec.normal)"
         self.assertEqual(self.js(slices), [[0, 0, -1], third["normal"]])
         self.check_against_command()
-        self.find("clip-1-remove").click()  # its slice goes with it
+        self.click("clip-1-remove")  # its slice goes with it
         self.settle()
         self.assertEqual(self.js(now), [planes[0], third])
         self.assertEqual(self.js(slices), [third["normal"]])
-        self.find("clip-0-remove").click()
+        self.click("clip-0-remove")
         self.settle()
         self.assertEqual(self.js(now), [third])
         self.check_against_command()
@@ -273,7 +273,7 @@ class Tools(PageTest):
         self.open_section("scene")
         for effect, rays in (("shadows", "shadow_rays"), ("ambient-occlusion", "occlusion_rays")):
             self.assertEqual(self.js(f"rhoray.active.finished.statistics.{rays}"), 0)
-            self.find(effect).click()
+            self.click(effect)
             self.settle()
             self.assertGreater(self.js(f"rhoray.active.finished.statistics.{rays}"), 0)
             self.assertNotEqual(self.pixels(), plain)
@@ -311,7 +311,7 @@ class Tools(PageTest):
 
     def test_two_views_with_linked_cameras_and_a_wipe(self):
         self.volume("--iso", "0.5")
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 2")
         self.settle()
         self.set_number("layer-0-isovalue", 0.2)
@@ -326,16 +326,16 @@ class Tools(PageTest):
         before = self.find("divider").get_attribute("aria-valuenow")
         self.find("divider").send_keys(Keys.ARROW_LEFT)
         self.assertNotEqual(self.find("divider").get_attribute("aria-valuenow"), before)
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 1")
         self.check_console()
 
     def test_two_views_with_two_fields_two_methods_and_cameras_of_their_own(self):
         self.mesh("--iso", "0.5", "--field", "height")
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 2")
         self.settle()
-        self.find("link-cameras").click()
+        self.click("link-cameras")
         self.open_section("scene")
         first = self.js("JSON.stringify(rhoray.views[0].camera)")
         self.activate(1)
@@ -353,7 +353,7 @@ class Tools(PageTest):
         for view in range(2):
             self.activate(view)
             self.check_against_command()
-        self.find("link-cameras").click()
+        self.click("link-cameras")
         self.settle()
         self.assertEqual(*self.js("rhoray.views.map((view) => JSON.stringify(view.camera))"))
         self.check_console()
@@ -362,11 +362,11 @@ class Tools(PageTest):
         for name, wave in (("a", 9), ("b", 4)):
             write_volume(self.folder / f"{name}.npy", wave=wave)
         self.view("a.npy", "b.npy", "--iso", "0.5")
-        self.find("compare").click()
+        self.click("compare")
         self.wait("rhoray.views.length === 2")
         for view, layer in ((1, 0), (0, 1)):
             self.activate(view)
-            self.find(f"layer-{layer}-visible").click()
+            self.click(f"layer-{layer}-visible")
         self.settle()
         drawn = "rhoray.views.map(({ resolved }) => Object.values(resolved.document.layers).map(({ data }) => data))"
         self.assertEqual(self.js(drawn), [["data"], ["file 2"]])
@@ -388,7 +388,7 @@ class Directions(PageTest):
         self.assertRegex(self.label(), "^-y faces the viewer; scale bar: [125]0* ?(at the pivot)?$")
         length, pixels = self.scale_bar()
         self.open_section("scene")
-        self.find("orthographic").click()
+        self.click("orthographic")
         self.settle()
         self.assertNotIn("pivot", self.label())
         self.driver.find_element(By.ID, "standard-views").find_elements(By.TAG_NAME, "button")[4].click()
