@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 class CountTests : public testing::Test {
  protected:
-  CountTests() { expect("tests 4\ntests-without-shared-data 3 # fewer\ninstruction-sets 2\n"); }
+  CountTests() { expect("tests 2\ntests-without-shared-data 1 # fewer\ninstruction-sets 2\n"); }
 
   void expect(const std::string& numbers) { write_file(folder_ / "expected", numbers); }
 
@@ -57,10 +57,18 @@ TEST_F(CountTests, fails_below_the_expected_number_of_tests) {
   const std::string three = two_sets_ + passed("A.a");
   const RunResult with_data = counted(three + skipped("S.x", "no folder"), true);
   EXPECT_EQ(with_data.exit_code, 1);
-  EXPECT_THAT(with_data.err, HasSubstr("3 tests executed"));
-  EXPECT_THAT(with_data.err, HasSubstr("expects at least 4 (tests)"));
+  EXPECT_THAT(with_data.err, HasSubstr("1 tests executed besides InstructionSets"));
+  EXPECT_THAT(with_data.err, HasSubstr("expects at least 2 (tests)"));
   EXPECT_EQ(counted(three + skipped("S.x", "no folder"), false).exit_code, 0);
   EXPECT_EQ(counted(two_sets_, false).exit_code, 1);
+}
+
+TEST_F(CountTests, neither_misses_an_instruction_set_nor_takes_it_for_another_test) {
+  const std::string avx512 = "Of/InstructionSets.answer/avx512";
+  const std::string rest = passed("A.a") + passed("A.b");
+  EXPECT_EQ(counted(two_sets_ + rest + skipped(avx512, "this processor lacks avx512"), true).exit_code, 0);
+  EXPECT_EQ(counted(two_sets_ + passed(avx512) + rest, true).exit_code, 0);
+  EXPECT_EQ(counted(two_sets_ + passed(avx512) + passed("A.a"), true).exit_code, 1);
 }
 
 TEST_F(CountTests, fails_below_the_expected_number_of_instruction_sets) {
@@ -79,7 +87,7 @@ TEST_F(CountTests, fails_where_a_test_failed) {
 
 TEST_F(CountTests, refuses_files_that_it_cannot_read) {
   EXPECT_EQ(counted("<testcase", true).exit_code, 2);
-  expect("tests 4\n");
+  expect("tests 2\n");
   const RunResult missing = counted(two_sets_, true);
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_THAT(missing.err, HasSubstr("tests-without-shared-data, instruction-sets: missing"));
