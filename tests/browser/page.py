@@ -21,14 +21,17 @@ class PageTest(BrowserTest):
     def find(self, element):
         return self.driver.find_element(By.ID, element)
 
-    def click(self, element):
-        """Clicks on the element of an id. The page builds the controls of a panel anew in the frame after a change,
-        so the one that was found may be gone before the click. It was not clicked then, and the new one is."""
+    def use(self, element, act):
+        """Calls act() on the element of an id. The page builds a panel's controls anew in the frame after a change:
+        if the control that was found is gone by then, selenium does nothing to it, and act() gets the new one."""
         while True:
             try:
-                return self.find(element).click()
+                return act(self.find(element))
             except StaleElementReferenceException:
                 continue
+
+    def click(self, element):
+        self.use(element, lambda control: control.click())
 
     def open_section(self, name):
         section = self.find(f"panel-{name}").find_element(By.XPATH, "..")
@@ -46,7 +49,7 @@ class PageTest(BrowserTest):
         actions.release().perform()
 
     def set_number(self, element, value):
-        self.find(element).send_keys(Keys.CONTROL + "a", Keys.NULL, str(value), Keys.ENTER)
+        self.use(element, lambda control: control.send_keys(Keys.CONTROL + "a", Keys.NULL, str(value), Keys.ENTER))
         self.settle()
 
     def say_latencies(self, what):
