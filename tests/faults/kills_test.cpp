@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
@@ -41,8 +42,16 @@ void make_old(const WritingCommand& command, const fs::path& out) {
   }
 }
 
+/// The last two bytes, with 0 for each digit: a table may end in a time.
+std::string end_of(const std::string& content) {
+  std::string end = content.substr(content.size() - std::min<std::size_t>(2, content.size()));
+  for (char& byte : end)
+    if (byte >= '0' && byte <= '9') byte = '0';
+  return end;
+}
+
 /// Recognizes complete new files. Where two runs write the same bytes, compares all bytes.
-/// Otherwise compares the last two bytes, which a file that ends too early has only by chance.
+/// Otherwise compares the ends, which a file that ends too early has only by chance.
 class WholeFiles {
  public:
   WholeFiles(const WritingCommand& command, const fs::path& out) : command_(command), out_(out) {
@@ -58,7 +67,7 @@ class WholeFiles {
       const std::string now = read_file(out_ / output), &whole = contents_.at(output);
       if (now == old_content) continue;
       if (varying_.contains(output))
-        EXPECT_TRUE(now.size() > 2 && now.substr(now.size() - 2) == whole.substr(whole.size() - 2)) << output;
+        EXPECT_EQ(end_of(now), end_of(whole)) << output;
       else
         EXPECT_TRUE(now == whole) << output << " has " << now.size() << " bytes, whole it has " << whole.size();
     }

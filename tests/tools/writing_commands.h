@@ -13,6 +13,8 @@ struct WritingCommand {
   /// The first word is a program beside `rhoray`. "OUT/" stands for the output folder.
   std::vector<std::string> words;
   std::vector<std::string> outputs;  ///< files below OUT/, all or the most important ones
+  /// Replaces all outputs together, and does so again when it knows more; no two runs write the same.
+  bool writes_interim_results = false;
 
   /// The words as they are run: with this output folder, and only errors on stderr.
   std::vector<std::string> line(const std::filesystem::path& out, bool replace_existing) const {
@@ -77,7 +79,8 @@ inline std::vector<WritingCommand> writing_commands() {
         "report/signed_distance.png", "report/depth_error.png"}},
       {"accuracy_report",
        {"rhoray", "accuracy", "ball.rho", "--iso", "100", "--size", "48x32", "-o", "OUT/accuracy"},
-       {"accuracy/results.csv", "accuracy/results.json", "accuracy/report.html"}},
+       {"accuracy/results.csv", "accuracy/results.json", "accuracy/report.html"},
+       true},
       {"bench_csv", {"rhoray", "bench", "open", "ball.rho", "--repeat", "1", "-o", "OUT/"}, {"open.csv", "open.json"}},
       {"recipes_nrrd", {"rhoray-recipes", "marschner-lobb", "--size", "32", "-o", "OUT/a.nhdr"}, {"a.nhdr", "a.raw"}},
       {"recipes_surface",
