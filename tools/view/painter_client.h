@@ -57,11 +57,11 @@ struct PainterClient {
   std::optional<EffectTimes> effect_times{};  ///< being measured, of `plan`
   Clock::time_point finished{};
   double finished_ms = 0;
-  double sent_spacing = 16;  ///< of the picture that was sent last
-  Clock::time_point sent_at{};
-  std::uint32_t sent_request = 0;  ///< whose picture was sent last
-  std::string machine{};           ///< that traced `picture`, for its file
-  render::ResolvedScene plan{};    ///< of `picture`
+  double sent_spacing = 16;            ///< of the picture that was sent last
+  Clock::time_point sent_moving_at{};  ///< when a picture in motion was sent, if none at rest followed
+  std::uint32_t sent_request = 0;      ///< whose picture was sent last
+  std::string machine{};               ///< that traced `picture`, for its file
+  render::ResolvedScene plan{};        ///< of `picture`
   render::Framebuffer picture{}, moving_picture{};
   render::RenderContext memory{};
 

@@ -129,7 +129,7 @@ void Painter::paint_at_rest(Client& client, const PictureRequest& request, Clock
   // The page already shows this view with fewer pixels after a motion, or if another client's
   // request ended this picture.
   const bool was_begun = client.sent_request == request.number;
-  const bool is_shown = was_begun || begin < client.sent_at + rest_before_lossless;
+  const bool is_shown = was_begun || begin < client.sent_moving_at + rest_before_lossless;
   const double worst_spacing = is_shown ? client.sent_spacing : 16;
   const int across = moving_size(client, request).width;
   int first_spacing = 1;
@@ -220,7 +220,7 @@ void Painter::send(Client& client, const render::Framebuffer& picture, PictureHe
   }
   client.sent_request = header.request;
   client.sent_spacing = static_cast<double>(header.spacing);
-  client.sent_at = Clock::now();
+  client.sent_moving_at = moving_since ? Clock::now() : Clock::time_point();
   std::vector<std::byte> message =
       header.codec == Codec::png ? png_message(header, picture, viewed_.texts_of(as_asked(client), client.machine))
                                  : jpeg_message(header, picture, quality);

@@ -219,6 +219,26 @@ TEST(Painter, sends_pictures_to_a_client_that_always_requests_another_picture_at
   EXPECT_GE(inbox.pictures(5).size(), 5U);
 }
 
+// Such a change soon after a finished picture was not seen before the new one was finished, too.
+TEST(Painter, refines_a_changed_scene_in_passes_also_soon_after_a_finished_picture) {
+  const TemporaryFolder folder;
+  Inbox inbox;
+  Painter painter(viewed_box(folder), 2);
+  const Painter::ClientId client = painter.add(inbox.sink());
+  const PictureRequest first{.number = 1, .width = 1000, .height = 1000};
+  painter.take(client, first);
+  acknowledge_finished_picture(painter, client, inbox);
+  const std::size_t seen = inbox.pictures(0).size();
+  PictureRequest changed = first;
+  changed.number = 2, changed.patch = R"({"layers": {"0": {"isovalue": 0.6}}})";
+  painter.take(client, changed);
+  const auto pictures = inbox.pictures(seen + 1);
+  ASSERT_GT(pictures.size(), seen);
+  const PictureHeader header = read_picture_header(pictures[seen]);
+  EXPECT_EQ(header.request, 2U);
+  EXPECT_GT(header.spacing, 1);
+}
+
 /// A picture that takes many seconds.
 PictureRequest heavy(std::uint32_t number) {
   return {.number = number,
