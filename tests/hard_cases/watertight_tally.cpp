@@ -337,12 +337,13 @@ void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const
     ++tally_.all.rays, tally_.all.hits += !changes.empty(), tally_.all.crossings += changes.size();
     tally_.all.parity += parity;
     if (!parity && !sampled[r]) continue;
-    if (sides_are_right(rays[r], start_inside, changes)) {
-      tally_.all.ties += parity;
-      continue;
-    }
-    ++tally_.all.wrong;
-    complain(concat("all crossings", start_inside ? ", from inside" : "", ", ", changes.size()), rays[r]);
+    const bool is_right = sides_are_right(rays[r], start_inside, changes);
+    tally_.all.ties += is_right && parity;
+    tally_.all.wrong += !is_right;
+    if (parity || !is_right)
+      complain(
+          concat("all crossings", start_inside ? ", from inside" : "", ", ", changes.size(), is_right ? ", a tie" : ""),
+          rays[r]);
   }
 }
 

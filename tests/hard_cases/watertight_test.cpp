@@ -5,10 +5,17 @@
 
 #include <iostream>
 #include <mutex>
+#include <utility>
 
 #include "formats/base/parallel.h"
+#include "formats/base/text.h"
+#include "render/dataset/loaded_dataset.h"
+#include "render/method.h"
+#include "render/query/all_hits.h"
+#include "render/query/intersectors.h"
 #include "render/query/machine.h"
 #include "tests/hard_cases/watertight_tally.h"
+#include "tests/render/support/wide_machines.h"
 #include "tests/support/asked_count.h"
 #include "tests/support/temporary_folder.h"
 
@@ -55,8 +62,10 @@ TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_pa
       for (const study::Aim aim : study::aims) {
         const std::uint64_t first = seed++ << 32;
         parallel_for_each(chunks, [&](std::uint64_t c) {
-          const WatertightTally part =
-              tally_watertight(scene, aim, chunk, first + c, c % thorough_every == 0, sample_every);
+          WatertightTally part = tally_watertight(scene, aim, chunk, first + c, c % thorough_every == 0, sample_every);
+          for (std::string& complaint : part.complaints)
+            complaint = concat(name_of(kind), " of size ", placement.scale, " around x = ", placement.centre.x,
+                               ", aimed at ", name_of(aim), ", seed ", first + c, ": ", complaint);
           const std::scoped_lock lock(adding);
           whole.add(part);
         });
@@ -83,6 +92,51 @@ TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_pa
   }
   EXPECT_EQ(whole.all.wrong, 0U);
   EXPECT_EQ(whole.all.parity, 0U) << "even ties must leave the ray on the right side";
+}
+
+/// Returns whether all crossings were found from one traversal, and how many.
+std::pair<bool, int> all_crossings_of(const render::Ray& ray, const study::ClosedScene& scene,
+                                      render::Machine machine) {
+  const render::LoadedDataset& dataset = scene.dataset.implementation();
+  const render::Method method = render::method_of(render::Accuracy::float32);
+  const render::AllHitsKernel kernel =
+      render::choose_intersectors(dataset, {.isovalue = scene.isovalue, .method = method}, machine).all_hits;
+  const render::TransparentSurface surface{.isovalue = scene.isovalue};
+  render::RayBatch batch(1);
+  batch.count = 1;
+  batch.set(0, ray);
+  render::HitBatch first(1);
+  render::CrossingList list(1);
+  list.put_first_into(first);
+  render::CrossingList* const lists = &list;
+  std::uint8_t complete = 0;
+  render::Scratch scratch;
+  render::KernelCounters counters;
+  kernel(dataset, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, &complete, scratch, counters);
+  return {complete != 0, list.count[0]};
+}
+
+// These two rays lie in a facet, from one of its corners to another, to within rounding. They were
+// said to cross the surface once.
+TEST(Watertight, a_ray_in_a_facet_is_not_said_to_stay_inside) {
+  struct Case {
+    study::Placement placement;
+    render::Ray ray;
+  };
+  const Case cases[] = {{{Vec3(0), 1e-6},
+                         {.origin = {-0x1.5b9e6efd4533fp-19, -0x1.4a1e2c3f3ba33p-19, -0x1.9404e193ee124p-22},
+                          .direction = {0x1.66d24099d695dp-1, 0x1.6cc1a4ca12a43p-1, 0x1.28c4bc861db48p-5}}},
+                        {{Vec3(1e3), 1e6},
+                         {.origin = {-0x1.0a570b8b0720ep+21, -0x1.058a65bf611c1p+21, -0x1.a9201cbfa4fd9p+20},
+                          .direction = {0x1.2a577957a4772p-1, 0x1.25428dcf446b7p-1, 0x1.272fa2a3b1442p-1}}}};
+  const TemporaryFolder folder;
+  for (const auto& [placement, ray] : cases) {
+    const study::ClosedScene scene = closed_scene(study::SceneKind::tets_whole, placement, 12, folder.path());
+    for (const render::Machine machine : wide_machines()) {
+      const auto [is_complete, count] = all_crossings_of(ray, scene, machine);
+      EXPECT_TRUE(!is_complete || count % 2 == 0) << name_of(machine) << ": " << count;
+    }
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #endif
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 #include <hwy/highway.h>
@@ -77,56 +78,52 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
   return is_nearer;
 }
 
-/// Returns whether a ray is so nearly parallel to a facet that rounding hides in which direction it
-/// passes: 2^-20 is about place_error over the size of the mesh. Also true for the facet of a flat
-/// cell, whose gradient is NaN.
-HWY_NOINLINE bool may_pass_either_way(const FacetGroup& group, std::int32_t facet, std::size_t ray) {
-  constexpr double least_cosine = 0x1p-20;
-  const double* gradient = group.surface.fields[facet].gradient;
-  double rise = 0, steepest2 = 0, length2 = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double direction = group.rays.direction[a][ray];
-    rise += gradient[a] * direction, steepest2 += gradient[a] * gradient[a], length2 += direction * direction;
-  }
-  return !(rise * rise > least_cosine * least_cosine * steepest2 * length2);
+HWY_INLINE double largest_size(const double* v) {
+  const double x = std::abs(v[0]), y = std::abs(v[1]), z = std::abs(v[2]), larger = x < y ? y : x;
+  return larger < z ? z : larger;
 }
 
 /// Removes facets from a ray's list that do not change its side: a ray that passes through an edge
 /// hits both facets. Keeps at most as many as a CrossingList holds.
 ///
-/// A ray that passes through a vertex hits all facets there, in no order. Hits belong together if
-/// their depths differ by at most facet_margin, far more than rounding. If the ray passes facets
-/// that belong together in different directions, or rounding hides in which, another kernel traces
-/// it.
+/// Another kernel traces the ray if the facets do not tell its side:
+///   - It passes facets in different directions at one vertex, where they have no order. Hits are at
+///     one vertex if their depths differ by at most facet_margin, far more than rounding.
+///   - It is so nearly parallel to a facet that rounding hides in which direction it passes. It may
+///     follow such a facet from one end to the other, with its other hits far away. facet_margin is
+///     more than place_error over the size of the mesh. Of a flat cell, whose gradient is NaN, no
+///     direction is known.
 HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
   FacetLists& lists = *group.scratch.lists;
   const auto count = static_cast<std::size_t>(lists.count[lane]);
   const std::size_t ray = ray_of(lane);
+  const double direction[3] = {group.rays.direction[0][ray], group.rays.direction[1][ray],
+                               group.rays.direction[2][ray]};
+  const double least_share = facet_margin * largest_size(direction);
   double side = 0;
   std::size_t kept = 0;
   float last_depth = -beyond;
-  std::int32_t last = FacetScratch::no_facet;
   for (std::size_t i = 0; i < count; ++i) {
-    const double* gradient = group.surface.fields[lists.facet[i][lane]].gradient;
-    double rise = 0;
-    for (int a = 0; a < 3; ++a) rise += gradient[a] * group.rays.direction[a][ray];
+    const std::int32_t facet = lists.facet[i][lane];
+    const double* gradient = group.surface.fields[facet].gradient;
+    const double rise = gradient[0] * direction[0] + gradient[1] * direction[1] + gradient[2] * direction[2];
     const bool is_same = rise * side > 0;
     const float depth = lists.depth[i][lane], gap = depth - last_depth;
-    if (HWY_UNLIKELY(gap <= static_cast<float>(facet_margin)) &&
-        (!is_same || may_pass_either_way(group, lists.facet[i][lane], ray) || may_pass_either_way(group, last, ray))) {
+    // Written so that NaN is not told.
+    const bool is_told = std::abs(rise) > least_share * largest_size(gradient);
+    if (HWY_UNLIKELY(!is_told || (!is_same && gap <= static_cast<float>(facet_margin)))) {
       kept = 0;
       lists.complete[lists.first + ray] = 0;
       break;
     }
-    last_depth = depth, last = lists.facet[i][lane];
-    // Written so that the facet of a flat cell, whose gradient is NaN, counts.
+    last_depth = depth;
     if (is_same) continue;
-    side = side == 0 ? (rise > 0 ? 1 : -1) : -side;
+    side = rise > 0 ? 1 : -1;
     if (kept == CrossingList::most) {
       lists.overflowed |= std::uint64_t{1} << lane;
       break;
     }
-    lists.depth[kept][lane] = depth, lists.facet[kept][lane] = last;
+    lists.depth[kept][lane] = depth, lists.facet[kept][lane] = facet;
     ++kept;
   }
   lists.count[lane] = static_cast<std::int32_t>(kept);
