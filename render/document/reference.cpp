@@ -36,17 +36,18 @@ std::string scene_schema_text() {
 }
 
 std::string scene_reference() {
-  std::string text = table("The document", scene_rows()) + "\n" + table("`data`, one for each name", data_rows());
+  std::string text = table("The document", scene_rows()) + "\n" + table("\"data\", one for each name", data_rows());
   for (const LayerKind& kind : layer_kinds())
-    text += "\n" + table(concat("`layers`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
+    text += "\n" + table(concat("\"layers\", of type \"", kind.word, "\": ", kind.help), kind.rows);
   for (const LightKind& kind : light_kinds())
-    text += "\n" + table(concat("`lights`, of type `\"", kind.word, "\"`: ", kind.help), kind.rows);
-  text += "\n" + table("`effects`", effect_rows()) + "\n" + table("`ambient_occlusion` of effects", occlusion_rows()) +
-          "\n" + table("`fog` of effects", fog_rows());
-  text += "\n" + table("`clip`", clip_rows()) + "\n" + table("`planes` of clip", half_space_rows());
-  return text + "\n" + table("`camera`", camera_rows()) + "\n" + table("`keyframes` of the camera", keyframe_rows()) +
-         "\n" + table("`image`", image_rows()) + "\n" + table("`annotations`", annotation_rows()) + "\n" +
-         table("`axes` of annotations", axes_rows()) + "\n" + table("`colorbar` of annotations", color_bar_rows());
+    text += "\n" + table(concat("\"lights\", of type \"", kind.word, "\": ", kind.help), kind.rows);
+  text += "\n" + table("\"effects\"", effect_rows()) + "\n" +
+          table("\"ambient_occlusion\" of effects", occlusion_rows()) + "\n" + table("\"fog\" of effects", fog_rows());
+  text += "\n" + table("\"clip\"", clip_rows()) + "\n" + table("\"planes\" of clip", half_space_rows());
+  return text + "\n" + table("\"camera\"", camera_rows()) + "\n" +
+         table("\"keyframes\" of the camera", keyframe_rows()) + "\n" + table("\"image\"", image_rows()) + "\n" +
+         table("\"annotations\"", annotation_rows()) + "\n" + table("\"axes\" of annotations", axes_rows()) + "\n" +
+         table("\"colorbar\" of annotations", color_bar_rows());
 }
 
 }  // namespace rhoray::render

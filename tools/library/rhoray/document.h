@@ -16,8 +16,8 @@
 
 namespace rhoray::RHORAY_ABI {
 
-/// The text of a scene document (data/scenes/README.md describes its keys), checked. A value. Names
-/// of files stay as they are; the function that opens data decides what they mean.
+/// The text of a scene document (\ref scene_keys), checked. A value. Names of files stay as they
+/// are; the function that opens data decides what they mean.
 class RHORAY_API SceneDocument {
  public:
   /// Checks a document: at most 4 MiB, 16 levels deep, known types and ranges.
