@@ -9,6 +9,7 @@
 #include <set>
 
 #include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/vtk/legacy_vtk_numbers.h"
 
 namespace rhoray::preprocess {

@@ -5,6 +5,7 @@
 #include "preprocess/import/mesh/structured_cells.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/numbers.h"
+#include "preprocess/import/reading/samples.h"
 #include "preprocess/import/surface/surface_building.h"
 #include "preprocess/import/vtk/legacy_vtk.h"
 
