@@ -8,6 +8,7 @@
 #include "preprocess/resample.h"
 #include "render/ray_caster.h"
 #include "tests/agreement/pictures.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/host_floating_point.h"
 
 // A host program may have enabled flushing of denormal numbers, or may have set another rounding
@@ -103,8 +104,8 @@ bool in_a_thread_of(const HostFloatingPoint& environment, const Act& act) {
 }
 
 bool are_same(const render::Framebuffer& a, const render::Framebuffer& b) {
-  return same_bits(a.color, b.color) && same_bits(a.depth, b.depth) && same_bits(a.normal, b.normal) &&
-         same_bits(a.cell, b.cell) && same_bits(a.value, b.value) && same_bits(a.error, b.error);
+  return equal_bytes(a.color, b.color) && equal_bytes(a.depth, b.depth) && equal_bytes(a.normal, b.normal) &&
+         equal_bytes(a.cell, b.cell) && equal_bytes(a.value, b.value) && equal_bytes(a.error, b.error);
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 #include <string_view>
 
 #include "preprocess/pack_mesh.h"
 #include "preprocess/pack_volume.h"
 #include "render/render.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
@@ -63,17 +63,12 @@ inline std::size_t hit_count(const render::Framebuffer& framebuffer) {
                                                 [](std::uint64_t id) { return id != render::Framebuffer::no_cell; }));
 }
 
-template <class T, class Place>
-bool same_bits(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
 inline void expect_same_bits(const render::Framebuffer& a, const render::Framebuffer& b) {
-  EXPECT_TRUE(same_bits(a.color, b.color));
-  EXPECT_TRUE(same_bits(a.depth, b.depth));
-  EXPECT_TRUE(same_bits(a.normal, b.normal));
-  EXPECT_TRUE(same_bits(a.cell, b.cell));
-  EXPECT_TRUE(same_bits(a.value, b.value));
+  EXPECT_TRUE(equal_bytes(a.color, b.color));
+  EXPECT_TRUE(equal_bytes(a.depth, b.depth));
+  EXPECT_TRUE(equal_bytes(a.normal, b.normal));
+  EXPECT_TRUE(equal_bytes(a.cell, b.cell));
+  EXPECT_TRUE(equal_bytes(a.value, b.value));
 }
 
 /// Small whole numbers without order: every cell is crossed, and many values equal a whole-numbered

@@ -165,8 +165,8 @@ Range range_within_margin(const JudgedCell& cell, double unit) {
   // Subtract the isovalue first: the margin may be less than its last digit.
   render::TrilinearCell differences = made.cell;
   for (double& f : differences.corner) f -= made.isovalue;
-  const auto with = [&, inside = starts_inside](double shift) {
-    return exact_crossing(differences, made.p0, made.p1, shift, inside, std::max(width, unit));
+  const auto with = [&](double shift) {
+    return exact_crossing(differences, cell.made.p0, cell.made.p1, shift, cell.starts_inside, std::max(width, unit));
   };
   return {with(towards_start), with(-towards_start)};
 }

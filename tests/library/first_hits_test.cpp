@@ -9,6 +9,7 @@
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
 #include "tests/library/pictures.h"
+#include "tests/support/equal_bytes.h"
 
 namespace rhoray::tests {
 namespace {
@@ -27,11 +28,8 @@ struct Answers {
             .cell = cell};
   }
   friend bool operator==(const Answers& a, const Answers& b) {
-    const auto same = [](const auto& x, const auto& y) {
-      return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
-    };
-    return same(a.t, b.t) && same(a.error, b.error) && same(a.value, b.value) && same(a.gradient, b.gradient) &&
-           same(a.cell, b.cell);
+    return equal_bytes(a.t, b.t) && equal_bytes(a.error, b.error) && equal_bytes(a.value, b.value) &&
+           equal_bytes(a.gradient, b.gradient) && equal_bytes(a.cell, b.cell);
   }
 
   std::vector<double> t, error, value, gradient;

@@ -11,6 +11,7 @@
 #include "tests/library/expect_refused.h"
 #include "tests/library/made_arrays.h"
 #include "tests/library/pictures.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/host_floating_point.h"
 
 namespace rhoray::tests {
@@ -44,11 +45,6 @@ void paste(std::span<const T> from, const Rect& window, std::size_t components, 
                                  static_cast<std::size_t>((window.y + row) * size.width + window.x) * components));
 }
 
-template <class T>
-bool have_same_bits(std::span<const T> a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-}
-
 TEST(Windows, in_any_order_make_the_whole_picture) {
   const Scene scene = rich_scene();
   RenderContext context({.threads = 2});
@@ -76,12 +72,12 @@ TEST(Windows, in_any_order_make_the_whole_picture) {
     paste(part.normal(), window, 3, normal), paste(part.cell(), window, 1, cell);
     paste(part.value(), window, 1, value), paste(part.cost(), window, 1, cost);
   }
-  EXPECT_TRUE(have_same_bits(whole.color(), color));
-  EXPECT_TRUE(have_same_bits(whole.depth(), depth));
-  EXPECT_TRUE(have_same_bits(whole.normal(), normal));
-  EXPECT_TRUE(have_same_bits(whole.cell(), cell));
-  EXPECT_TRUE(have_same_bits(whole.value(), value));
-  EXPECT_TRUE(have_same_bits(whole.cost(), cost));
+  EXPECT_TRUE(equal_bytes(whole.color(), color));
+  EXPECT_TRUE(equal_bytes(whole.depth(), depth));
+  EXPECT_TRUE(equal_bytes(whole.normal(), normal));
+  EXPECT_TRUE(equal_bytes(whole.cell(), cell));
+  EXPECT_TRUE(equal_bytes(whole.value(), value));
+  EXPECT_TRUE(equal_bytes(whole.cost(), cost));
   EXPECT_EQ(sum.edge_pixels, at_once.statistics.edge_pixels);
 }
 

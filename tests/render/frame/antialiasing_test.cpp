@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "render/frame/antialiasing.h"
 #include "tests/agreement/pictures.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/expect_error.h"
 
 /// Further samples at edges, and only there.
@@ -30,11 +30,6 @@ Answer traced(std::span<const render::Dataset> datasets, const Scene& scene, con
   Answer answer;
   answer.statistics = render::render(datasets, scene, options, answer.picture);
   return answer;
-}
-
-template <class T, class Place>
-bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 /// Returns the part of a convex polygon on one side of a line.
@@ -265,12 +260,12 @@ TEST(Antialiasing, is_the_same_for_any_number_of_threads_and_in_passes) {
   FrameOptions three = one;
   three.threads = 3;
   const Answer second = traced(shown.datasets, shown.scene, three);
-  EXPECT_TRUE(same_bytes(first.picture.color, second.picture.color));
+  EXPECT_TRUE(equal_bytes(first.picture.color, second.picture.color));
   EXPECT_EQ(first.statistics.edge_samples, second.statistics.edge_samples);
   Framebuffer refined;
   render::RenderContext memory;
   render::refine(shown.datasets, shown.scene, three, {.first_spacing = 4}, refined, memory);
-  EXPECT_TRUE(same_bytes(first.picture.color, refined.color));
+  EXPECT_TRUE(equal_bytes(first.picture.color, refined.color));
 }
 
 TEST(Antialiasing, changes_no_channel_and_keeps_those_asked_for_alone) {
@@ -279,13 +274,13 @@ TEST(Antialiasing, changes_no_channel_and_keeps_those_asked_for_alone) {
   const Answer plain = traced(shown.datasets, shown.scene, options);
   options.antialiasing = 8;
   const Answer smooth = traced(shown.datasets, shown.scene, options);
-  EXPECT_FALSE(same_bytes(plain.picture.color, smooth.picture.color));
-  EXPECT_TRUE(same_bytes(plain.picture.depth, smooth.picture.depth));
-  EXPECT_TRUE(same_bytes(plain.picture.normal, smooth.picture.normal));
-  EXPECT_TRUE(same_bytes(plain.picture.cell, smooth.picture.cell));
+  EXPECT_FALSE(equal_bytes(plain.picture.color, smooth.picture.color));
+  EXPECT_TRUE(equal_bytes(plain.picture.depth, smooth.picture.depth));
+  EXPECT_TRUE(equal_bytes(plain.picture.normal, smooth.picture.normal));
+  EXPECT_TRUE(equal_bytes(plain.picture.cell, smooth.picture.cell));
   options.channels = {};
   const Answer color_alone = traced(shown.datasets, shown.scene, options);
-  EXPECT_TRUE(same_bytes(smooth.picture.color, color_alone.picture.color));
+  EXPECT_TRUE(equal_bytes(smooth.picture.color, color_alone.picture.color));
   EXPECT_TRUE(color_alone.picture.depth.empty() && color_alone.picture.normal.empty());
 }
 

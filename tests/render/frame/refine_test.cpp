@@ -5,6 +5,7 @@
 
 #include "render/render.h"
 #include "tests/render/support/traced_dataset.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -23,14 +24,10 @@ using render::Scene;
 constexpr ChannelSet all_channels{
     .depth = true, .normal = true, .cell = true, .value = true, .roots = true, .iterations = true};
 
-template <class T, class Place>
-bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
 bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
-  return same_bytes(a.color, b.color) && same_bytes(a.depth, b.depth) && same_bytes(a.normal, b.normal) &&
-         same_bytes(a.cell, b.cell) && same_bytes(a.value, b.value) && same_bytes(a.roots, b.roots) &&
-         same_bytes(a.iterations, b.iterations);
+  return equal_bytes(a.color, b.color) && equal_bytes(a.depth, b.depth) && equal_bytes(a.normal, b.normal) &&
+         equal_bytes(a.cell, b.cell) && equal_bytes(a.value, b.value) && equal_bytes(a.roots, b.roots) &&
+         equal_bytes(a.iterations, b.iterations);
 }
 
 Field blob() {

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 
 #include "formats/base/error.h"
 #include "tests/render/support/allocation_count.h"
 #include "tests/render/support/traced_dataset.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/meshes.h"
@@ -28,13 +28,9 @@ using render::Scene;
 
 constexpr render::ChannelSet all_channels{.depth = true, .normal = true, .cell = true, .value = true};
 
-template <class T, class Place>
-bool same_bytes(const std::vector<T, Place>& a, const std::vector<T, Place>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
 bool same_bytes(const Framebuffer& a, const Framebuffer& b) {
-  return a.width == b.width && a.height == b.height && same_bytes(a.color, b.color) && same_bytes(a.depth, b.depth) &&
-         same_bytes(a.normal, b.normal) && same_bytes(a.cell, b.cell) && same_bytes(a.value, b.value);
+  return a.width == b.width && a.height == b.height && equal_bytes(a.color, b.color) && equal_bytes(a.depth, b.depth) &&
+         equal_bytes(a.normal, b.normal) && equal_bytes(a.cell, b.cell) && equal_bytes(a.value, b.value);
 }
 
 Scene scene_of(const render::Dataset& dataset, Mode mode, std::string_view view = "iso", double aspect = 1) {
@@ -98,8 +94,8 @@ TEST(Render, looks_up_normals_and_colours_for_scenes_that_ask_for_them_and_for_n
       EXPECT_EQ(with.hits, without.hits);
       EXPECT_EQ(with.colors_looked_up, with.hits);
       EXPECT_EQ(with.normals_smoothed, with.hits);
-      EXPECT_TRUE(same_bytes(plain.depth, looked_up.depth) && same_bytes(plain.cell, looked_up.cell));
-      EXPECT_FALSE(same_bytes(plain.normal, looked_up.normal));
+      EXPECT_TRUE(equal_bytes(plain.depth, looked_up.depth) && equal_bytes(plain.cell, looked_up.cell));
+      EXPECT_FALSE(equal_bytes(plain.normal, looked_up.normal));
       const Vec3 expected = color_of(render::ColorMap::cubehelix, 3.0 / 8);
       for (std::size_t pixel = 0; pixel < looked_up.pixel_count(); ++pixel) {
         if (looked_up.color[4 * pixel + 3] == 0) continue;

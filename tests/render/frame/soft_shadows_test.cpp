@@ -10,6 +10,7 @@
 #include "formats/base/error.h"
 #include "render/frame/camera_rays.h"
 #include "tests/render/frame/lit_pictures.h"
+#include "tests/support/equal_bytes.h"
 #include "tests/support/expect_error.h"
 
 /// Shadows of lights with a size: how much of a light is visible from each point.
@@ -167,7 +168,7 @@ TEST(SoftShadows, take_as_many_rays_as_said_and_leave_a_plane_as_it_is) {
     Scene scene = scene_of({matte(0, floor_height)}, sun(30, 7));
     scene.lights[0].place = place;
     const Picture soft = picture_of(datasets, scene), plain = picture_of(datasets, without_shadows(scene));
-    EXPECT_TRUE(same_bits(soft.pixels.color, plain.pixels.color));
+    EXPECT_TRUE(equal_bytes(soft.pixels.color, plain.pixels.color));
     EXPECT_EQ(plain.statistics.shadow_rays, 0U);
     if (is_whole)
       EXPECT_EQ(soft.statistics.shadow_rays, 7 * soft.statistics.hits);
