@@ -160,13 +160,13 @@ struct Range {
   CellVerdict earliest, latest;
 };
 Range range_within_margin(const JudgedCell& cell, double unit) {
-  const auto& [made, starts_inside, truth] = cell;
-  const double margin = margin_of(made, unit), towards_start = starts_inside ? margin : -margin;
+  const CellCase& made = cell.made;
+  const double margin = margin_of(made, unit), towards_start = cell.starts_inside ? margin : -margin;
   // Subtract the isovalue first: the margin may be less than its last digit.
   render::TrilinearCell differences = made.cell;
   for (double& f : differences.corner) f -= made.isovalue;
   const auto with = [&](double shift) {
-    return exact_crossing(differences, cell.made.p0, cell.made.p1, shift, cell.starts_inside, std::max(width, unit));
+    return exact_crossing(differences, made.p0, made.p1, shift, cell.starts_inside, std::max(width, unit));
   };
   return {with(towards_start), with(-towards_start)};
 }
@@ -196,7 +196,8 @@ void compare(const Answer& answer, const JudgedCell& cell, const Method& method,
 
 /// Compares each proven decision and its bound with the exact answer.
 void check_proof(const JudgedCell& cell, Tally& tally) {
-  const auto& [made, starts_inside, truth] = cell;
+  const CellCase& made = cell.made;
+  const CellVerdict& truth = cell.truth;
   const auto check = [&](const render::CertifiedCrossing& found) {
     if (found.decision == render::Decision::unknown) return;
     ++tally.proven;
@@ -205,8 +206,8 @@ void check_proof(const JudgedCell& cell, Tally& tally) {
     tally.wrongly_proven += crosses != truth.changes || (crosses && !is_in_bound);
   };
   constexpr double point_error = 0x1p-52;  // the smallest that kernels assume
-  check(render::certify_crossing<double>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside));
-  check(render::certify_crossing<float>(made.cell, made.p0, made.p1, point_error, made.isovalue, starts_inside));
+  check(render::certify_crossing<double>(made.cell, made.p0, made.p1, point_error, made.isovalue, cell.starts_inside));
+  check(render::certify_crossing<float>(made.cell, made.p0, made.p1, point_error, made.isovalue, cell.starts_inside));
 }
 
 Tally tally_of(const study::CellClass& of, std::size_t count, std::uint64_t seed) {
