@@ -65,6 +65,7 @@ TEST(HelpText, is_wrapped_at_words_and_cuts_only_words_that_are_longer_than_a_li
   EXPECT_THAT(wrapped("one two  three\nfour", 9), ElementsAre("one two", "three", "four"));
   EXPECT_THAT(wrapped("one two three", 7), ElementsAre("one two", "three"));
   EXPECT_THAT(wrapped("a abcdefghij b", 4), ElementsAre("a", "abcd", "efgh", "ij b"));
+  EXPECT_THAT(wrapped("a|bb|ccc|d", 7), ElementsAre("a|bb|", "ccc|d"));
   EXPECT_THAT(wrapped("at most 90 % of it", 10), ElementsAre("at most", "90 % of it"));
   EXPECT_THAT(wrapped("", 9), ElementsAre());
 }

@@ -30,7 +30,8 @@ std::vector<std::string> words_of(std::string_view text) {
   return words;
 }
 
-/// Lines of at most `width` columns, filled with these pieces in order; a longer piece is cut.
+/// Lines of at most `width` columns, filled with these pieces in order; a longer piece is cut,
+/// behind a "|" if it has one there.
 std::vector<std::string> filled(const std::vector<std::string>& pieces, std::size_t width) {
   std::vector<std::string> lines;
   for (std::string piece : pieces) {
@@ -38,7 +39,11 @@ std::vector<std::string> filled(const std::vector<std::string>& pieces, std::siz
       lines.back() += " " + piece;
       continue;
     }
-    for (; piece.size() > width; piece.erase(0, width)) lines.push_back(piece.substr(0, width));
+    while (piece.size() > width) {
+      const std::size_t bar = piece.rfind('|', width - 1), cut = bar == std::string::npos ? width : bar + 1;
+      lines.push_back(piece.substr(0, cut));
+      piece.erase(0, cut);
+    }
     lines.push_back(piece);
   }
   return lines;
