@@ -87,8 +87,8 @@ HWY_INLINE double largest_size(const double* v) {
 /// hits both facets. Keeps at most as many as a CrossingList holds.
 ///
 /// Another kernel traces the ray if the facets do not tell its side:
-///   - It passes facets in different directions at one vertex, where they have no order. Hits are at
-///     one vertex if their depths differ by at most facet_margin, far more than rounding.
+///   - It passes facets in different directions at one vertex, where they have no order. Hits are
+///     at one vertex if their depths differ by at most facet_margin, far more than rounding.
 ///   - It is so nearly parallel to a facet that rounding hides in which direction it passes. It may
 ///     follow such a facet from one end to the other, with its other hits far away. facet_margin is
 ///     more than place_error over the size of the mesh. Of a flat cell, whose gradient is NaN, no

@@ -43,8 +43,8 @@ std::string section_text(const HelpSection& section, std::size_t width);
 /// stays with its value.
 std::string example_text(std::string_view command, std::size_t width);
 
-/// The words of a text in lines of at most `width` columns; a longer word is cut, behind a "|" if it
-/// has one there. A percent sign stays with its number.
+/// The words of a text in lines of at most `width` columns; a longer word is cut, behind a "|" if
+/// it has one there. A percent sign stays with its number.
 std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
 }  // namespace rhoray::tools
