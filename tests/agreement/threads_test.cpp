@@ -1,9 +1,10 @@
 // Pictures do not depend on the number of threads, on memory that frames share, on the part that is
-// asked for, or on where a packed file lies: R10 of the reliability figures.
+// asked for, or on where a packed file lies.
 #include <algorithm>
 #include <array>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "formats/base/text.h"
@@ -38,7 +39,8 @@ Data data_of(const TemporaryFolder& folder, const std::string& name, const Sourc
           render::Dataset::load(formats::PackedFile::from_descriptor(memory.descriptor(), name)), isovalue};
 }
 
-/// Six scenes: methods with and without proofs, MIP, transparent surfaces, and all effects.
+/// Six scenes: methods with and without proofs, MIP, transparent surfaces, and shadows with
+/// occlusion and antialiasing.
 std::vector<Asked> scenes_of(const Data& data) {
   using enum render::Accuracy;
   const render::Scene plain = oblique_scene(data.mapped, data.isovalue);

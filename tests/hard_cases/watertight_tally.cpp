@@ -309,30 +309,11 @@ void Inquiry::ask_about(const std::vector<Ray>& rays, bool start_inside, study::
   tally_.redecided += static_cast<std::uint64_t>(std::count(is_redecided.begin(), is_redecided.end(), true));
 }
 
-/// Finds all crossings in one traversal of each ray, as for pictures with transparent surfaces.
 void Inquiry::ask_for_all(const std::vector<Ray>& rays, bool start_inside, const std::vector<bool>& sampled) {
-  const render::LoadedDataset& dataset = scene_.dataset.implementation();
-  const render::AllHitsKernel kernel =
-      render::choose_intersectors(dataset,
-                                  {.isovalue = scene_.isovalue, .method = render::method_of(Accuracy::float32)})
-          .all_hits;
-  if (kernel == nullptr) return;
-  const render::TransparentSurface surface{.isovalue = scene_.isovalue};
-  render::RayBatch batch(rays.size());
-  render::HitBatch first(rays.size());
-  render::CrossingList list(rays.size());
-  list.put_first_into(first);
-  render::CrossingList* const lists = &list;
-  std::vector<std::uint8_t> complete(rays.size());
-  batch.count = rays.size();
-  for (std::size_t r = 0; r < rays.size(); ++r) batch.set(r, rays[r]);
-  render::KernelCounters counters;
-  kernel(dataset, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), all_hits_scratch_, counters);
-
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    if (complete[r] == 0) continue;
-    std::vector<double> changes;
-    for (std::size_t k = 0; k < list.count[r]; ++k) changes.push_back(list.hits(k)[r].t);
+  const std::vector<AllCrossings> found = all_crossings(scene_, rays, render::chosen_machine(), all_hits_scratch_);
+  for (std::size_t r = 0; r < found.size(); ++r) {
+    if (!found[r].is_complete) continue;
+    const std::vector<double>& changes = found[r].t;
     const bool parity = (changes.size() % 2 != 0) != start_inside;
     ++tally_.all.rays, tally_.all.hits += !changes.empty(), tally_.all.crossings += changes.size();
     tally_.all.parity += parity;
@@ -366,6 +347,33 @@ WatertightTally Inquiry::tally() {
 }
 
 }  // namespace
+
+std::vector<AllCrossings> all_crossings(const ClosedScene& scene, std::span<const Ray> rays, Machine machine,
+                                        render::Scratch& scratch) {
+  const render::LoadedDataset& dataset = scene.dataset.implementation();
+  const render::AllHitsKernel kernel =
+      render::choose_intersectors(dataset, {.isovalue = scene.isovalue, .method = render::method_of(Accuracy::float32)},
+                                  machine)
+          .all_hits;
+  if (kernel == nullptr) return {};
+  const render::TransparentSurface surface{.isovalue = scene.isovalue};
+  render::RayBatch batch(rays.size());
+  render::HitBatch first(rays.size());
+  render::CrossingList list(rays.size());
+  list.put_first_into(first);
+  render::CrossingList* const lists = &list;
+  std::vector<std::uint8_t> complete(rays.size());
+  batch.count = rays.size();
+  for (std::size_t r = 0; r < rays.size(); ++r) batch.set(r, rays[r]);
+  render::KernelCounters counters;
+  kernel(dataset, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, complete.data(), scratch, counters);
+  std::vector<AllCrossings> found(rays.size());
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    found[r].is_complete = complete[r] != 0;
+    for (std::size_t k = 0; k < list.count[r]; ++k) found[r].t.push_back(list.hits(k)[r].t);
+  }
+  return found;
+}
 
 const char* WatertightTally::name(std::size_t method) {
   constexpr std::array names{"certified", "default", "double", "scalar float", "scalar certified"};

@@ -2,9 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "render/query/kernels.h"
+#include "render/query/machine.h"
 #include "tests/hard_cases/watertight_rays.h"
 
 namespace rhoray::tests {
@@ -57,5 +60,15 @@ struct WatertightTally {
 /// @param sample_every  re-evaluates one random ray in so many
 WatertightTally tally_watertight(const study::ClosedScene& scene, study::Aim aim, std::size_t count, std::uint64_t seed,
                                  bool is_thorough, std::uint64_t sample_every);
+
+/// The crossings of a ray, found in one traversal as for pictures with transparent surfaces.
+struct AllCrossings {
+  bool is_complete = false;  ///< false: the ray is left to other kernels
+  std::vector<double> t{};
+};
+
+/// @return  for each ray; empty if this machine has no such kernel for the scene
+std::vector<AllCrossings> all_crossings(const study::ClosedScene& scene, std::span<const render::Ray> rays,
+                                        render::Machine machine, render::Scratch& scratch);
 
 }  // namespace rhoray::tests

@@ -5,14 +5,10 @@
 
 #include <iostream>
 #include <mutex>
-#include <utility>
+#include <vector>
 
 #include "formats/base/parallel.h"
 #include "formats/base/text.h"
-#include "render/dataset/loaded_dataset.h"
-#include "render/method.h"
-#include "render/query/all_hits.h"
-#include "render/query/intersectors.h"
 #include "render/query/machine.h"
 #include "tests/hard_cases/watertight_tally.h"
 #include "tests/render/support/wide_machines.h"
@@ -94,28 +90,6 @@ TEST(Watertight, no_ray_slips_through_a_closed_surface_and_none_meets_what_it_pa
   EXPECT_EQ(whole.all.parity, 0U) << "even ties must leave the ray on the right side";
 }
 
-/// Returns whether all crossings were found from one traversal, and how many.
-std::pair<bool, int> all_crossings_of(const render::Ray& ray, const study::ClosedScene& scene,
-                                      render::Machine machine) {
-  const render::LoadedDataset& dataset = scene.dataset.implementation();
-  const render::Method method = render::method_of(render::Accuracy::float32);
-  const render::AllHitsKernel kernel =
-      render::choose_intersectors(dataset, {.isovalue = scene.isovalue, .method = method}, machine).all_hits;
-  const render::TransparentSurface surface{.isovalue = scene.isovalue};
-  render::RayBatch batch(1);
-  batch.count = 1;
-  batch.set(0, ray);
-  render::HitBatch first(1);
-  render::CrossingList list(1);
-  list.put_first_into(first);
-  render::CrossingList* const lists = &list;
-  std::uint8_t complete = 0;
-  render::Scratch scratch;
-  render::KernelCounters counters;
-  kernel(dataset, {.surfaces = {&surface, 1}}, batch, {&lists, 1}, &complete, scratch, counters);
-  return {complete != 0, list.count[0]};
-}
-
 // These two rays lie in a facet, from one of its corners to another, to within rounding. They were
 // said to cross the surface once.
 TEST(Watertight, a_ray_in_a_facet_is_not_said_to_stay_inside) {
@@ -133,8 +107,10 @@ TEST(Watertight, a_ray_in_a_facet_is_not_said_to_stay_inside) {
   for (const auto& [placement, ray] : cases) {
     const study::ClosedScene scene = closed_scene(study::SceneKind::tets_whole, placement, 12, folder.path());
     for (const render::Machine machine : wide_machines()) {
-      const auto [is_complete, count] = all_crossings_of(ray, scene, machine);
-      EXPECT_TRUE(!is_complete || count % 2 == 0) << name_of(machine) << ": " << count;
+      render::Scratch scratch;
+      const std::vector<AllCrossings> found = all_crossings(scene, {&ray, 1}, machine, scratch);
+      ASSERT_EQ(found.size(), 1U) << name_of(machine);
+      EXPECT_TRUE(!found[0].is_complete || found[0].t.size() % 2 == 0) << name_of(machine) << ": " << found[0].t.size();
     }
   }
 }

@@ -318,13 +318,17 @@ TEST(FuzzDictionary, knows_every_key_of_scene_documents) {
                [&](const std::string& key) { EXPECT_THAT(words, HasSubstr(concat("\"\\\"", key, "\\\": \""))); });
 }
 
-TEST(SceneReference, has_every_key_of_the_schema_in_a_table) {
+TEST(SceneReference, has_a_row_for_every_key_of_the_schema) {
   const std::string tables = render::scene_reference();
+  std::size_t keys = 0, rows = 0;
   for_each_key(Json::parse(render::scene_schema_text()), [&](const std::string& key) {
     // The types of layers and lights are in the headings of their tables.
     if (key == "type") return;
+    ++keys;
     EXPECT_THAT(tables, HasSubstr(concat("\n| `", key, "` | ")));
   });
+  for (std::size_t at = tables.find("\n| `"); at != std::string::npos; at = tables.find("\n| `", at + 1)) ++rows;
+  EXPECT_EQ(rows, keys);
 }
 
 TEST(SceneSchema, knows_every_key_and_nothing_else) {

@@ -78,6 +78,7 @@ HWY_INLINE bool note_in_lists(FacetGroup& group, MaskF through, VecF depth, std:
   return is_nearer;
 }
 
+/// The largest size of a vector's three components.
 HWY_INLINE double largest_size(const double* v) {
   const double x = std::abs(v[0]), y = std::abs(v[1]), z = std::abs(v[2]), larger = x < y ? y : x;
   return larger < z ? z : larger;
@@ -109,9 +110,8 @@ HWY_INLINE void keep_changes(const FacetGroup& group, std::size_t lane) {
     const double rise = gradient[0] * direction[0] + gradient[1] * direction[1] + gradient[2] * direction[2];
     const bool is_same = rise * side > 0;
     const float depth = lists.depth[i][lane], gap = depth - last_depth;
-    // Written so that NaN is not told.
-    const bool is_told = std::abs(rise) > least_share * largest_size(gradient);
-    if (HWY_UNLIKELY(!is_told || (!is_same && gap <= static_cast<float>(facet_margin)))) {
+    const bool has_direction = std::abs(rise) > least_share * largest_size(gradient);  // false for NaN
+    if (HWY_UNLIKELY(!has_direction || (!is_same && gap <= static_cast<float>(facet_margin)))) {
       kept = 0;
       lists.complete[lists.first + ray] = 0;
       break;
