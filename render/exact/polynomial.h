@@ -59,7 +59,7 @@ class SignChart {
 
   int sign_at_a() const { return sign_at_a_; }
 
-  /// Returns an enclosure of a root, or of a for -1: at most `width` > 0 wide, or tight (is_tight).
+  /// Returns an enclosure of a root, or of a for -1: at most `width` >= 0 wide, or tight (is_tight).
   Enclosure enclosing_root(int root, double width) const;
 
  private:

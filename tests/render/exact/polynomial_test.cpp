@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/render/exact/sturm.h"
 
 namespace rhoray::render::exact {
@@ -107,7 +109,7 @@ TEST(SignChart, counts_roots_at_both_ends) {
 TEST(SignChart, encloses_an_irrational_root_as_narrowly_as_asked) {
   const SignChart chart(Polynomial{{-2, 0, 1, 0}}, 1, 2);
   ASSERT_EQ(chart.roots().size(), 1);
-  for (const double width : {0.5, 1e-3, 1e-9, 1e-15, 1e-100}) {
+  for (const double width : {std::numeric_limits<double>::infinity(), 0.5, 1e-3, 1e-9, 1e-15, 1e-100, 1e-300, 0.0}) {
     const Enclosure root = chart.enclosing_root(0, width);
     EXPECT_LE(Rational(root.lo) * Rational(root.lo), 2);
     EXPECT_GE(Rational(root.hi) * Rational(root.hi), 2);
