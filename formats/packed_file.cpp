@@ -137,7 +137,13 @@ void PackedFile::Mapping::add(const OutsideArray& outside) {
 }
 
 PackedFile PackedFile::open(const std::filesystem::path& path) {
-  return PackedFile(std::make_shared<const Mapping>(open_regular_file(path), path.string()));
+  // A VdbGrid, which only passes between processes: its readers follow a tree that nobody checked.
+  constexpr std::string_view never_on_disk = "vdb";
+  PackedFile file(std::make_shared<const Mapping>(open_regular_file(path), path.string()));
+  if (file.description().kind == never_on_disk)
+    throw Error(ErrorCode::unsupported,
+                concat(file.name(), ": kind '", never_on_disk, "'; expected 'colors', 'grid', 'surface' or 'tets'"));
+  return file;
 }
 
 PackedFile PackedFile::from_descriptor(int descriptor, std::string name, std::span<const OutsideArray> outside,

@@ -125,7 +125,10 @@ std::vector<std::string> deep_findings(const TetMesh& mesh) {
   const DefaultFloatingPoint default_floating_point;
   details::Findings findings;
   MeshCheck(mesh, findings).run();
-  if (mesh.has_clusters()) details::check_clusters(mesh, findings);
+  if (mesh.has_clusters()) {
+    details::check_points(mesh, {}, findings);
+    details::check_clusters(mesh, findings);
+  }
   details::check_boxes_and_lists(mesh, {}, findings);
   for (std::size_t field = 0; field < mesh.description().fields.size(); ++field)
     details::check_ranges(mesh, field, {}, findings);

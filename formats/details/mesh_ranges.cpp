@@ -130,7 +130,7 @@ class LeafLists {
         findings_(findings) {}
 
   void check() {
-    if (!check_points()) return;  // otherwise cells may lie outside the lattice
+    if (!check_points(mesh_, options_, findings_)) return;  // otherwise cells may lie outside the lattice
     for_each_watched("checking leaf lists (cells)", mesh_.description().cell_count, options_,
                      [&](std::uint64_t cell) { check_cell(cell); });
   }
@@ -146,24 +146,6 @@ class LeafLists {
   }
 
  private:
-  bool check_points() {
-    std::atomic<bool> all_inside = true;
-    for_each_watched("checking the lattice (points)", mesh_.points().size(), options_, [&](std::uint64_t point) {
-      const Vec3 at = (to_vec(mesh_.points()[point]) - lattice_.low) / lattice_.leaf_size;
-      bool is_inside = true;
-      for (int axis = 0; axis < 3; ++axis)
-        is_inside = is_inside && at[axis] >= 0 && at[axis] <= static_cast<double>(lattice_.macro.leaf_count[axis]);
-      if (is_inside) return;
-      all_inside = false;
-      const Index3& count = lattice_.macro.leaf_count;
-      findings_.add("a point outside the lattice of leaf cells", point, [&] {
-        return concat("point ", point, " lies at (", at.x, ", ", at.y, ", ", at.z, ") leaf cells, the lattice has ",
-                      count.x, " x ", count.y, " x ", count.z);
-      });
-    });
-    return all_inside;
-  }
-
   void check_cell(std::uint64_t cell) {
     std::array<Vec3, 4> points;
     for (std::size_t v = 0; v < 4; ++v) points[v] = to_vec(mesh_.points()[mesh_.cell(cell)[v]]);
@@ -376,6 +358,25 @@ std::uint64_t structure_bytes(const TetMesh& mesh, std::size_t field) {
 }
 
 }  // namespace
+
+bool check_points(const TetMesh& mesh, const CheckOptions& options, Findings& findings) {
+  const LeafLattice& lattice = mesh.description().lattice;
+  const Index3& count = lattice.macro.leaf_count;
+  std::atomic<bool> all_inside = true;
+  for_each_watched("checking the lattice (points)", mesh.points().size(), options, [&](std::uint64_t point) {
+    const Vec3 at = (to_vec(mesh.points()[point]) - lattice.low) / lattice.leaf_size;
+    bool is_inside = true;
+    for (int axis = 0; axis < 3; ++axis)
+      is_inside = is_inside && at[axis] >= 0 && at[axis] <= static_cast<double>(count[axis]);
+    if (is_inside) return;
+    all_inside = false;
+    findings.add("a point outside the lattice of leaf cells", point, [&] {
+      return concat("point ", point, " lies at (", at.x, ", ", at.y, ", ", at.z, ") leaf cells, the lattice has ",
+                    count.x, " x ", count.y, " x ", count.z);
+    });
+  });
+  return all_inside;
+}
 
 void check_boxes_and_lists(const TetMesh& mesh, const CheckOptions& options, Findings& findings) {
   if (mesh.has_clusters())

@@ -20,6 +20,10 @@ struct RangesRead {
   std::uint64_t bytes = 0;
 };
 
+/// Checks that all points lie in the lattice of leaf cells, and returns whether they do. No proof
+/// relies on it for a mesh with clusters.
+bool check_points(const TetMesh& mesh, const CheckOptions& options, Findings& findings);
+
 /// Checks the parts of the hierarchy that do not depend on a field. Leaf lists: all points lie in
 /// the lattice, and every leaf cell lists each tetrahedron that touches it. Clusters: each box
 /// contains its points, and each box above contains the boxes below.

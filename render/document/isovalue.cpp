@@ -36,6 +36,9 @@ std::string alternatives_text(const formats::AutomaticIsovalue& chosen) {
 
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
   if (field.range.is_empty()) throw Error(ErrorCode::invalid, concat("field '", field.name, "' holds no finite value"));
+  if (field.histogram.empty() && (text == "auto" || text.starts_with("p")))
+    throw Error(ErrorCode::usage, concat("field '", field.name, "' has no histogram to choose an isovalue from"),
+                concat("a number in its range: --iso ", field.range.lo / 2 + field.range.hi / 2));
   if (text == "auto" && field.name == formats::boundary_distance && field.range.hi > 0)
     return {formats::shape_share_of_distance * field.range.hi, "1/10000 of the largest distance"};
   if (text == "auto") {

@@ -291,5 +291,15 @@ TEST(TetMeshDeepFindings, name_each_kind_of_lie_about_clusters) {
           "ranges of field 'far': an entry does not match the level below: entry 0 of level 1 has empty, below it [")));
 }
 
+/// Sampled pictures end where the lattice ends: this one was empty.
+TEST(TetMesh, points_outside_the_lattice_are_found_also_with_clusters) {
+  TetSample sample = clustered(small_mesh(), 8);
+  const TemporaryFolder folder;
+  EXPECT_THAT(deep_findings(packed(sample, folder / "sound.rho")), testing::IsEmpty());
+  sample.description.lattice.low = {50, 50, 50};
+  EXPECT_THAT(deep_findings(packed(sample, folder / "m.rho")),
+              testing::ElementsAre(testing::HasSubstr("a point outside the lattice")));
+}
+
 }  // namespace
 }  // namespace rhoray::formats

@@ -67,7 +67,7 @@ void use(const CellMesh& mesh) {
   pass_on(mesh, receive_cell_mesh);
   // In the process of the subcommand, not of the worker. Finer cuts run the same code for longer: a
   // damaged cell of order 2 would take ten seconds under sanitizers.
-  (void)subdivide(mesh, {.finest = 1.0 / 16});
+  (void)subdivide(mesh, {.finest = 1.0 / 4});
 }
 
 template <auto read>

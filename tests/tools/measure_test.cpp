@@ -15,9 +15,7 @@ namespace {
 using tools::Enclosed;
 
 /// A packed grid of doubles with f at the samples' positions in the world.
-template <class Field>
-formats::PackedFile packed_grid(const TemporaryFolder& folder, const Index3& count, const Affine& world,
-                                const Field& f) {
+formats::PackedFile packed_grid(const auto& folder, const Index3& count, const Affine& world, const auto& f) {
   preprocess::NeutralVolume volume;
   volume.sample_count = count;
   volume.type = formats::ElementType::F64;
@@ -100,6 +98,46 @@ TEST(Measure, takes_linear_fields_of_meshes_exactly) {
   EXPECT_NEAR(found.area, 1, 1e-6);  // the values are floats
 }
 
+/// The differences of these values are beyond the largest double.
+TEST(Measure, takes_values_of_any_size) {
+  preprocess::NeutralMesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.cells = {{0, 1, 2, 3}};
+  mesh.point_fields.push_back({.name = "f",
+                               .unit = {},
+                               .component_count = 1,
+                               .was_single_precision = false,
+                               .values = {-1.7e308, -1.7e308, -1.7e308, 1.7e308}});
+  const TemporaryFolder folder;
+  preprocess::pack_mesh(mesh, folder / "tet.rho", {});
+  const Enclosed tet = measured(formats::PackedFile::open(folder / "tet.rho"), 0);
+  EXPECT_LE(std::abs(tet.volume - 1.0 / 48), tet.volume_error);
+  EXPECT_LE(tet.volume_error, 1e-13);
+  EXPECT_NEAR(tet.area, 1.0 / 8, 1e-13);
+  const auto file =
+      packed_grid(folder, {2, 2, 2}, {}, [](const Vec3& p) { return p.x * p.y != p.z ? 1.7e308 : -1.7e308; });
+  const Enclosed same =
+      measured(packed_grid(folder, {2, 2, 2}, {}, [](const Vec3& p) { return p.x * p.y != p.z ? 1.7 : -1.7; }), 0);
+  const Enclosed grid = measured(file, 0);
+  EXPECT_NEAR(grid.volume, same.volume, 1e-12);
+  EXPECT_NEAR(grid.area, same.area, 1e-12);
+}
+
+/// The products of the determinant cancel: the volume is the exact determinant of these doubles,
+/// 3 * 0.2 - 6 * 0.1 with their rounding, times 125 cells.
+TEST(Measure, bounds_the_volume_of_sheared_cells) {
+  const TemporaryFolder folder;
+  const double a = 0.1, b = 0.2, c = 0.3, d = 0.6000000000000003;
+  const auto file =
+      packed_grid(folder, {6, 6, 6}, {{a, b, 0}, {c, d, 0}, {0, 0, 1}, {0, 0, 0}}, [](const Vec3&) { return 1.0; });
+  const Enclosed found = measured(file, 0.5);
+  // Each product is rounded once; fma gives what the rounding lost.
+  const double ad = a * d, bc = b * c;
+  const double exact = 125 * std::abs((ad - bc) + (std::fma(a, d, -ad) - std::fma(b, c, -bc)));
+  EXPECT_LE(std::abs(found.whole_volume - exact), found.volume_error);
+  EXPECT_LE(std::abs(found.volume - exact), found.volume_error);
+}
+
 TEST(Measure, counts_cells_without_data_as_outside) {
   const TemporaryFolder folder;
   const auto file = packed_grid(
@@ -107,6 +145,15 @@ TEST(Measure, counts_cells_without_data_as_outside) {
   const Enclosed found = measured(file, 0.5);
   EXPECT_EQ(found.cells_without_data, 1U);
   EXPECT_NEAR(found.volume, 2, 1e-13);
+}
+
+TEST(Measure, says_where_no_cell_has_data) {
+  const Workbench bench;
+  packed_grid(bench, {2, 2, 2}, {},
+              [](const Vec3& p) { return p.x < 0.5 && p.y < 0.5 ? std::numeric_limits<double>::quiet_NaN() : p.x; });
+  const RunResult text = bench.rhoray({"measure", "grid.rho", "--iso", "0.5"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_NE(text.out.find("no cell has data"), std::string::npos) << text.out;
 }
 
 TEST(Measure, prints_volume_and_area) {

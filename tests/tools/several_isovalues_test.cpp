@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "render/color_map.h"
+#include "render/isovalue.h"
+#include "tests/support/expect_error.h"
 #include "tests/tools/workbench.h"
 
 /// Several isosurfaces of one field: their colours, opacities and legend.
@@ -136,6 +138,14 @@ TEST_F(SeveralIsovalues, are_drawn_without_legend_where_annotations_cannot_be_dr
   EXPECT_THAT(drawn.err, HasSubstr("note: no colour bar, legend or box: they need the module rhoray-pictures.so"));
   const RunResult refused = bench_.shell("alone/rhoray render ball.rho --iso 40,80 --legend on --size 32x32 -o q.png");
   EXPECT_EQ(refused.exit_code, 7);
+}
+
+/// The format allows it, and such a field was called constant.
+TEST(Isovalue, is_not_chosen_without_a_histogram) {
+  const formats::FieldSummary field{.name = "f", .unit = {}, .range = {0, 26}, .histogram = {}};
+  for (const char* text : {"auto", "p50"})
+    expect_error(ErrorCode::usage, "no histogram", [&] { render::choose_isovalue(text, field); });
+  EXPECT_EQ(render::choose_isovalue("13", field).value, 13);
 }
 
 }  // namespace

@@ -96,6 +96,17 @@ TEST(ViewCommand, says_how_another_machine_reaches_its_socket) {
   EXPECT_THAT(program.said(), HasSubstr(concat("ssh -N -L '9000:", (bench / "my s.sock").string(), "' ", host, "\n")));
 }
 
+TEST(ViewCommand, ends_when_it_finds_that_a_file_is_damaged) {
+  const Workbench bench;
+  bench.make_ball();
+  std::string bytes = read_file(bench / "ball.rho");
+  bytes[bytes.size() / 2] ^= 0x40;
+  write_file(bench / "ball.rho", bytes);
+  StartedProgram program(bench.path(), {"view", "ball.rho", "--no-browser"});
+  EXPECT_EQ(program.wait(), 4) << program.said();
+  EXPECT_THAT(program.said(), HasSubstr("are damaged (array samples)"));
+}
+
 TEST(ViewCommand, refuses_what_it_cannot_show_before_it_listens) {
   const Workbench bench;
   bench.make_box();

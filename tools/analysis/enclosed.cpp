@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "formats/base/error.h"
@@ -24,6 +25,17 @@ constexpr int most_halvings = 6;
 
 using Values4 = std::array<double, 4>;
 using Values8 = std::array<double, 8>;  ///< (i, j, k) at index i + 2 j + 4 k
+
+/// Scales the values of a cell and the isovalue by a power of two where sums of a few values would
+/// overflow. What a value below 2^-1014 loses is far below the rounding of the largest.
+void keep_sums_finite(std::span<double> values, double& isovalue) {
+  double largest = std::abs(isovalue);
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  if (largest < 0x1p1000) return;
+  constexpr double scale = 0x1p-32;
+  isovalue *= scale;
+  for (double& value : values) value *= scale;
+}
 
 /// Share of a tetrahedron where a linear field with these values at its corners, ascending, is
 /// below a number. Each case is a sum of products of shares, so that nothing cancels.
@@ -82,13 +94,16 @@ struct Part {
 
 class CellMeasure {
  public:
-  CellMeasure(double isovalue, double undecided_share, Sums& sums)
-      : isovalue_(isovalue), undecided_share_(undecided_share), sums_(sums) {}
+  /// @param rounding  of a cell's volume, relative to it
+  CellMeasure(double isovalue, double undecided_share, double rounding, Sums& sums)
+      : field_isovalue_(isovalue), undecided_share_(undecided_share), rounding_(rounding), sums_(sums) {}
 
-  void add(const Part& part) {
+  void add(Part part) {
+    isovalue_ = field_isovalue_;
+    keep_sums_finite(part.corner, isovalue_);
     const auto [lo, hi] = std::minmax_element(part.corner.begin(), part.corner.end());
     sums_.whole += part.volume;
-    sums_.rounding += 16 * epsilon * part.volume;
+    sums_.rounding += rounding_ * part.volume;
     if (*lo < isovalue_ && *hi >= isovalue_) ++sums_.crossed;
     visit(part, 0);
   }
@@ -151,9 +166,18 @@ class CellMeasure {
     return half;
   }
 
-  double isovalue_, undecided_share_;
+  double field_isovalue_, isovalue_ = 0;  ///< given, and in the unit of the cell's values
+  double undecided_share_, rounding_;
   Sums& sums_;
 };
+
+/// The sum of the absolute products of a determinant. Its rounding is relative to this; the products
+/// of sheared axes may cancel.
+double absolute_products(const Affine& affine) {
+  const auto absolute = [](const Vec3& v) { return Vec3(std::abs(v.x), std::abs(v.y), std::abs(v.z)); };
+  const Vec3 x = absolute(affine.x_axis), y = absolute(affine.y_axis), z = absolute(affine.z_axis);
+  return x.dot(Vec3(y.y * z.z + y.z * z.y, y.z * z.x + y.x * z.z, y.x * z.y + y.y * z.x));
+}
 
 Enclosed result_of(const Sums& sums) {
   // Terms are rounded a few times each; sums of n of them in long double by n half units.
@@ -188,10 +212,11 @@ Enclosed enclosed_in_grid(const formats::PackedFile& file, const EnclosedOptions
   const validate::GridField field(grid, options.field);
   const Affine& world_from_grid = grid.description().world_from_grid;
   const double scale = std::abs(world_from_grid.determinant());
+  const double rounding = 16 * epsilon * absolute_products(world_from_grid) / scale;
   const Index3 cells = field.sample_count() - Index3(1, 1, 1);
   const auto measure_row = [&](std::uint64_t row, Sums& sums) {
     Index3 at(0, static_cast<std::int64_t>(row) % cells.y, static_cast<std::int64_t>(row) / cells.y);
-    CellMeasure measure(options.isovalue, options.undecided_share, sums);
+    CellMeasure measure(options.isovalue, options.undecided_share, rounding, sums);
     for (; at.x < cells.x; ++at.x) {
       const validate::GridField::Cell cell = field.cell(at);
       ++sums.cells;
@@ -245,14 +270,15 @@ Enclosed enclosed_in_mesh(const formats::PackedFile& file, const EnclosedOptions
     sums.rounding += 16 * epsilon *
                      (a.length() * b.length() * c.length() +
                       reach * (a.length() * b.length() + b.length() * c.length() + c.length() * a.length()));
+    double isovalue = options.isovalue;
+    keep_sums_finite(values, isovalue);
+    const Values4 unsorted = values;
     std::sort(values.begin(), values.end());
-    const double inside = 1 - share_below(values, options.isovalue);
+    const double inside = 1 - share_below(values, isovalue);
     sums.inside += inside * volume;
     if (inside <= 0 || inside >= 1) return;
     ++sums.crossed;
-    Values4 unsorted{};
-    for (std::size_t i = 0; i < 4; ++i) unsorted[i] = field.values[cell[i]];
-    sums.area += area_at(points, unsorted, options.isovalue);
+    sums.area += area_at(points, unsorted, isovalue);
   };
   return result_of(sum_over(mesh.cells.size(), 4096, options, measure_cell));
 }

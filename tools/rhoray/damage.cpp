@@ -42,8 +42,8 @@ std::string damage_hint(const formats::PackedFile& file) {
                        : concat("`rhoray verify ", file.name(), "` lists all blocks");
 }
 
-void refuse_damage(const formats::PackedFile& file, unsigned threads) {
-  const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads);
+void refuse_damage(const formats::PackedFile& file, unsigned threads, const Watch& watch) {
+  const std::vector<formats::DamagedBlock> blocks = file.damaged_blocks(threads, watch);
   if (!blocks.empty())
     throw Error(ErrorCode::invalid, concat(packed_name(file), ": ", damage_text(file, blocks.front())),
                 damage_hint(file));

@@ -22,6 +22,6 @@ std::string damage_hint(const formats::PackedFile& file);
 
 /// Reads a file once, and refuses it with its first damaged block (ErrorCode::invalid).
 /// @param threads  0 = all cores
-void refuse_damage(const formats::PackedFile& file, unsigned threads);
+void refuse_damage(const formats::PackedFile& file, unsigned threads, const Watch& watch = {});
 
 }  // namespace rhoray::tools

@@ -14,6 +14,7 @@
 #include "tools/analysis/measure.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
+#include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/export_formats.h"
 #include "tools/rhoray/report.h"
@@ -50,6 +51,7 @@ struct Content {
 
 Content content_in(const ExportCommand& command) {
   const formats::PackedFile file = formats::PackedFile::open(command.packed);
+  refuse_damage(file, command.common.threads);
   if (file.description().kind == formats::TriangleMesh::kind)
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds a surface; expected a grid or a mesh"),
                 "numpy reads its points and triangles from the packed file: see formats/SPEC.md");

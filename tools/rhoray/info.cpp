@@ -15,6 +15,7 @@
 #include "preprocess/unpack_mesh.h"
 #include "tools/rhoray/cli/command_line.h"
 #include "tools/rhoray/cli/options.h"
+#include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/info/foreign.h"
 #include "tools/rhoray/report.h"
@@ -60,7 +61,10 @@ Json packed_info(const std::filesystem::path& path, bool with_findings) {
       box.extendBy(mesh.description().origin + Vec3(point[0], point[1], point[2]));
     json["box"] = json_of(box);
     json["structure_bytes"] = structure_bytes(file);
-    if (with_findings) json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
+    if (with_findings) {
+      refuse_damage(file, 0);
+      json["findings"] = findings_json(preprocess::inspect_mesh(preprocess::unpack_mesh(mesh)));
+    }
   } else if (kind == formats::ColorGrid::kind)
     json.update(json_of(formats::ColorGrid(file).description()));
   else if (kind == formats::TriangleMesh::kind)

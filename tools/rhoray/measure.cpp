@@ -31,11 +31,12 @@ std::string unit_text(const std::string& length_unit, int power) {
 }
 
 std::string text_of(const Enclosed& enclosed, const std::string& unit) {
-  std::string text =
-      concat("  volume  ", text_with_error(enclosed.volume, enclosed.volume_error, unit_text(unit, 3)), " (proven), ",
-             rounded(100 * enclosed.volume / enclosed.whole_volume, 3), " % of the data\n", "  area    about ",
-             rounded(enclosed.area, 4), " ", unit_text(unit, 2), " (an estimate)\n", "  cells   ",
-             grouped(enclosed.crossed_cells), " crossed by the isosurface\n");
+  std::string text = concat(
+      "  volume  ", text_with_error(enclosed.volume, enclosed.volume_error, unit_text(unit, 3)), " (proven), ",
+      enclosed.whole_volume > 0 ? concat(rounded(100 * enclosed.volume / enclosed.whole_volume, 3), " % of the data")
+                                : "no cell has data",
+      "\n", "  area    about ", rounded(enclosed.area, 4), " ", unit_text(unit, 2), " (an estimate)\n", "  cells   ",
+      grouped(enclosed.crossed_cells), " crossed by the isosurface\n");
   if (enclosed.cells_without_data != 0)
     text += concat("  note    ", counted(enclosed.cells_without_data, "cell", "cells"),
                    " without data, counted as outside\n");

@@ -11,6 +11,7 @@
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/progress_display.h"
+#include "tools/rhoray/damage.h"
 #include "tools/rhoray/report.h"
 #include "tools/rhoray/subcommands.h"
 
@@ -76,6 +77,8 @@ void check(const ResampleCommand& command, const std::filesystem::path& output) 
     throw Error(ErrorCode::usage, concat(output.string(), ": found extension '", output.extension().string(),
                                          "'; expected .rho or .vdb"));
   require_writable(command.common, output, command.input);
+  if (formats::PackedFile::looks_packed(command.input))
+    refuse_damage(formats::PackedFile::open(command.input), command.common.threads);
 }
 
 /// The command line stored in the file.

@@ -45,7 +45,8 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
       return deep ? formats::deep_findings(grid) : std::vector<std::string>{};
     }
     if (file.description().kind == formats::ColorGrid::kind) {
-      const formats::ColorGrid grid(file);  // every texel is a colour: there is nothing deeper
+      const formats::ColorGrid grid(file);
+      return {};  // every texel is a colour: there is nothing deeper
     }
     if (file.description().kind == formats::TriangleMesh::kind) {
       const formats::TriangleMesh surface(file);
@@ -55,6 +56,8 @@ std::vector<std::string> content_findings(const formats::PackedFile& file, bool 
       const formats::TetMesh mesh(file);
       return deep ? formats::deep_findings(mesh) : std::vector<std::string>{};
     }
+    throw Error(ErrorCode::unsupported, concat(file.name(), ": kind '", file.description().kind,
+                                               "'; expected 'colors', 'grid', 'surface' or 'tets'"));
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid) throw;
     return {error.what()};

@@ -6,18 +6,23 @@
 #include <cerrno>
 #include <climits>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "formats/base/error.h"
+#include "formats/packed_file.h"
 #include "tools/pictures/annotations.h"
 #include "tools/pictures/pictures.h"
 #include "tools/rhoray/cli/interrupt.h"
 #include "tools/rhoray/cli/options.h"
 #include "tools/rhoray/cli/version.h"
+#include "tools/rhoray/damage.h"
 #include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/asked_scene.h"
 #include "tools/rhoray/render/label_layers.h"
@@ -87,6 +92,37 @@ ViewedScene opened(const ViewCommand& command, ProgressDisplay& display) {
   return viewed;
 }
 
+/// The packed files of data and textures.
+std::vector<formats::PackedFile> files_of(const render::ResolvedScene& plan) {
+  std::vector<formats::PackedFile> files;
+  for (const render::Dataset& dataset : plan.datasets) files.push_back(dataset.file());
+  for (const render::Texture& texture : plan.textures) files.push_back(texture.file());
+  return files;
+}
+
+/// Serves until the token is told to stop. The files are read once meanwhile, for pictures need not
+/// wait for it: a damaged one ends the server, and is refused (ErrorCode::invalid).
+/// @param serve  until its token is told to stop
+void serve_undamaged(const std::vector<formats::PackedFile>& files, const std::stop_token& interrupt,
+                     const std::function<void(const std::stop_token&)>& serve) {
+  std::stop_source stop;
+  const std::stop_callback interrupted(interrupt, [&] { stop.request_stop(); });
+  std::exception_ptr damage;
+  {
+    const std::jthread check([&](const std::stop_token& served) {
+      try {
+        for (const formats::PackedFile& file : files) refuse_damage(file, 1, served);
+      } catch (...) {
+        if (served.stop_requested()) return;
+        damage = std::current_exception();
+        stop.request_stop();
+      }
+    });
+    serve(stop.get_token());
+  }
+  if (damage) std::rethrow_exception(damage);
+}
+
 /// Serves until the token is told to stop, and exchanges the state of the view with the program
 /// that started this one (PROTOCOL.md), until that closes its pipe.
 /// @param told  where the server's messages go meanwhile
@@ -137,6 +173,7 @@ int run(const ViewCommand& command) {
     };
   keep_large_blocks_apart();
   ViewedScene viewed = opened(command, display);
+  const std::vector<formats::PackedFile> files = files_of(viewed.plan);
   Server server(std::move(viewed), {.port = static_cast<std::uint16_t>(command.port.value_or(0)),
                                     .socket = command.socket,
                                     .allowed_hosts = command.hosts,
@@ -152,10 +189,12 @@ int run(const ViewCommand& command) {
   else if (!command.opens_no_browser)
     open_browser(server.url());
   say(command.common, "Ctrl+C ends it");
-  if (command.uses_stdio)
-    serve_and_exchange(server, told, interrupt.token());
-  else
-    server.run(interrupt.token());
+  serve_undamaged(files, interrupt.token(), [&](const std::stop_token& stop) {
+    if (command.uses_stdio)
+      serve_and_exchange(server, told, stop);
+    else
+      server.run(stop);
+  });
   return 0;
 }
 
