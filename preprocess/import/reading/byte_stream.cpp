@@ -107,12 +107,16 @@ std::uint64_t ByteStream::drain(std::uint64_t most) {
   return total;
 }
 
+std::uint64_t ByteStream::finish() {
+  return drain(std::numeric_limits<std::uint64_t>::max());
+}
+
 ForeignFile unpacked_file(const std::filesystem::path& path) {
   const ForeignFile file(path);
   if (!extension_of(path).ends_with(".gz")) return file;
   ByteStream measured(path, file.bytes(), true);
   if (!measured.is_packed()) refuse_input(path, "byte 0", "another beginning", "a gzip file, as its name says");
-  const auto content = std::make_shared<Array<std::byte>>(measured.drain(std::numeric_limits<std::uint64_t>::max()));
+  const auto content = std::make_shared<Array<std::byte>>(measured.finish());
   ByteStream(path, file.bytes(), true).read(*content, "content");
   return {path, std::shared_ptr<const void>(content, content->data()), content->size()};
 }

@@ -28,6 +28,10 @@ class ByteStream {
   /// own checksum is verified.
   std::uint64_t drain(std::uint64_t most);
 
+  /// Reads on to the end, and returns the number of bytes. A checksum further back than the last
+  /// byte that anybody wants is verified too.
+  std::uint64_t finish();
+
  private:
   struct Inflater;
   std::uint64_t read_some(std::span<std::byte> bytes);

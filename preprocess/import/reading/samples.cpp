@@ -79,11 +79,15 @@ std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index
   return checked_volume_bytes(path, n, ElementType::U32) / 4 * static_cast<std::uint64_t>(component_count);
 }
 
-void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes) {
-  constexpr std::uint64_t tightest = 1040;  // zlib compresses to about 1/1032 at best
+void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes,
+                       std::uint64_t tightest) {
   if (wanted_bytes / tightest > file_bytes)
     refuse_input(path, "header", concat("sizes that need ", wanted_bytes, " bytes, in ", file_bytes, " packed bytes"),
                  "sizes that the packed bytes can hold");
+}
+
+void note_rest(std::vector<std::string>& notes, const std::filesystem::path& path, std::uint64_t bytes) {
+  if (bytes > 0) notes.push_back(concat(path.string(), ": ", bytes, " bytes after the samples were left out"));
 }
 
 void copy_as_doubles(ElementType type, std::span<const std::byte> numbers, double* to) {

@@ -24,8 +24,15 @@ std::uint64_t checked_volume_bytes(const std::filesystem::path& path, const Inde
 /// The same for colours of 8 bits per component, with 3 or 4 components per texel.
 std::uint64_t checked_color_bytes(const std::filesystem::path& path, const Index3& sample_count, int component_count);
 
-/// Refuses sizes that a file this short cannot hold even at zlib's best compression.
-void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes);
+inline constexpr std::uint64_t tightest_zlib = 1040;  ///< it compresses to about 1/1032 at best
+
+/// Refuses sizes that a file this short cannot hold even at the best compression.
+/// @param tightest  bytes that one packed byte can become at most
+void check_packed_size(const std::filesystem::path& path, std::uint64_t wanted_bytes, std::uint64_t file_bytes,
+                       std::uint64_t tightest = tightest_zlib);
+
+/// Notes that bytes after the samples were left out, if there are any.
+void note_rest(std::vector<std::string>& notes, const std::filesystem::path& path, std::uint64_t bytes);
 
 /// True when numbers of this type are already in the machine's byte order.
 bool is_native(formats::ElementType type, bool big_endian);

@@ -1,5 +1,6 @@
 #include "preprocess/import/reading/time_steps.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -22,8 +23,7 @@ std::string time_text(double time) {
 std::size_t nearest(std::span<const double> times, double time) {
   std::size_t best = 0;
   for (std::size_t step = 1; step < times.size(); ++step)
-    // any step is better than one with NaN
-    if (!(std::abs(times[step] - time) >= std::abs(times[best] - time))) best = step;
+    if (std::isnan(times[best]) || std::abs(times[step] - time) < std::abs(times[best] - time)) best = step;
   return best;
 }
 
@@ -50,6 +50,8 @@ std::size_t choose_time_step(std::span<const double> times, const std::string& r
   }
   const std::optional<double> time = parse_number<double>(request);
   if (!time || !std::isfinite(*time)) throw refuse("first, last, #N or a time");
+  if (std::all_of(times.begin(), times.end(), [](double known) { return std::isnan(known); }))
+    throw refuse(concat("first, last or #0 to #", times.size() - 1, ": the steps have no times"));
   const std::size_t step = nearest(times, *time);
   if (times[step] != *time)
     notes.push_back(concat("using time step #", step, " of ", times.size(), time_text(times[step]),

@@ -3,6 +3,7 @@
 #include <minizip/unzip.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 
@@ -41,6 +42,11 @@ class CurrentFile {
     if (unzCloseCurrentFile(archive_) != UNZ_OK) refuse_damage();
   }
 
+  void finish() {
+    std::array<std::byte, 4096> waste;
+    while (left_ > 0) read(std::span(waste).first(std::min<std::uint64_t>(waste.size(), left_)));
+  }
+
  private:
   [[noreturn]] void refuse_damage() const { refuse_input(path_, name_, "damaged data", "a file that can be unpacked"); }
 
@@ -72,6 +78,7 @@ void visit_zip(const std::filesystem::path& path, const std::function<void(const
     check_packed_size(path, entry.size, archive_bytes);
     CurrentFile file(archive.get(), path, entry.name, entry.size);
     entry.read = [&file](std::span<std::byte> bytes) { file.read(bytes); };
+    entry.finish = [&file] { file.finish(); };
     visit(entry);
   }
   if (status != UNZ_END_OF_LIST_OF_FILE) refuse_input(path, "table of contents", "a damaged entry", "a zip archive");

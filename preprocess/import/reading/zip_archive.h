@@ -17,6 +17,7 @@ struct ZipEntry {
   /// Fills these bytes with the next ones. Refuses damaged data. After the last byte it verifies
   /// the checksum.
   std::function<void(std::span<std::byte>)> read{};
+  std::function<void()> finish{};  ///< reads what is left, for the checksum
 };
 
 /// Visits every file of a zip archive, one after the other, without folders. Files are decompressed

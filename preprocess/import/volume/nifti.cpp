@@ -213,17 +213,21 @@ void take_samples(NeutralVolume& volume, const Place& place, std::uint64_t group
   std::uint64_t skipped = static_cast<std::uint64_t>(offset) - header_bytes + place.index * bytes;
   if (groups == 1 && !stream.is_packed() && is_native(volume.type, header.big_endian())) {
     leave_samples_in(volume, file, samples_in(file, header_bytes + skipped, bytes));
+    note_rest(volume.notes, file.path(), file.bytes().size() - static_cast<std::uint64_t>(offset) - *all);
     return;
   }
   Array<std::byte> samples(groups * bytes);
+  const auto skip = [&](std::uint64_t count) {
+    if (stream.drain(count) != count)
+      refuse_input(file.path(), "samples", "the end of the data", "as many as dim says");
+  };
   for (std::uint64_t group = 0; group < groups; ++group) {
-    if (stream.drain(skipped) != skipped)
-      refuse_input(file.path(), "vox_offset", "an offset beyond the end", "samples there");
+    skip(skipped);
     stream.read(std::span(samples).subspan(group * bytes, bytes), "samples");
     skipped = (place.count - 1) * bytes;
   }
-  // The compressed stream's checksum comes after its last byte.
-  stream.drain((place.count - place.index - 1) * bytes + 1);
+  skip((place.count - place.index - 1) * bytes);
+  note_rest(volume.notes, file.path(), stream.finish());
   make_native(samples, formats::element_bytes(volume.type), header.big_endian());
   set_samples(volume, std::move(samples));
 }

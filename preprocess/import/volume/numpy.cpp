@@ -228,6 +228,7 @@ NeutralVolume read_archive(const fs::path& path, const std::string& field, bool 
     std::uint64_t bytes = 0;
     std::tie(volume, bytes) = describe(name, header, colors, entry.size - header.byte_count, path);
     take(volume, read_samples(volume, bytes, header, entry.read), choice.scalar.component, colors);
+    entry.finish();
   });
   set_names(volume, choice.volumes, choice.scalar, field);
   finish_volume(volume, path);

@@ -118,6 +118,7 @@ NeutralVolume read_slc(const std::filesystem::path& path, const std::string&) {
   }
   if (short_slices != 0)
     volume.notes.push_back(concat(short_slices, " slices lack their last sample; the one before it was repeated"));
+  note_rest(volume.notes, path, header.bytes_left());
   set_samples(volume, std::move(samples));
   volume.world_from_grid = axis_parallel(header.spacing(), {0, 0, 0});
   volume.length_unit = header.length_unit();

@@ -168,6 +168,28 @@ TEST(Nifti, reads_the_volume_of_a_time_step) {
   EXPECT_EQ(values_of(read_volume(folder / "a.nii", {.time = "last"})).size(), 60U);
 }
 
+TEST(Nifti, refuses_a_time_where_volumes_have_none) {
+  TemporaryFolder folder;
+  write_file(folder / "a.nii", three_volumes(false, 0));
+  EXPECT_EQ(values_of(read_volume(folder / "a.nii", {.time = "#1"})).front(), 100);
+  expect_refusal([&] { read_volume(folder / "a.nii", {.time = "0"}); }, ErrorCode::usage,
+                 {"a.nii", "'0'", "first, last or #0 to #2", "no times"});
+}
+
+TEST(Nifti, says_how_much_behind_the_samples_is_left_out_and_notices_damage_there) {
+  TemporaryFolder folder;
+  const std::string content = File().content() + std::string(20000, 'x');
+  const auto note = testing::ElementsAre(testing::HasSubstr("20000 bytes after the samples were left out"));
+  write_file(folder / "a.nii", content);
+  EXPECT_THAT(read(folder / "a.nii").notes, note);
+  std::string stream = packed(folder / "p.gz", content);
+  write_file(folder / "a.nii.gz", stream);
+  EXPECT_THAT(read(folder / "a.nii.gz").notes, note);
+  stream[stream.size() - 6] = static_cast<char>(stream[stream.size() - 6] ^ 1);  // in the checksum
+  write_file(folder / "a.nii.gz", stream);
+  expect_refusal([&] { read(folder / "a.nii.gz"); }, ErrorCode::invalid, {"a.nii.gz", "damaged data"});
+}
+
 TEST(Nifti, refuses_every_beginning_of_several_volumes) {
   TemporaryFolder folder;
   const auto is_complete = [&] { return read(folder / "a.nii").samples.size() == 120; };

@@ -210,5 +210,16 @@ TEST(Numpy, refuses_every_beginning_of_an_archive_and_notices_damage) {
   expect_refusal([&] { read(path); }, ErrorCode::invalid, {"image.npy", "damaged"});
 }
 
+TEST(Numpy, notices_damage_behind_the_array_of_an_archive) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.npz";
+  write_npz(path, {{"image.npy", int16_npy() + std::string(20000, 'x')}});
+  std::string content = read_file(path);
+  EXPECT_THAT(read(path).notes, testing::ElementsAre(HasSubstr("20000 bytes after the array")));
+  content[content.find("xxxx") + 10000] = 'y';
+  write_file(path, content);
+  expect_refusal([&] { read(path); }, ErrorCode::invalid, {"image.npy", "damaged"});
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess
