@@ -15,7 +15,10 @@ class KeyedWords {
  public:
   explicit KeyedWords(const std::filesystem::path& path) : path_(path) {}
 
-  void set(const std::string& key, std::vector<std::string> words) { values_[key] = std::move(words); }
+  /// Refuses a key that has words already.
+  void set(const std::string& key, std::vector<std::string> words) {
+    if (!values_.try_emplace(key, std::move(words)).second) refuse(key, "a second one", "each key once");
+  }
 
   const std::filesystem::path& path() const { return path_; }
   bool has(const std::string& key) const { return values_.contains(key); }

@@ -30,6 +30,8 @@ class Header : public KeyedWords {
     return text == "True" || text == "true" || text == "1" || text == "T";
   }
   std::size_t data_position() const { return data_position_; }
+  /// what ElementDataFile says, with the spaces in it
+  const std::string& data_file() const { return data_file_; }
 
  private:
   void add(std::string_view line) {
@@ -47,10 +49,14 @@ class Header : public KeyedWords {
     if (key.empty()) return;
     if (equals == std::string_view::npos || key.size() != 1)
       refuse_input(path(), "header", in_quotes(line), "lines of the form Key = value");
-    set(key.front(), words_in(line.substr(equals + 1)));
+    const std::string_view value = line.substr(equals + 1), spaces = " \t\r";
+    set(key.front(), words_in(value));
+    const std::size_t begin = std::min(value.find_first_not_of(spaces), value.size());
+    if (key.front() == "ElementDataFile") data_file_ = value.substr(begin, value.find_last_not_of(spaces) + 1 - begin);
   }
 
   std::size_t data_position_ = 0;
+  std::string data_file_;
 };
 
 ElementType sample_type(const Header& header) {
@@ -84,11 +90,11 @@ Affine world_from_grid(const Header& header) {
 /// The files named by `slice%03d.raw FIRST LAST [STEP]`. The pattern may contain one %d, with a
 /// width.
 std::vector<std::string> numbered_files(const Header& header, const std::vector<std::string>& words) {
-  const std::optional<int> first = parse_number<int>(words[1]), last = parse_number<int>(words[2]);
-  const std::optional<int> step = words.size() > 3 ? parse_number<int>(words[3]) : std::optional(1);
+  const auto number = [&](std::size_t i) { return i < words.size() ? parse_number<int>(words[i]) : std::optional(1); };
+  const std::optional<std::int64_t> first = number(1), last = number(2), step = number(3);  // 64 bits: sums fit
   std::vector<std::string> files;
-  const bool is_series = first && last && step && *step >= 1 && *last >= *first && *last - *first <= 1'000'000;
-  for (int i = first.value_or(0); is_series && i <= *last; i += *step)
+  const bool is_series = first && last && step && *step >= 1 && *last >= *first && (*last - *first) / *step < 1'000'000;
+  for (std::int64_t i = first.value_or(0); is_series && i <= *last; i += *step)
     if (const auto name = numbered_name(words.front(), i)) files.push_back(*name);
   if (files.empty()) header.refuse("ElementDataFile", in_quotes(words.front()), "NAME%0Nd FIRST LAST STEP");
   return files;
@@ -107,20 +113,22 @@ std::vector<std::string> data_files(const Header& header, const ForeignFile& fil
     return files;
   }
   if (words.size() >= 3 && words.front().find('%') != std::string::npos) return numbered_files(header, words);
-  std::string name = words.front();
-  for (std::size_t i = 1; i < words.size(); ++i) name += " " + words[i];
-  return {name};
+  return {header.data_file()};
+}
+
+/// The bytes that HeaderSize says to skip; a negative one leaves the last `wanted` bytes.
+std::uint64_t skipped_bytes(const Header& header, std::span<const std::byte> source, std::uint64_t wanted) {
+  const auto given = header.number<std::int64_t>("HeaderSize", 0);
+  if (given >= 0) return static_cast<std::uint64_t>(given);
+  return source.size() > wanted ? source.size() - wanted : 0;
 }
 
 /// The part of `source` that holds uncompressed samples.
 std::span<const std::byte> plain_samples(const Header& header, const fs::path& path, std::span<const std::byte> source,
                                          std::uint64_t wanted, std::vector<std::string>& notes) {
-  const auto given = header.number<std::int64_t>("HeaderSize", 0);
-  std::uint64_t skipped = given < 0 ? 0 : static_cast<std::uint64_t>(given);
-  if (given < 0 && source.size() > wanted) skipped = source.size() - wanted;
+  const std::uint64_t skipped = skipped_bytes(header, source, wanted);
   const auto samples = samples_behind(path, source, skipped, wanted);
-  if (const std::uint64_t rest = source.size() - skipped - wanted; rest > 0)
-    notes.push_back(concat(path.string(), ": ", rest, " bytes after the samples were left out"));
+  note_rest(notes, path, source.size() - skipped - wanted);
   return samples;
 }
 
@@ -129,10 +137,13 @@ void fill(const Header& header, const fs::path& path, std::span<const std::byte>
           std::vector<std::string>& notes) {
   if (header.is_true("CompressedData")) {
     check_packed_size(path, samples.size(), source.size());
-    ByteStream stream(path, source, true);
+    const auto stored = header.number<std::uint64_t>("CompressedDataSize", source.size());
+    const std::uint64_t skipped = skipped_bytes(header, source, stored);
+    const auto packed = samples_behind(path, source, skipped, source.size() - std::min(skipped, source.size()));
+    ByteStream stream(path, packed, true);
     if (!stream.is_packed()) refuse_input(path, "samples", "another beginning", "zlib data, as CompressedData says");
     stream.read(samples, "samples");
-    stream.drain(1);
+    note_rest(notes, path, stream.finish());
     return;
   }
   const std::span<const std::byte> plain = plain_samples(header, path, source, samples.size(), notes);
@@ -174,6 +185,15 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
                   "sizes that the data can fill");
 }
 
+/// Notes a scale that the header has for the stored numbers. ITK and VTK do not apply it either.
+void note_scale(const Header& header, std::vector<std::string>& notes) {
+  const auto slope = header.number<double>("ElementToIntensityFunctionSlope", 1);
+  const auto offset = header.number<double>("ElementToIntensityFunctionOffset", 0);
+  if (slope != 1 || offset != 0)
+    notes.push_back(
+        concat("stored numbers were not scaled; the header's scale is ", slope, " times the number plus ", offset));
+}
+
 /// @param colors  true: read only samples with 3 or 4 components of 8 bits
 NeutralVolume read_samples(const fs::path& path, const std::string& field, bool colors) {
   const ForeignFile file(path);
@@ -200,6 +220,8 @@ NeutralVolume read_samples(const fs::path& path, const std::string& field, bool 
     refuse_input(path, "key ElementType", header.word("ElementType", ""), "MET_UCHAR: colours of 8 bits",
                  ErrorCode::unsupported);
   volume.world_from_grid = world_from_grid(header);
+  if (const std::string unit = header.word("DistanceUnits", "?"); unit != "?") volume.length_unit = unit;
+  note_scale(header, volume.notes);
   // Whoever says how the axes lie in a body writes places as ITK does.
   if (header.word("AnatomicalOrientation", "???") != "???") volume.space = formats::Space::lps;
   const std::vector<VectorArray> arrays{{stem_of(path), colors ? 1 : channels}};

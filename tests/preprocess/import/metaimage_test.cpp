@@ -122,6 +122,66 @@ TEST(MetaImage, notices_damage_in_compressed_samples) {
   expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::invalid, {"a.mha", "damaged data"});
 }
 
+std::string packed(const std::string& samples) {
+  std::string stream(::compressBound(samples.size()), '\0');
+  uLongf size = stream.size();
+  EXPECT_EQ(::compress(reinterpret_cast<Bytef*>(stream.data()), &size, reinterpret_cast<const Bytef*>(samples.data()),
+                       samples.size()),
+            Z_OK);
+  return stream.substr(0, size);
+}
+
+TEST(MetaImage, notices_damage_behind_compressed_samples_and_says_how_much_is_left_out) {
+  TemporaryFolder folder;
+  const std::string start = header("CompressedData = True\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n");
+  std::string stream = packed(bytes_of_values(known_values<std::uint8_t>()) + std::string(20000, 'x'));
+  write_file(folder / "a.mha", start + stream);
+  const NeutralVolume volume = read(folder / "a.mha");
+  expect_known_values(volume, ElementType::U8);
+  EXPECT_THAT(volume.notes, testing::ElementsAre(testing::HasSubstr("20000 bytes after the samples were left out")));
+  stream.back() = static_cast<char>(stream.back() ^ 1);  // in the checksum
+  write_file(folder / "a.mha", start + stream);
+  expect_refusal([&] { read(folder / "a.mha"); }, ErrorCode::invalid, {"a.mha", "damaged data"});
+}
+
+TEST(MetaImage, skips_headers_of_compressed_files_whose_names_hold_spaces) {
+  TemporaryFolder folder;
+  write_file(folder / "a  b.zraw", "a header" + packed(bytes_of_values(known_values<std::uint8_t>())));
+  write_file(folder / "a.mhd", header("CompressedData = True\nHeaderSize = 8\nElementType = MET_UCHAR\n"
+                                      "ElementDataFile =  a  b.zraw \r\n"));
+  expect_known_values(read(folder / "a.mhd"), ElementType::U8);
+}
+
+TEST(MetaImage, takes_the_unit_of_length_and_says_that_a_scale_is_left_out) {
+  TemporaryFolder folder;
+  const auto read_with = [&](const std::string& lines) {
+    write_file(folder / "a.mha", header(lines + "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n") +
+                                     bytes_of_values(known_values<std::uint8_t>()));
+    return read(folder / "a.mha");
+  };
+  EXPECT_EQ(read_with("DistanceUnits = um\n").length_unit, "um");
+  EXPECT_EQ(read_with("DistanceUnits = ?\n").length_unit, "");
+  EXPECT_EQ(read_with("").length_unit, "");
+  EXPECT_THAT(read_with("ElementToIntensityFunctionSlope = 1\nElementToIntensityFunctionOffset = 0\n").notes,
+              testing::IsEmpty());
+  const NeutralVolume scaled =
+      read_with("ElementToIntensityFunctionSlope = 2\nElementToIntensityFunctionOffset = -1000\n");
+  expect_known_values(scaled, ElementType::U8);
+  EXPECT_THAT(scaled.notes, testing::ElementsAre(testing::HasSubstr("2 times the number plus -1000")));
+}
+
+TEST(MetaImage, refuses_repeated_keys_and_endless_lists) {
+  TemporaryFolder folder;
+  const auto refuses = [&](const std::string& lines, const std::vector<std::string>& words) {
+    write_file(folder / "a.mhd", header("ElementType = MET_UCHAR\n" + lines));
+    expect_refusal([&] { read(folder / "a.mhd"); }, ErrorCode::invalid, words);
+  };
+  refuses("DimSize = 5 4 3\nElementDataFile = a.raw\n", {"a.mhd, key DimSize", "a second one", "each key once"});
+  refuses("ElementDataFile = s%d.raw -2147483648 2147483647\n", {"a.mhd", "FIRST LAST"});
+  refuses("ElementDataFile = s%d.raw 2147483646 2147483647 1\n", {"2 files for 5 slices"});
+  refuses("ElementDataFile = s%d.raw 1 2147483647 2147483646\n", {"2 files for 5 slices"});
+}
+
 TEST(MetaImage, refuses_every_beginning_of_a_file) {
   TemporaryFolder folder;
   const std::string content =
