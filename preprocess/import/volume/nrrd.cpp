@@ -16,7 +16,9 @@
 #include "preprocess/import/reading/label_names.h"
 #include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/import/volume/nrrd_header.h"
+#include "preprocess/import/volume/nrrd_samples.h"
 #include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
@@ -62,9 +64,31 @@ Loaded load_header(const std::filesystem::path& path) {
   return loaded;
 }
 
+/// Where Teem says that the samples are.
+NrrdSamples samples_of(const std::filesystem::path& path, const NrrdIoState& io) {
+  const ForeignFile file(path);
+  const std::string_view header = nrrd_header(file.text());
+  NrrdSamples samples{.header = path,
+                      .parts = {},
+                      .encoding = io.encoding->name,
+                      .line_skip = io.lineSkip,
+                      .byte_skip = io.byteSkip,
+                      .is_big_endian = io.endian == airEndianBig};
+  if (io.dataFNFormat == nullptr && io.dataFNArr->len == 0) {
+    samples.parts.push_back({path, header.size()});
+    return samples;
+  }
+  std::vector<std::string> names;
+  if (io.dataFNFormat != nullptr) names = files_named_by(header);
+  for (unsigned i = 0; i < io.dataFNArr->len; ++i) names.emplace_back(io.dataFN[i]);
+  if (names.empty()) refuse_input(path, "key data file", in_quotes(io.dataFNFormat), "NAME%0Nd FIRST LAST STEP");
+  for (const std::string& name : names) samples.parts.push_back({path.parent_path() / name});
+  return samples;
+}
+
 /// Loads the samples into an array of our own: Teem fills memory that a Nrrd already has if its
 /// size matches the file's header.
-Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
+Array<std::byte> load_by_teem(const std::filesystem::path& path, const Nrrd& header, std::uint64_t bytes) {
   Array<std::byte> samples(bytes);
   const OwnedNrrd nrrd(nrrdNew());
   std::array<std::size_t, NRRD_DIM_MAX> sizes{};
@@ -77,44 +101,12 @@ Array<std::byte> load_samples(const std::filesystem::path& path, const Nrrd& hea
 }
 
 /// Leaves the samples in the file if one file holds them in the wanted form; false otherwise.
-bool left_in_file(NeutralVolume& volume, const std::filesystem::path& path, const NrrdIoState& io,
-                  std::uint64_t bytes) {
-  const bool is_raw = std::string_view(io.encoding->name) == "raw" && io.dataFNFormat == nullptr && io.lineSkip == 0;
-  if (!is_raw || io.dataFNArr->len > 1 || !is_native(volume.type, io.endian == airEndianBig)) return false;
-  const bool attached = io.dataFNArr->len == 0;
-  const ForeignFile file(attached ? path : path.parent_path() / io.dataFN[0]);
-  const std::size_t begin = attached ? nrrd_header(file.text()).size() : 0;
-  const std::uint64_t held = file.bytes().size() - begin;
-  if (held < bytes || io.byteSkip < -1) return false;  // Teem will refuse it
-  const std::uint64_t skipped = io.byteSkip == -1 ? held - bytes : static_cast<std::uint64_t>(io.byteSkip);
-  if (skipped > held - bytes) return false;
-  leave_samples_in(volume, file, file.bytes().subspan(begin + skipped, bytes));
+bool left_in_file(NeutralVolume& volume, const NrrdSamples& source, std::uint64_t bytes) {
+  const bool is_raw = source.encoding == "raw" && source.line_skip == 0 && source.byte_skip >= -1;
+  if (!is_raw || source.parts.size() != 1 || !is_native(volume.type, source.is_big_endian)) return false;
+  const ForeignFile file(source.parts.front().file);
+  leave_samples_in(volume, file, raw_samples(source, file, source.parts.front().begin, bytes, volume.notes));
   return true;
-}
-
-/// Refuses sizes that the sample files cannot hold, before Teem allocates memory for them. Leaves
-/// numbered files, and encodings with an unknown compression limit, to Teem.
-/// @param wanted  bytes of `sample_count` samples
-void check_data_size(const std::filesystem::path& path, const NrrdIoState& io, std::uint64_t wanted,
-                     std::uint64_t sample_count) {
-  if (io.dataFNFormat != nullptr) return;
-  const unsigned file_count = io.dataFNArr->len;
-  std::uint64_t held = file_count == 0 ? ForeignFile(path).bytes().size() : 0;
-  for (unsigned i = 0; i < file_count; ++i) {
-    std::error_code missing;  // Teem will report it
-    held += std::filesystem::file_size(path.parent_path() / io.dataFN[i], missing);
-    if (missing) return;
-  }
-  const std::string_view encoding = io.encoding->name;
-  if (encoding == "gzip") check_packed_size(path, wanted, held);
-  // ASCII: at least a digit per sample, with spaces in between
-  const std::uint64_t least = encoding == "raw"     ? wanted
-                              : encoding == "ASCII" ? 2 * sample_count - 1
-                              : encoding == "hex"   ? 2 * wanted
-                                                    : 0;
-  if (held < least)
-    refuse_input(path, "key sizes", concat("sizes that need ", least, " bytes, with ", held, " bytes of data"),
-                 "sizes that the data can fill");
 }
 
 ElementType type_of(const std::filesystem::path& path, const Nrrd& nrrd) {
@@ -384,12 +376,16 @@ NeutralVolume read_samples(const std::filesystem::path& path, const std::string&
   const int numbers = numbers_axis ? static_cast<int>(header->axis[*numbers_axis].size) : 1;
   if (!colors && numbers == 1) volume.label_names = segment_names(*header, volume.notes);
   const std::uint64_t bytes = checked_array_bytes(path, volume.sample_count, {volume.type, numbers});
-  check_data_size(path, *io, bytes, bytes / formats::element_bytes(volume.type));
+  const NrrdSamples source = samples_of(path, *io);
+  check_data_size(source, bytes, bytes / formats::element_bytes(volume.type));
+  const auto load = [&, &header = header] {
+    return is_read_here(source) ? load_samples(source, volume.type, bytes, volume.notes)
+                                : load_by_teem(path, *header, bytes);
+  };
   if (arrays.front().component_count > 1)
-    take_component(volume, {volume.type, numbers, load_samples(path, *header, bytes)}, choice.component, *header,
-                   *numbers_axis);
-  else if (!left_in_file(volume, path, *io, bytes))
-    set_samples(volume, load_samples(path, *header, bytes));
+    take_component(volume, {volume.type, numbers, load()}, choice.component, *header, *numbers_axis);
+  else if (!left_in_file(volume, source, bytes))
+    set_samples(volume, load());
   finish_volume(volume, path);
   return volume;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 
 #include "formats/base/lower_case.h"
@@ -77,8 +78,9 @@ void refuse_missing_keys(const std::filesystem::path& path, const std::vector<He
 }
 
 void refuse_repeated_keys(const std::filesystem::path& path, const std::vector<HeaderLine>& lines) {
+  std::set<std::string_view> seen;
   for (const HeaderLine& line : lines)
-    if (const HeaderLine* first = line_with(lines, line.key); !line.key.empty() && first != &line)
+    if (!line.key.empty() && !seen.insert(line.key).second)
       refuse_input(path, concat("line ", line.number), concat("a second key '", line.key, "'"), "each key once");
 }
 

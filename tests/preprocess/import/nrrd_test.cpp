@@ -133,9 +133,88 @@ TEST(Nrrd, reads_gzip_and_text) {
   expect_known_values(read(folder / "a.nhdr"), ElementType::I16);
   const std::string gz = read_file(folder / "a.raw.gz");
   write_file(folder / "a.raw.gz", std::string_view(gz).substr(0, gz.size() / 2));
-  expect_refusal([&] { read(folder / "a.nhdr"); }, ErrorCode::invalid, {"a.nhdr"});
+  expect_refusal([&] { read(folder / "a.nhdr"); }, ErrorCode::invalid, {"a.raw.gz", "the end of the data"});
   write_file(folder / "b.nrrd", header("encoding: text\n") + "\n" + values_in_text());
   expect_known_values(read(folder / "b.nrrd"), ElementType::I16);
+}
+
+TEST(Nrrd, refuses_text_that_the_type_cannot_hold) {
+  TemporaryFolder folder;
+  const auto read_text = [&](const std::string& type, const std::string& numbers) {
+    write_file(folder / "a.nrrd",
+               concat("NRRD0004\ntype: ", type, "\ndimension: 3\nsizes: 3 1 1\nencoding: text\n\n", numbers));
+    return read(folder / "a.nrrd");
+  };
+  EXPECT_EQ(values_of(read_text("uchar", "1, 2,255\n")), (std::vector<double>{1, 2, 255}));
+  EXPECT_EQ(values_of(read_text("int8", "-128 127 +3")), (std::vector<double>{-128, 127, 3}));
+  EXPECT_EQ(values_of(read_text("double", "1e300 0.1 -2")), (std::vector<double>{1e300, 0.1, -2}));
+  const auto refuses = [&](const std::string& type, const std::string& numbers, const std::vector<std::string>& words) {
+    expect_refusal([&] { read_text(type, numbers); }, ErrorCode::invalid, words);
+  };
+  refuses("uchar", "1 630 3\n", {"a.nrrd", "sample 1", "'630'", "U8"});
+  refuses("uchar", "1 2 -1\n", {"sample 2", "'-1'"});
+  refuses("short", "0.5 2 1\n", {"sample 0", "'0.5'", "I16"});
+  refuses("int", "1 4294967296 1\n", {"sample 1", "'4294967296'"});
+  refuses("float", "1 two 3\n", {"sample 1", "'two'"});
+  refuses("short", "1 2    \n", {"sample 2", "the end of the data"});
+}
+
+TEST(Nrrd, says_how_much_behind_the_samples_is_left_out_and_notices_damage_there) {
+  TemporaryFolder folder;
+  const std::string samples = bytes_of_values(known_values<std::int16_t>()) + std::string(20000, 'x');
+  const auto note = testing::ElementsAre(testing::HasSubstr("20000 bytes after the samples were left out"));
+  write_file(folder / "a.nrrd", header(little) + "\n" + samples);
+  EXPECT_THAT(read(folder / "a.nrrd").notes, note);
+  write_file(folder / "b.nrrd", header("endian: big\nencoding: raw\n") + "\n" +
+                                    bytes_of_values(known_values<std::int16_t>(), true) + "xy");
+  expect_known_values(read(folder / "b.nrrd"), ElementType::I16);
+  EXPECT_THAT(read(folder / "b.nrrd").notes,
+              testing::ElementsAre(testing::HasSubstr("2 bytes after the samples were left out")));
+  write_file(folder / "t.nrrd", header("encoding: text\n") + "\n" + values_in_text() + "7 8 \n");
+  expect_known_values(read(folder / "t.nrrd"), ElementType::I16);
+  EXPECT_THAT(read(folder / "t.nrrd").notes,
+              testing::ElementsAre(testing::HasSubstr("3 bytes after the samples were left out")));
+  const gzFile packed = ::gzopen((folder / "a.gz").c_str(), "wb");
+  ::gzwrite(packed, samples.data(), static_cast<unsigned>(samples.size()));
+  ::gzclose(packed);
+  std::string stream = read_file(folder / "a.gz");
+  const std::string start = header("endian: little\nencoding: gzip\n") + "\n";
+  write_file(folder / "c.nrrd", start + stream);
+  expect_known_values(read(folder / "c.nrrd"), ElementType::I16);
+  EXPECT_THAT(read(folder / "c.nrrd").notes, note);
+  stream[stream.size() - 6] = static_cast<char>(stream[stream.size() - 6] ^ 1);  // in the checksum
+  write_file(folder / "c.nrrd", start + stream);
+  expect_refusal([&] { read(folder / "c.nrrd"); }, ErrorCode::invalid, {"c.nrrd", "damaged data"});
+}
+
+TEST(Nrrd, skips_lines_and_bytes_before_the_samples) {
+  TemporaryFolder folder;
+  const std::string samples = bytes_of_values(known_values<std::int16_t>());
+  const gzFile packed = ::gzopen((folder / "a.gz").c_str(), "wb");
+  ::gzwrite(packed, ("skip" + samples).data(), static_cast<unsigned>(samples.size() + 4));
+  ::gzclose(packed);
+  write_file(folder / "a.gz", "one\ntwo\n" + read_file(folder / "a.gz"));
+  write_file(folder / "a.raw", "one\ntwo\nskip" + samples);
+  write_file(folder / "a.txt", "one\ntwo\nskip" + values_in_text());
+  for (const auto& [encoding, name] : {std::pair{"gzip", "a.gz"}, {"raw", "a.raw"}, {"text", "a.txt"}}) {
+    write_file(folder / "a.nhdr", header(concat("endian: little\nencoding: ", encoding,
+                                                "\nline skip: 2\nbyte skip: 4\n", "data file: ", name, "\n")));
+    expect_known_values(read(folder / "a.nhdr"), ElementType::I16);
+  }
+  write_file(folder / "a.nhdr",
+             header("endian: little\nencoding: raw\nline skip: 2\nbyte skip: -1\ndata file: a.raw\n"));
+  expect_known_values(read(folder / "a.nhdr"), ElementType::I16);
+}
+
+/// Teem allocated what such headers claim.
+TEST(Nrrd, refuses_sizes_that_numbered_files_and_bzip2_cannot_hold) {
+  TemporaryFolder folder;
+  const std::string start = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 60000 60000 2\n";
+  for (const char* name : {"s1.raw", "s2.raw"}) write_file(folder / name, "x");
+  write_file(folder / "a.nhdr", start + "encoding: raw\ndata file: s%d.raw 1 2 1\n");
+  expect_refusal([&] { read(folder / "a.nhdr"); }, ErrorCode::invalid, {"a.nhdr, key sizes", "7200000000 bytes"});
+  write_file(folder / "b.nrrd", start + "encoding: bzip2\n\nBZh91AY&SY" + std::string(40, 'x'));
+  expect_refusal([&] { read(folder / "b.nrrd"); }, ErrorCode::invalid, {"b.nrrd", "7200000000 bytes", "packed bytes"});
 }
 
 TEST(Nrrd, passes_values_that_are_no_numbers_through) {
