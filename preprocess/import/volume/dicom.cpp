@@ -9,8 +9,10 @@
 #include <map>
 #include <sstream>
 
+#include "formats/base/bytes.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/foreign_names.h"
+#include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/import/reading/zip_archive.h"
 #include "preprocess/process/foreign_file.h"
@@ -47,6 +49,13 @@ std::string unit_of(const std::string& modality, const std::string& code) {
   return modality == "CT" ? "HU" : "";
 }
 
+std::uint32_t number_at(std::string_view bytes, bool big_endian) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    number |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << 8 * (big_endian ? 3 - i : i);
+  return number;
+}
+
 /// GDCM replaces missing bytes of a truncated file by zeros. Returns true if uncompressed samples
 /// are complete in the file: a Pixel Data element of this size, or one byte more as padding to an
 /// even size, in any encoding of a data set.
@@ -55,9 +64,7 @@ bool holds_samples(std::string_view bytes, std::uint64_t expected) {
     for (std::size_t at = bytes.find(head); at != std::string_view::npos; at = bytes.find(head, at + 1)) {
       const std::string_view rest = bytes.substr(at + head.size());
       if (rest.size() < 4) return false;
-      std::uint32_t length = 0;
-      for (std::size_t i = 0; i < 4; ++i)
-        length |= static_cast<std::uint32_t>(static_cast<unsigned char>(rest[i])) << 8 * (big_endian ? 3 - i : i);
+      const std::uint32_t length = number_at(rest, big_endian);
       if (length >= expected && length <= expected + 1 && rest.size() - 4 >= expected) return true;
     }
     return false;
@@ -68,9 +75,64 @@ bool holds_samples(std::string_view bytes, std::uint64_t expected) {
          holds_after("\x7f\xe0\x00\x10OB\0\0"sv, true);
 }
 
+/// Codecs of GDCM invent missing pixels. Returns true if the fragments of packed samples are complete
+/// in the file, up to the delimiter after the last one, in each Pixel Data element (DICOM PS3.5,
+/// section A.4). A preview may be one more such element. Also true without any such element.
+bool holds_fragments(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  constexpr std::uint32_t item = 0xe000fffe, delimiter = 0xe0ddfffe;
+  constexpr std::string_view tag = "\xe0\x7f\x10\x00"sv, undefined_length = "\0\0\xff\xff\xff\xff"sv;
+  bool is_found = bytes.find(tag) == bytes.npos;
+  for (std::size_t at = bytes.find(tag); at != bytes.npos; at = bytes.find(tag, at + tag.size())) {
+    if (bytes.substr(at).size() < 12 || bytes.substr(at + 6, 6) != undefined_length) continue;
+    std::size_t next = at + 12;
+    for (std::uint32_t kind = item; kind != delimiter;) {
+      if (bytes.size() - next < 8) return false;
+      kind = number_at(bytes.substr(next), false);
+      const std::uint32_t length = number_at(bytes.substr(next + 4), false);
+      next += 8;
+      if ((kind != item && kind != delimiter) || length > bytes.size() - next) return false;
+      next += length;
+    }
+    is_found = true;
+    at = next - tag.size();
+  }
+  return is_found;
+}
+
+/// Refuses packed samples that claim more than the file can hold, or are not complete in it. GDCM
+/// unpacks samples as it reads a file, so this looks at its header first.
+void check_packed_samples(std::istream& stream, const std::string& name, std::string_view bytes, const fs::path& path) {
+  const gdcm::Tag pixel_representation(0x0028, 0x0103);  // behind all sizes; images must have it
+  gdcm::Reader head;
+  head.SetStream(stream);
+  const bool is_read = head.ReadUpToTag(pixel_representation);
+  stream.clear();
+  stream.seekg(0);
+  const gdcm::TransferSyntax& syntax = head.GetFile().GetHeader().GetDataSetTransferSyntax();
+  const bool is_deflated = syntax == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian;
+  if (!is_read || (!syntax.IsEncapsulated() && !is_deflated)) return;
+  gdcm::StringFilter texts;
+  texts.SetFile(head.GetFile());
+  const auto number = [&](std::uint16_t element) {
+    return parse_number<std::uint64_t>(trimmed(texts.ToString(gdcm::Tag(0x0028, element)))).value_or(1);
+  };
+  constexpr std::uint16_t numbers_for_each = 0x02, frames = 0x08, rows = 0x10, columns = 0x11, bits = 0x100;
+  const std::optional<std::uint64_t> expected =
+      checked_product({number(numbers_for_each), number(frames), number(rows), number(columns), number(bits) / 8});
+  if (!expected) refuse_input(path, name, "sizes beyond 64 bits", "sizes that a file can hold");
+  constexpr std::uint64_t tightest_runs = 64;  // a run of 128 samples has two bytes
+  const fs::path file = path.filename() == name ? path : path / name;
+  if (is_deflated || syntax == gdcm::TransferSyntax::RLELossless)
+    check_packed_size(file, *expected, bytes.size(), is_deflated ? tightest_zlib : tightest_runs);
+  if (!is_deflated && !holds_fragments(bytes))
+    refuse_input(path, name, "samples that end too early", concat(*expected, " bytes of them"));
+}
+
 /// Nothing if the file is DICOM but holds no image.
 std::optional<DicomImage> read_image(const std::string& name, std::string_view bytes, const fs::path& path) {
   std::istringstream stream{std::string(bytes)};
+  check_packed_samples(stream, name, bytes, path);
   gdcm::ImageReader reader;
   reader.SetStream(stream);
   if (!reader.Read()) {
@@ -101,6 +163,9 @@ std::optional<DicomImage> read_image(const std::string& name, std::string_view b
   result.intercept = image.GetIntercept();
   if (result.format.GetSamplesPerPixel() != 1)
     refuse_input(path, name, concat(result.format.GetSamplesPerPixel(), " numbers for each pixel"), "1",
+                 ErrorCode::unsupported);
+  if (image.GetPhotometricInterpretation() == gdcm::PhotometricInterpretation::PALETTE_COLOR)
+    refuse_input(path, name, "PALETTE COLOR: indices into a table of colours", "MONOCHROME1 or MONOCHROME2",
                  ErrorCode::unsupported);
   const std::uint64_t expected = static_cast<std::uint64_t>(volume(result.sample_count)) * result.format.GetPixelSize();
   if (image.GetBufferLength() != expected)
@@ -148,11 +213,16 @@ Found read_images(const fs::path& path) {
 }
 
 /// The images of one series: the series that `wanted` names by description or number, else the only
-/// one, else the one with the most images.
+/// one, else the one with the most images. Series that share a description are named by description
+/// and number; their images take that name as their description.
 std::vector<DicomImage> one_series(Found found, const std::string& wanted, const fs::path& path,
                                    std::vector<std::string>& notes, std::vector<std::string>& others) {
   std::map<std::string, std::vector<DicomImage>> series;
   for (DicomImage& image : found.images) series[image.series].push_back(std::move(image));
+  std::map<std::string, int> uses;
+  for (const auto& [id, images] : series) ++uses[images.front().description];
+  for (auto& [id, images] : series)
+    if (std::string& name = images.front().description; !name.empty() && uses[name] > 1) name += concat(" (", id, ")");
   const auto name_of = [](const std::vector<DicomImage>& images) {
     return images.front().description.empty() ? images.front().series : images.front().description;
   };
@@ -250,21 +320,38 @@ void check_format(const gdcm::PixelFormat& format, const std::string& name, cons
                  "8, 16 or 32 bits for integers", ErrorCode::unsupported);
 }
 
+/// The narrowest integers that hold these; 64-bit floats if none do.
+ElementType integers_for(double low, double high) {
+  const auto holds = [&]<class T>(T) {
+    return low >= static_cast<double>(std::numeric_limits<T>::min()) &&
+           high <= static_cast<double>(std::numeric_limits<T>::max());
+  };
+  if (holds(std::uint8_t{})) return ElementType::U8;
+  if (holds(std::uint16_t{})) return ElementType::U16;
+  if (holds(std::int16_t{})) return ElementType::I16;
+  if (holds(std::uint32_t{})) return ElementType::U32;
+  return holds(std::int32_t{}) ? ElementType::I32 : ElementType::F64;
+}
+
 /// The narrowest type that holds every scaled sample: integers if scaling keeps them whole, else
-/// 32-bit floats.
+/// 32-bit floats, or 64-bit floats if 32 bits would make neighbouring numbers one.
 ElementType type_for(const std::vector<DicomImage>& images, const fs::path& path) {
   double low = 0, high = 0;
+  bool is_whole = true, is_wide = false;
   for (const DicomImage& image : images) {
     check_format(image.format, image.name, path);
-    if (image.slope != 1 || image.intercept != std::floor(image.intercept)) return ElementType::F32;
+    is_whole = is_whole && image.slope == 1 && image.intercept == std::floor(image.intercept);
     const double range = std::ldexp(1.0, image.format.GetBitsStored());
-    const bool is_signed = image.format.GetPixelRepresentation() == 1;
-    low = std::min(low, image.intercept - (is_signed ? range / 2 : 0));
-    high = std::max(high, image.intercept + (is_signed ? range / 2 : range) - 1);
+    const double least = image.format.GetPixelRepresentation() == 1 ? -range / 2 : 0;
+    const double ends[] = {image.slope * least + image.intercept, image.slope * (least + range - 1) + image.intercept};
+    low = std::min({low, ends[0], ends[1]});
+    high = std::max({high, ends[0], ends[1]});
+    const double largest = std::max(std::abs(ends[0]), std::abs(ends[1]));
+    const bool has_steps = largest <= std::ldexp(std::abs(image.slope), std::numeric_limits<float>::digits);
+    is_wide = is_wide || !has_steps || largest > static_cast<double>(std::numeric_limits<float>::max());
   }
-  if (low >= 0) return high <= 255 ? ElementType::U8 : high <= 65535 ? ElementType::U16 : ElementType::U32;
-  if (low >= -32768 && high <= 32767) return ElementType::I16;
-  return low >= -2147483648.0 && high <= 2147483647.0 ? ElementType::I32 : ElementType::F64;
+  if (is_whole) return integers_for(low, high);
+  return is_wide ? ElementType::F64 : ElementType::F32;
 }
 
 void take_samples(NeutralVolume& volume, const std::vector<DicomImage>& images, const fs::path& path) {

@@ -53,6 +53,7 @@ std::unique_ptr<OIIO::ImageInput> open(const fs::path& path) {
 struct Slice {
   fs::path file;
   int page = 0;
+  bool is_only_page = false;  ///< the file must have no other
 };
 
 int page_count(const fs::path& file) {
@@ -67,7 +68,7 @@ std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
   std::vector<Slice> slices;
   if (fs::is_directory(path)) {
     for (const fs::path& file : files_in(path))
-      if (is_picture_name(file)) slices.push_back({file, 0});
+      if (is_picture_name(file)) slices.push_back({file, 0, true});
   } else {
     const int pages = page_count(path);
     for (int page = 0; page < pages; ++page) slices.push_back({path, page});
@@ -85,6 +86,36 @@ std::size_t bytes_of(const Picture& picture) {
          picture.type.size();
 }
 
+/// Refuses pictures that claim more bytes than their files can hold. Other formats set no limit.
+void check_size(const fs::path& path, const std::vector<Slice>& slices, const Picture& picture) {
+  constexpr std::uint64_t bits = 8, most_channels = 4;  // a bit may be an index to a colour
+  static constexpr std::pair<std::string_view, std::uint64_t> tightest[] = {
+      {"pnm", bits}, {"png", bits * most_channels * tightest_zlib}};
+  const std::optional<std::uint64_t> limit =
+      find_in(tightest, std::string_view(open(slices.front().file)->format_name()));
+  if (!limit) return;
+  std::uint64_t held = 0;
+  for (const Slice& slice : slices) held += slice.page == 0 ? fs::file_size(slice.file) : 0;
+  check_packed_size(path, bytes_of(picture) * slices.size(), held, *limit);
+}
+
+/// True if the file goes up to the mark of the end of its picture, which other data may follow.
+/// Marks are FF and a byte that is not 0. Behind most is a segment, whose length comes first; the
+/// packed data of a scan stand without one (ITU-T T.81, annex B).
+bool is_whole_jpeg(std::string_view bytes) {
+  std::size_t at = 2;
+  for (;;) {
+    at = bytes.find_first_not_of('\xff', bytes.find('\xff', at));
+    if (at == bytes.npos) return false;
+    const auto mark = static_cast<unsigned char>(bytes[at++]);
+    if (mark == 0xd9) return true;
+    if (mark <= 1 || (mark >= 0xd0 && mark <= 0xd8)) continue;  // no segment: packed data, restarts
+    if (bytes.size() - at < 2) return false;
+    at += 256 * static_cast<unsigned char>(bytes[at]) + static_cast<unsigned char>(bytes[at + 1]);
+    if (at >= bytes.size()) return false;
+  }
+}
+
 /// Reads the pixels of one slice, all channels.
 void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels) {
   const auto input = open(slice.file);
@@ -92,6 +123,12 @@ void read_pixels(const Slice& slice, const Picture& expected, std::byte* pixels)
     input->geterror();  // likewise
     refuse_input(slice.file, concat("page ", slice.page), "damaged data", "a whole picture");
   };
+  if (slice.is_only_page && input->seek_subimage(1, 0))
+    refuse_input(slice.file, "header", "several pages", "one picture in each file of a folder", ErrorCode::unsupported);
+  input->geterror();  // that there is no further page
+  // OpenImageIO fills what is missing.
+  if (std::string_view(input->format_name()) == "jpeg" && !is_whole_jpeg(ForeignFile(slice.file).text()))
+    refuse_damage();
   if (!input->seek_subimage(slice.page, 0)) refuse_damage();
   const Picture found = picture_of(input->spec());
   if (found != expected)
@@ -174,11 +211,12 @@ bool take_slice(const std::vector<std::byte>& pixels, const Picture& picture, co
 template <class T, class Sample>
 std::optional<Array<std::byte>> take_slices(const std::vector<Slice>& slices, const Picture& picture,
                                             const Choice& choice, std::uint64_t sample_count) {
+  std::vector<std::byte> pixels(bytes_of(picture));
+  read_pixels(slices.front(), picture, pixels.data());  // before memory for all is taken
   Array<std::byte> samples(sample_count * sizeof(Sample));
   const std::size_t slice_bytes = samples.size() / slices.size();
-  std::vector<std::byte> pixels(bytes_of(picture));
   for (std::size_t k = 0; k < slices.size(); ++k) {
-    read_pixels(slices[k], picture, pixels.data());
+    if (k > 0) read_pixels(slices[k], picture, pixels.data());
     if (!take_slice<T, Sample>(pixels, picture, choice, std::span(samples).subspan(k * slice_bytes, slice_bytes)))
       return std::nullopt;
   }
@@ -232,6 +270,7 @@ NeutralVolume read_image_slices(const fs::path& path, const std::string& field) 
   volume.type = element_type_of_oiio(picture, path);
   volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
   const std::uint64_t bytes = checked_volume_bytes(path, volume.sample_count, volume.type);
+  check_size(path, slices, picture);
   volume.field_name = field.empty() ? "intensity" : field;
   take_samples(volume, slices, picture, choice, bytes / formats::element_bytes(volume.type));
   volume.world_from_grid = axis_parallel({1, 1, 1}, {0, 0, 0});
@@ -250,6 +289,7 @@ NeutralVolume read_color_slices(const fs::path& path) {
   NeutralVolume volume;
   volume.component_count = static_cast<int>(picture.channels.size());
   volume.sample_count = {picture.width, picture.height, static_cast<std::int64_t>(slices.size())};
+  check_size(path, slices, picture);
   Array<std::byte> samples(checked_color_bytes(path, volume.sample_count, volume.component_count));
   const std::size_t slice_bytes = bytes_of(picture);
   for (std::size_t k = 0; k < slices.size(); ++k) read_pixels(slices[k], picture, samples.data() + k * slice_bytes);

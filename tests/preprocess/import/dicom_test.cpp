@@ -1,4 +1,8 @@
 #include <minizip/zip.h>
+#include <vtkImageData.h>
+#include <vtkJPEGWriter.h>
+#include <vtkNew.h>
+#include <vtkTIFFWriter.h>
 
 #include <cmath>
 
@@ -7,6 +11,7 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/vtk_lattice.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -40,11 +45,28 @@ struct ImageFacts {
   std::string slope = "1", intercept = "-1000";
   int bits = 16, stored_bits = 12;
   bool is_signed = false;
-  int add = 0;  ///< to the stored values
+  std::int64_t add = 0;  ///< to the stored values
+  std::string photometric = "MONOCHROME2";
+  int columns = size_x;
+  std::string more{};   ///< elements between the scale and the samples
+  bool packed = false;  ///< by runs of bytes (RLE), for 8 bits
 };
 
+constexpr std::string_view end_of_fragments("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+
+/// Bytes of one image as one fragment of runs (DICOM PS3.5, section A.4 and annex G).
+std::string fragments_of(const std::string& samples) {
+  std::string frame = bytes_of(std::uint32_t{1}) + bytes_of(std::uint32_t{64}) + std::string(56, '\0');
+  frame += static_cast<char>(samples.size() - 1);
+  frame += samples;
+  if (frame.size() % 2 != 0) frame += '\0';
+  const std::string item("\xfe\xff\x00\xe0", 4);
+  return item + bytes_of(std::uint32_t{0}) + item + bytes_of(static_cast<std::uint32_t>(frame.size())) + frame +
+         std::string(end_of_fragments);
+}
+
 std::string dicom(const ImageFacts& facts) {
-  const std::string syntax = element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
+  const std::string syntax = element(2, 0x10, "UI", facts.packed ? "1.2.840.10008.1.2.5" : "1.2.840.10008.1.2.1");
   const std::string kind = element(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(2, 3, "UI", "1.2.9");
   const std::string meta = kind + syntax;
   const auto u16 = [](std::uint16_t group, std::uint16_t number, int value) {
@@ -53,21 +75,28 @@ std::string dicom(const ImageFacts& facts) {
   std::string samples;
   for (int j = 0; j < size_y; ++j)
     for (int i = 0; i < size_x; ++i) {
-      const int value = value_at(i, j, facts.slice) + facts.add;
+      const std::int64_t value = value_at(i, j, facts.slice) + facts.add;
       if (facts.bits == 8)
         samples += static_cast<char>(value);
+      else if (facts.bits == 32)
+        samples += bytes_of(static_cast<std::uint32_t>(value));
       else
         samples += bytes_of(static_cast<std::uint16_t>(value & ((1 << facts.stored_bits) - 1)));
     }
+  const std::string pixel_data = facts.packed ? bytes_of(std::uint16_t{0x7fe0}) + bytes_of(std::uint16_t{0x10}) +
+                                                    std::string("OB\0\0", 4) + bytes_of(~std::uint32_t{0}) +
+                                                    fragments_of(samples)
+                                              : element(0x7fe0, 0x10, facts.bits == 8 ? "OB" : "OW", samples);
   return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes_of(static_cast<std::uint32_t>(meta.size()))) +
          meta + element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(8, 0x18, "UI", "1.2.9") +
          element(8, 0x60, "CS", facts.modality) + element(8, 0x103e, "LO", facts.description) +
          element(0x20, 0xe, "UI", facts.series) + element(0x20, 0x32, "DS", facts.position) +
-         element(0x20, 0x37, "DS", facts.rows_and_columns) + u16(0x28, 2, 1) + element(0x28, 4, "CS", "MONOCHROME2") +
-         u16(0x28, 0x10, size_y) + u16(0x28, 0x11, size_x) + element(0x28, 0x30, "DS", "0.5\\0.25") +
-         u16(0x28, 0x100, facts.bits) + u16(0x28, 0x101, facts.stored_bits) + u16(0x28, 0x102, facts.stored_bits - 1) +
-         u16(0x28, 0x103, facts.is_signed ? 1 : 0) + element(0x28, 0x1052, "DS", facts.intercept) +
-         element(0x28, 0x1053, "DS", facts.slope) + element(0x7fe0, 0x10, facts.bits == 8 ? "OB" : "OW", samples);
+         element(0x20, 0x37, "DS", facts.rows_and_columns) + u16(0x28, 2, 1) +
+         element(0x28, 4, "CS", facts.photometric) + u16(0x28, 0x10, size_y) + u16(0x28, 0x11, facts.columns) +
+         element(0x28, 0x30, "DS", "0.5\\0.25") + u16(0x28, 0x100, facts.bits) + u16(0x28, 0x101, facts.stored_bits) +
+         u16(0x28, 0x102, facts.stored_bits - 1) + u16(0x28, 0x103, facts.is_signed ? 1 : 0) +
+         element(0x28, 0x1052, "DS", facts.intercept) + element(0x28, 0x1053, "DS", facts.slope) + facts.more +
+         pixel_data;
 }
 
 /// Five slices, numbered so that neither their names nor their order in the folder is that in
@@ -120,6 +149,82 @@ TEST_F(Dicom, reads_bytes_and_slopes) {
   const NeutralVolume volume = read();
   EXPECT_EQ(volume.type, ElementType::F32);
   EXPECT_EQ(values_of(volume)[7], 0.5 * known_values<double>()[7] - 1000);
+}
+
+/// Integers beyond 32 bits wrapped around, and 32-bit floats rounded.
+TEST_F(Dicom, takes_long_floats_for_numbers_that_shorter_types_cannot_hold) {
+  struct Case {
+    int bits;
+    std::int64_t add;
+    const char *slope, *intercept;
+    ElementType type;
+  };
+  for (const Case& row : {Case{32, 4294967143, "1", "1000", ElementType::F64},
+                          Case{16, 0, "1", "5e9", ElementType::F64}, Case{16, 0, "1", "-5e9", ElementType::F64},
+                          Case{16, 0, "1", "1e300", ElementType::F64}, Case{16, 0, "1", "4294901760", ElementType::U32},
+                          Case{32, 16777217, "2", "0", ElementType::F64}, Case{16, 1, "2", "0", ElementType::F32},
+                          Case{16, 0, "0.5", "1e9", ElementType::F64}, Case{16, 1, "1e40", "0", ElementType::F64}}) {
+    write_series(folder_.path(), [&](ImageFacts& facts) {
+      facts.bits = facts.stored_bits = row.bits;
+      facts.add = row.add;
+      facts.slope = row.slope;
+      facts.intercept = row.intercept;
+    });
+    const NeutralVolume volume = read();
+    EXPECT_EQ(volume.type, row.type) << row.slope << ' ' << row.intercept;
+    std::vector<double> expected = known_values<double>();
+    for (double& value : expected)
+      value = (value + static_cast<double>(row.add)) * std::stod(row.slope) + std::stod(row.intercept);
+    EXPECT_EQ(values_of(volume), expected) << row.slope << ' ' << row.intercept;
+  }
+}
+
+TEST_F(Dicom, refuses_indices_into_a_table_of_colours) {
+  std::string table;
+  for (std::uint16_t number = 0x1101; number <= 0x1103; ++number)
+    table += element(0x28, number, "US", bytes_of(std::uint16_t{256}) + std::string("\0\0\x10\0", 4));
+  for (std::uint16_t number = 0x1201; number <= 0x1203; ++number)
+    table += element(0x28, number, "OW", std::string(512, '\1'));
+  write_series(folder_.path(), [&](ImageFacts& facts) {
+    facts.bits = facts.stored_bits = 8;
+    facts.intercept = "0";
+    facts.photometric = "PALETTE COLOR";
+    facts.more = table;
+  });
+  expect_refusal([&] { read(); }, ErrorCode::unsupported, {"IM", "PALETTE COLOR", "MONOCHROME"});
+}
+
+TEST_F(Dicom, gives_series_of_one_description_names_of_their_own) {
+  write_series(folder_.path(), [](ImageFacts& facts) { facts.add = 1000; });
+  for (int k = 0; k < 2; ++k)
+    write_file(folder_ / concat("b", k),
+               dicom({.slice = k, .position = concat("0\\0\\", k), .series = "1.2.4", .intercept = "0"}));
+  const NeutralVolume volume = read();
+  expect_known_values(volume, ElementType::I16);
+  EXPECT_EQ(volume.field_name, "head (1.2.3)");
+  EXPECT_THAT(volume.other_fields, ElementsAre("head (1.2.4)"));
+  EXPECT_EQ(read("head (1.2.4)").sample_count, Index3(3, 4, 2));
+  EXPECT_EQ(read("1.2.4").sample_count, Index3(3, 4, 2));
+  expect_refusal([&] { read("head"); }, ErrorCode::usage, {"'head'", "'head (1.2.3)'", "'head (1.2.4)'"});
+}
+
+/// GDCM fills what is missing with numbers of its own.
+TEST_F(Dicom, refuses_every_beginning_of_packed_images) {
+  ImageFacts facts{.intercept = "0", .bits = 8, .stored_bits = 8, .packed = true};
+  const std::string content = dicom(facts);
+  write_file(folder_ / "a.dcm", content);
+  const auto is_whole = [&] {
+    const NeutralVolume volume = read_volume(folder_ / "a.dcm", {});
+    return values_of(volume).size() == 12 && values_of(volume)[11] == value_at(2, 3, 0);
+  };
+  EXPECT_TRUE(is_whole());
+  for (std::size_t cut = 1; cut < 100; ++cut) {
+    write_file(folder_ / "a.dcm", std::string_view(content).substr(0, content.size() - cut));
+    expect_refusal([&] { read(); }, ErrorCode::invalid, {"a.dcm"});
+  }
+  facts.columns = 60000;
+  write_file(folder_ / "a.dcm", dicom(facts));
+  expect_refusal([&] { read(); }, ErrorCode::invalid, {"240000 bytes", "packed bytes"});
 }
 
 TEST_F(Dicom, keeps_oblique_directions_and_uneven_steps) {
@@ -286,6 +391,39 @@ TEST_F(Slices, must_all_be_alike) {
   expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.pgm"});
   write_file(folder_ / "s3.pgm", "no picture");
   expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.pgm"});
+}
+
+/// OpenImageIO fills the rest of such a picture.
+TEST_F(Slices, that_are_cut_are_refused) {
+  vtkNew<vtkJPEGWriter> writer;
+  writer->SetInputData(vtk_lattice(VTK_UNSIGNED_CHAR));
+  writer->SetFilePrefix((folder_ / "s").c_str());
+  writer->SetFilePattern("%s%d.jpg");
+  writer->Write();
+  EXPECT_EQ(read().sample_count, Index3(size_x, size_y, size_z));
+  const std::string content = read_file(folder_ / "s3.jpg");
+  write_file(folder_ / "s3.jpg", content + "bytes behind the picture");
+  EXPECT_EQ(read().sample_count, Index3(size_x, size_y, size_z));
+  for (const std::size_t cut : {1, 2, 3, 5, 9}) {
+    write_file(folder_ / "s3.jpg", std::string_view(content).substr(0, content.size() - cut));
+    expect_refusal([&] { read(); }, ErrorCode::invalid, {"s3.jpg", "damaged"});
+  }
+}
+
+TEST_F(Slices, of_several_pages_each_are_refused) {
+  for (const char* name : {"a.tif", "b.tif"}) {
+    vtkNew<vtkTIFFWriter> writer;
+    writer->SetInputData(vtk_lattice(VTK_UNSIGNED_CHAR));
+    writer->SetFileName((folder_ / name).c_str());
+    writer->Write();
+  }
+  EXPECT_EQ(import_volume(folder_ / "a.tif", {}).sample_count, Index3(size_x, size_y, size_z));
+  expect_refusal([&] { read(); }, ErrorCode::unsupported, {"a.tif", "several pages", "one picture"});
+}
+
+TEST_F(Slices, that_claim_more_than_their_files_can_hold_are_refused) {
+  for (const char* name : {"a.pgm", "b.pgm"}) write_file(folder_ / name, "P5\n60000 60000\n255\nab");
+  expect_refusal([&] { read(); }, ErrorCode::invalid, {"7200000000 bytes", "packed bytes"});
 }
 
 TEST_F(Slices, one_picture_is_no_volume) {
