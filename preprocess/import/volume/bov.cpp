@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "formats/base/lower_case.h"
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/keyed_words.h"
@@ -31,11 +32,12 @@ KeyedWords read_header(const ForeignFile& file) {
 
 ElementType sample_type(const KeyedWords& header) {
   static constexpr std::pair<std::string_view, ElementType> types[] = {
-      {"BYTE", ElementType::U8},  {"SHORT", ElementType::I16}, {"INT", ElementType::I32},
-      {"LONG", ElementType::I64}, {"INT64", ElementType::I64}, {"FLOAT", ElementType::F32},
-      {"REAL", ElementType::F32}, {"DOUBLE", ElementType::F64}};
+      {"BYTE", ElementType::U8},   {"CHAR", ElementType::U8},  {"SHORT", ElementType::I16},
+      {"INT", ElementType::I32},   {"LONG", ElementType::I64}, {"INT64", ElementType::I64},
+      {"FLOAT", ElementType::F32}, {"REAL", ElementType::F32}, {"DOUBLE", ElementType::F64}};
   const std::string name = header.need("DATA_FORMAT");
-  const std::optional<ElementType> found = find_in(types, name);
+  const std::string_view singular = std::string_view(name).substr(0, name.size() - (name.back() == 'S' ? 1 : 0));
+  const std::optional<ElementType> found = find_in(types, singular);
   if (!found)
     header.refuse("DATA_FORMAT", in_quotes(name), "BYTE, SHORT, INT, LONG, FLOAT or DOUBLE", ErrorCode::unsupported);
   return *found;
@@ -48,15 +50,16 @@ bool is_big_endian(const KeyedWords& header) {
 }
 
 /// The brick's box is divided by its points, or by its cells, whose centres are then the samples.
+/// VisIt's defaults: points, and a box of size 1 at 0.
 PointGrid grid_of(const KeyedWords& header, const Index3& samples) {
   std::vector<double> origin = header.numbers<double>({"BRICK_ORIGIN"}, 3);
   std::vector<double> size = header.numbers<double>({"BRICK_SIZE"}, 3);
   if (origin.empty()) origin = {0, 0, 0};
-  if (size.empty())
-    size = {static_cast<double>(samples.x), static_cast<double>(samples.y), static_cast<double>(samples.z)};
-  const std::string centering = header.word("CENTERING", "zonal");
-  const bool at_points = centering == "nodal";
-  if (!at_points && centering != "zonal") header.refuse("CENTERING", in_quotes(centering), "zonal or nodal");
+  if (size.empty()) size = {1, 1, 1};
+  const std::string centering = header.word("CENTERING", "nodal");
+  const bool at_points = lower_case(centering) == "nodal";
+  if (!at_points && lower_case(centering) != "zonal")
+    header.refuse("CENTERING", in_quotes(centering), "zonal or nodal");
   Vec3 step, first;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "preprocess/import/reading/families.h"
 #include "preprocess/import/reading/samples.h"
@@ -19,11 +21,22 @@ Vec3 three_numbers(WordReader& reader, std::string_view what) {
   return {x, y, z};
 }
 
+/// Newer writers tell at the end of the line how many values each sample has.
+void check_value_count(WordReader& reader) {
+  const std::string_view rest = reader.line(), spaces = " \t";
+  const std::size_t begin = std::min(rest.find_first_not_of(spaces), rest.size());
+  const std::string_view word = rest.substr(begin, rest.find_last_not_of(spaces) + 1 - begin);
+  if (word.empty()) return;
+  const std::optional<std::int64_t> count = parse_number<std::int64_t>(word);
+  if (!count) reader.refuse(in_quotes(word), "a number of values for each sample, or nothing");
+  if (*count != 1) reader.refuse(concat(*count, " values for each sample"), "1", ErrorCode::unsupported);
+}
+
 }  // namespace
 
-// The format: two lines of text; atom count and origin; three axes; atoms; if the atom count is
-// negative, a line with the number of orbitals and their numbers; then values, the third axis
-// fastest. Lengths are in bohr, or in angstrom if the count of an axis is negative.
+// The format: two lines of text; atom count and origin, perhaps a count of values; three axes; atoms; if the atom count
+// is negative, a line with the number of orbitals and their numbers; then values, the third axis fastest. Lengths are
+// in bohr, or in angstrom if the count of an axis is negative.
 NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::string&) {
   const ForeignFile file(path);
   WordReader reader(file);
@@ -31,6 +44,7 @@ NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::s
   reader.line();
   const auto atoms = reader.number<std::int64_t>("a number of atoms");
   const Vec3 origin = three_numbers(reader, "an origin");
+  check_value_count(reader);
   CubeAxis axes[3];
   bool in_angstrom = false;
   for (CubeAxis& axis : axes) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "formats/base/word_list.h"
 #include "preprocess/import/reading/array_choice.h"
 #include "preprocess/import/reading/byte_stream.h"
 #include "preprocess/import/reading/families.h"
@@ -109,7 +110,7 @@ class ElementReader {
   }
 
   /// Reads on to the end, where a compressed element has its checksum.
-  void finish() { stream_.drain(is_packed_ ? 8 + 1040 * std::uint64_t{source_bytes_} : 0); }
+  void finish() { stream_.finish(); }
 
   bool big_endian() const { return big_endian_; }
 
@@ -207,12 +208,29 @@ Array<std::byte> read_numbers(ElementReader& reader, ElementType type, std::uint
   return converted;
 }
 
+/// Leaves out volumes of classes that are not read, if there is one that is read.
+void leave_out_unreadable(std::vector<Variable>& variables, std::vector<std::string>& notes) {
+  const auto is_volume = [](const Variable& variable) { return component_count_of(variable.array.shape).has_value(); };
+  const auto is_unreadable = [&](const Variable& variable) {
+    return is_volume(variable) && (variable.is_complex || !find_in(classes, variable.class_number));
+  };
+  const auto is_readable = [&](const Variable& variable) { return is_volume(variable) && !is_unreadable(variable); };
+  if (std::none_of(variables.begin(), variables.end(), is_readable)) return;
+  std::vector<std::string> names;
+  for (const Variable& variable : variables)
+    if (is_unreadable(variable)) names.push_back(variable.array.name);
+  if (!names.empty()) notes.push_back(concat("arrays that cannot be read were left out: ", joined(names)));
+  std::erase_if(variables, is_unreadable);
+}
+
 }  // namespace
 
 NeutralVolume read_matlab(const fs::path& path, const std::string& field) {
   const ForeignFile file(path);
   const bool big_endian = is_big_endian(file);
-  const std::vector<Variable> variables = variables_in(file, big_endian);
+  std::vector<Variable> variables = variables_in(file, big_endian);
+  NeutralVolume volume;
+  if (field.empty()) leave_out_unreadable(variables, volume.notes);
   std::vector<NamedShape> arrays;
   for (const Variable& variable : variables) arrays.push_back(variable.array);
   const VolumeChoice choice =
@@ -223,7 +241,6 @@ NeutralVolume read_matlab(const fs::path& path, const std::string& field) {
   if (!type || variable.is_complex)
     refuse_input(path, concat("array '", name, "'"), type ? "complex numbers" : "no plain array of numbers",
                  "real numbers", ErrorCode::unsupported);
-  NeutralVolume volume;
   volume.sample_count = {variable.array.shape[0], variable.array.shape[1], variable.array.shape[2]};
   const std::uint64_t bytes = checked_array_bytes(path, volume.sample_count, {*type, component_count});
   ElementReader reader(path, variable, big_endian);

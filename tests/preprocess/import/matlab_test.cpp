@@ -129,6 +129,23 @@ TEST(Matlab, reads_the_array_that_is_named_or_the_first_of_three_axes) {
   expect_refusal([&] { read(path, "spacing"); }, ErrorCode::unsupported, {"'spacing'", "2 axes (1 x 6)", "x, y, z"});
 }
 
+TEST(Matlab, reads_the_first_array_that_is_readable) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.mat";
+  write_file(path, File()
+                       .add_known<double>("a struct", 2, 9)
+                       .add_known<double>("a spectrum", 0x0806, 9)
+                       .add_known<std::int16_t>("image", 10, 3)
+                       .content());
+  const NeutralVolume volume = read(path);
+  expect_known_values(volume, ElementType::I16);
+  EXPECT_EQ(volume.field_name, "image");
+  EXPECT_THAT(volume.notes, testing::ElementsAre("arrays that cannot be read were left out: a struct, a spectrum"));
+  EXPECT_TRUE(read(path, "image").notes.empty());
+  expect_refusal([&] { read(path, "a struct"); }, ErrorCode::unsupported, {"'a struct'", "no plain array"});
+  expect_refusal([&] { read(path, "a spectrum"); }, ErrorCode::unsupported, {"'a spectrum'", "complex"});
+}
+
 TEST(Matlab, reads_vectors_along_a_fourth_axis) {
   TemporaryFolder folder;
   write_file(folder / "a.mat", File().add("flow", 6, 9, std::vector<double>{3, 5, 4, 12}, {1, 2, 1, 2}).content());

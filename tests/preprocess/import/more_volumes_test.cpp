@@ -145,6 +145,21 @@ TEST(GaussianCube, refuses_every_beginning_of_itself) {
   expect_refusal([&] { read(folder / "a.cube"); }, ErrorCode::invalid, {"999999999 x 4 x 5"});
 }
 
+TEST(GaussianCube, takes_one_value_for_each_sample_where_the_header_counts_them) {
+  TemporaryFolder folder;
+  std::string text = cube_text();
+  const std::size_t end = text.find(" 1 2 3\n") + 6;
+  write_file(folder / "a.cube", text.insert(end, "    1"));
+  expect_known_values(read(folder / "a.cube"), ElementType::F64);
+  const auto refuses = [&](const std::string& count, ErrorCode error_code, const std::vector<std::string>& words) {
+    write_file(folder / "a.cube", std::string(text).replace(end + 4, 1, count));
+    expect_refusal([&] { read(folder / "a.cube"); }, error_code, words);
+  };
+  refuses("2", ErrorCode::unsupported, {"line 3", "2 values for each sample", "1"});
+  refuses("many", ErrorCode::invalid, {"line 3"});
+  refuses("1 1", ErrorCode::invalid, {"line 3"});
+}
+
 std::string bov_text(const std::string& more = {}) {
   return "# a comment\nTIME: 1.5\nDATA_FILE: values.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOAT\nVARIABLE: density\n"
          "BRICK_ORIGIN: 10 20 30\nBRICK_SIZE: 6 8 10\n" +
@@ -159,8 +174,32 @@ TEST(Bov, reads_the_file_that_its_header_names) {
   expect_known_values(volume, ElementType::F32);
   EXPECT_EQ(volume.field_name, "density");
   expect_map(volume.world_from_grid, axis_parallel_map({3, 8.0 / 3, 2.5}, {10, 20, 30}));
-  write_file(folder / "a.bov", bov_text("DATA_ENDIAN: BIG\nBYTE_OFFSET: 4\n"));
-  expect_map(read(folder / "a.bov").world_from_grid, axis_parallel_map({2, 2, 2}, {11, 21, 31}));
+  const auto map_with = [&](const std::string& lines) {
+    write_file(folder / "a.bov", bov_text("DATA_ENDIAN: BIG\nBYTE_OFFSET: 4\n" + lines));
+    return read(folder / "a.bov").world_from_grid;
+  };
+  for (const char* centering : {"zonal", "ZONAL", "Zonal"})
+    expect_map(map_with(concat("CENTERING: ", centering, "\n")), axis_parallel_map({2, 2, 2}, {11, 21, 31}));
+  // As VisIt, samples are at points unless the header says otherwise.
+  for (const char* line : {"", "CENTERING: NODAL\n", "CENTERING: Nodal\n"})
+    expect_map(map_with(line), axis_parallel_map({3, 8.0 / 3, 2.5}, {10, 20, 30}));
+  expect_refusal([&] { map_with("CENTERING: facial\n"); }, ErrorCode::invalid, {"CENTERING", "'facial'"});
+}
+
+TEST(Bov, has_a_box_of_size_1_and_plural_types_as_in_visit) {
+  TemporaryFolder folder;
+  write_file(folder / "b.bin", bytes_of_values(known_values<std::uint8_t>()));
+  for (const char* type : {"BYTE", "BYTES", "CHAR", "CHARS"}) {
+    write_file(folder / "a.bov", concat("DATA_FILE: b.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: ", type, "\n"));
+    const NeutralVolume volume = read(folder / "a.bov");
+    expect_known_values(volume, ElementType::U8);
+    expect_map(volume.world_from_grid, axis_parallel_map({0.5, 1.0 / 3, 0.25}, {0, 0, 0}));
+  }
+  write_file(folder / "b.bin", bytes_of_values(known_values<float>()));
+  write_file(folder / "a.bov", "DATA_FILE: b.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOATS\n");
+  expect_known_values(read(folder / "a.bov"), ElementType::F32);
+  write_file(folder / "a.bov", "DATA_FILE: b.bin\nDATA_SIZE: 3 4 5\nDATA_FORMAT: FLOATING\n");
+  expect_refusal([&] { read(folder / "a.bov"); }, ErrorCode::unsupported, {"FLOATING"});
 }
 
 TEST(Bov, refuses_what_does_not_fit) {
@@ -196,6 +235,9 @@ TEST(Slc, reads_plain_and_packed_slices_as_vtk_does) {
     const NeutralVolume volume = read(folder / "a.slc");
     EXPECT_EQ(volume.sample_count, Index3(3, 4, 5));
     EXPECT_EQ(volume.length_unit, "mm");
+    EXPECT_TRUE(volume.notes.empty());
+    write_file(folder / "b.slc", slc_text(packed, packed ? runs : plain) + "more");
+    EXPECT_THAT(read(folder / "b.slc").notes, ElementsAre(HasSubstr("4 bytes after the samples were left out")));
     expect_map(volume.world_from_grid, axis_parallel_map({0.5, 1, 2}, {0, 0, 0}));
     const std::vector<double> values = values_of(volume);
     vtkNew<vtkSLCReader> reader;
