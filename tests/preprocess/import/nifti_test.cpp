@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include "preprocess/import/readers.h"
+#include "preprocess/import/reading/time_steps.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
 #include "tests/support/colors.h"
@@ -174,6 +175,13 @@ TEST(Nifti, refuses_a_time_where_volumes_have_none) {
   EXPECT_EQ(values_of(read_volume(folder / "a.nii", {.time = "#1"})).front(), 100);
   expect_refusal([&] { read_volume(folder / "a.nii", {.time = "0"}); }, ErrorCode::usage,
                  {"a.nii", "'0'", "first, last or #0 to #2", "no times"});
+}
+
+TEST(TimeSteps, with_a_time_are_nearer_than_those_without) {
+  std::vector<std::string> notes;
+  const double last_unknown[] = {0, NAN}, first_unknown[] = {NAN, 0, 1};
+  EXPECT_EQ(choose_time_step(last_unknown, "0.1", "a.xdmf", notes), 0U);
+  EXPECT_EQ(choose_time_step(first_unknown, "0.9", "a.xdmf", notes), 2U);
 }
 
 TEST(Nifti, says_how_much_behind_the_samples_is_left_out_and_notices_damage_there) {
