@@ -75,9 +75,9 @@ bool holds_samples(std::string_view bytes, std::uint64_t expected) {
          holds_after("\x7f\xe0\x00\x10OB\0\0"sv, true);
 }
 
-/// Codecs of GDCM invent missing pixels. Returns true if the fragments of packed samples are complete
-/// in the file, up to the delimiter after the last one, in each Pixel Data element (DICOM PS3.5,
-/// section A.4). A preview may be one more such element. Also true without any such element.
+/// GDCM invents missing pixels as it unpacks. Returns true if each Pixel Data element has all its
+/// fragments in the file, up to the delimiter after the last one (DICOM PS3.5, section A.4). A
+/// preview may be one more such element. Also true if there is none.
 bool holds_fragments(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::uint32_t item = 0xe000fffe, delimiter = 0xe0ddfffe;

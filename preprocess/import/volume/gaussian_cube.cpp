@@ -34,9 +34,10 @@ void check_value_count(WordReader& reader) {
 
 }  // namespace
 
-// The format: two lines of text; atom count and origin, perhaps a count of values; three axes; atoms; if the atom count
-// is negative, a line with the number of orbitals and their numbers; then values, the third axis fastest. Lengths are
-// in bohr, or in angstrom if the count of an axis is negative.
+// The format: two lines of text; atom count and origin, perhaps a count of values; three axes;
+// atoms; if the atom count is negative, a line with the number of orbitals and their numbers; then
+// values, the third axis fastest. Lengths are in bohr, or in angstrom if the count of an axis is
+// negative.
 NeutralVolume read_gaussian_cube(const std::filesystem::path& path, const std::string&) {
   const ForeignFile file(path);
   WordReader reader(file);

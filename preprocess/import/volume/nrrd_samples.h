@@ -33,9 +33,9 @@ void check_data_size(const NrrdSamples& source, std::uint64_t wanted, std::uint6
 /// True for raw samples, gzip and text. The rest is left to Teem.
 bool is_read_here(const NrrdSamples& source);
 
-/// The samples, in native byte order. Teem stops at the last one: it verifies no checksum further
-/// back, and does not see what is left out; numbers in text wrap around or lose their fraction. Here
-/// a note says how much is left out, and the rest is refused.
+/// The samples, in native byte order. Refuses numbers in text that the type does not hold, and
+/// damage behind the samples; a note says how much is left out. Teem does none of this: it stops at
+/// the last sample, and numbers in text wrap around or lose their fraction.
 Array<std::byte> load_samples(const NrrdSamples& source, formats::ElementType type, std::uint64_t bytes,
                               std::vector<std::string>& notes);
 
