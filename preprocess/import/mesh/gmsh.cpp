@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <map>
 #include <set>
@@ -50,9 +51,25 @@ class MshReader {
     std::string name;
     bool at_points = false;
     double time = 0;
+    std::uint64_t step = 0;
     int component_count = 1;
     std::uint64_t count = 0;
     std::size_t position = 0;  ///< byte offset of the first value in the file
+
+    bool is_of_field(const Data& other) const { return name == other.name && at_points == other.at_points; }
+  };
+
+  /// A time, and the number of earlier steps that a field has at the same time. Times that are NaN
+  /// count as equal.
+  struct Step {
+    double time = 0;
+    std::size_t rank = 0;
+
+    bool has_time_of(const Data& data) const { return std::is_eq(std::weak_order(time, data.time)); }
+    std::weak_ordering operator<=>(const Step& other) const {
+      const std::weak_ordering order = std::weak_order(time, other.time);
+      return std::is_eq(order) ? rank <=> other.rank : order;
+    }
   };
 
   void read_format() {
@@ -103,8 +120,8 @@ class MshReader {
       is_4_ ? read_nodes_4() : read_nodes_2();
     else if (name == "Elements")
       is_4_ ? read_elements_4() : read_elements_2();
-    else if (name == "Entities" && is_4_)
-      read_entities();
+    else if ((name == "Entities" || name == "PartitionedEntities") && is_4_)
+      read_entities(name != "Entities");
     else if (name == "PhysicalNames")
       read_names();
     else if (name == "NodeData" || name == "ElementData")
@@ -184,20 +201,35 @@ class MshReader {
     if (mesh_.points.size() != total) in_.words.refuse(concat(mesh_.points.size(), " nodes"), concat(total));
   }
 
-  /// Stores the first physical group of each volume.
-  void read_entities() {
+  /// Passes over the number of partitions, and the entities that hold ghost cells.
+  void read_partitions() {
+    in_.count("a number of partitions");
+    for (std::uint64_t ghosts = in_.count("a number of ghost entities"); ghosts > 0; --ghosts)
+      for (const char* expected : {"a ghost entity", "its partition"}) in_.integer(expected);
+  }
+
+  /// Passes over the entity that was cut into partitions, and the numbers of these.
+  void read_parent() {
+    for (const char* expected : {"the parent's dimension", "the parent"}) in_.integer(expected);
+    for (std::uint64_t left = in_.count("a number of partitions"); left > 0; --left) in_.integer("a partition");
+  }
+
+  /// Stores the first physical group of each volume. The parts of a volume repeat its groups.
+  void read_entities(bool are_parts) {
+    if (are_parts) read_partitions();
     std::array<std::uint64_t, 4> counts;
     for (std::uint64_t& count : counts) count = in_.count("numbers of points, curves, surfaces and volumes");
     for (std::size_t dimension = 0; dimension < 4; ++dimension)
       for (std::uint64_t left = counts[dimension]; left > 0; --left) {
         const std::int32_t entity = in_.integer("an entity");
+        if (are_parts) read_parent();
         for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) in_.real("an entity's box");
         const std::uint64_t groups = in_.count("a number of physical groups");
         for (std::uint64_t k = 0; k < groups; ++k) {
           const std::int32_t group = in_.integer("a physical group");
           if (dimension != 3) continue;
           if (k == 0) groups_of_volumes_[entity] = group;
-          if (k == 1) ++volumes_in_several_groups_;
+          if (k == 1 && !are_parts) ++volumes_in_several_groups_;
         }
         if (dimension == 0) continue;
         for (std::uint64_t bounding = in_.count("a number of bounding entities"); bounding > 0; --bounding)
@@ -300,6 +332,7 @@ class MshReader {
     if (count < 3) in_.words.refuse(concat(count, " integers"), "at least 3: step, components, count");
     for (std::uint64_t k = 0; k < count; ++k) {
       const auto value = in_.words.number<std::uint64_t>("an integer");
+      if (k == 0) data.step = value;
       if (k == 1 && (value < 1 || value > 9)) in_.words.refuse(concat(value, " components"), "1 to 9");
       if (k == 1) data.component_count = static_cast<int>(value);
       if (k == 2) data.count = value;
@@ -338,18 +371,43 @@ class MshReader {
     for (const std::string& name : left_out_)
       mesh_.notes.push_back(concat("section ", name, " left out: its values differ from cell to cell at a node"));
     if (data_.empty()) return refuse_time_step(time_, path_);
+    const std::vector<Step> steps = steps_of_data();
     std::vector<double> times;
-    for (const Data& data : data_) times.push_back(data.time);
-    std::sort(times.begin(), times.end());
-    times.erase(std::unique(times.begin(), times.end()), times.end());
-    const double time = times[choose_time_step(times, time_, path_, mesh_.notes)];
+    for (const Step& step : steps) times.push_back(step.time);
+    const Step chosen = steps[choose_time_step(times, time_, path_, mesh_.notes)];
     const IdPositions nodes(node_ids_), elements(element_ids_);
     for (const Data& data : data_) {
-      const bool is_only = std::none_of(data_.begin(), data_.end(), [&](const Data& other) {
-        return &other != &data && other.name == data.name && other.at_points == data.at_points;
-      });
-      if (data.time == time || is_only) read_field(data, data.at_points ? nodes : elements);
+      const Step step = step_of(data);
+      bool is_only = true, is_only_then = true;
+      for (const Data& other : data_) {
+        if (!other.is_of_field(data) || &other == &data) continue;
+        is_only = false;
+        is_only_then = is_only_then && !step.has_time_of(other);
+      }
+      if (is_only || (chosen.has_time_of(data) && (is_only_then || step.rank == chosen.rank)))
+        read_field(data, data.at_points ? nodes : elements);
     }
+  }
+
+  /// The step of a section: fields may count their steps differently, and all steps may have the
+  /// same time.
+  Step step_of(const Data& data) const {
+    std::set<std::uint64_t> before;
+    for (const Data& other : data_)
+      if (other.is_of_field(data) && Step{data.time}.has_time_of(other) && other.step < data.step)
+        before.insert(other.step);
+    return {data.time, before.size()};
+  }
+
+  /// The steps of all sections, each once, in their order.
+  std::vector<Step> steps_of_data() const {
+    std::vector<Step> steps;
+    for (const Data& data : data_) steps.push_back(step_of(data));
+    std::sort(steps.begin(), steps.end());
+    steps.erase(
+        std::unique(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return std::is_eq(a <=> b); }),
+        steps.end());
+    return steps;
   }
 
   /// Points and cells without a value have no data: NaN.

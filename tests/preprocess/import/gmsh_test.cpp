@@ -116,6 +116,66 @@ TEST(Gmsh, reads_binary_numbers_in_both_byte_orders) {
 }
 
 /// Elements that share a number, as in a file met in the wild: Gmsh itself keeps the last.
+/// The mesh of version 4 cut into two partitions, as Gmsh writes it: elements name the entities of
+/// the partitions, which repeat the physical groups.
+TEST(Gmsh, reads_the_groups_of_partitions) {
+  TemporaryFolder folder;
+  const std::string head = "$MeshFormat\n4.1 ", text_head = head + "0 8\n$EndMeshFormat\n";
+  write_file(folder / "a.msh",
+             text_head +
+                 "$PhysicalNames\n1\n3 7 \"liver\"\n$EndPhysicalNames\n"
+                 "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 2 7 9 0\n$EndEntities\n"
+                 "$PartitionedEntities\n2\n1\n5 2\n1 0 1 2\n4 0 1 2 1 2 0 0 0 0\n4 2 1 2 1 2 0 0 0 1 1 1 1 3 1 4\n"
+                 "2 3 1 1 1 0 0 0 1 1 1 2 7 9 1 4\n3 3 1 1 2 0 0 0 1 1 1 1 7 0\n$EndPartitionedEntities\n"
+                 "$Nodes\n1 5 1 5\n3 2 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n"
+                 "$Elements\n2 2 1 2\n3 2 4 1\n1 1 2 3 4\n3 3 4 1\n2 2 3 4 5\n$EndElements\n");
+  const CellMesh text = read_cells(folder / "a.msh", {});
+  EXPECT_THAT(field_of(text.cell_fields, "physical").values, testing::ElementsAre(7, 7));
+  EXPECT_THAT(field_of(text.cell_fields, "entity").values, testing::ElementsAre(2, 3));
+  EXPECT_EQ(field_of(text.cell_fields, "physical").label_names, (formats::LabelNames{{7, "liver"}}));
+  EXPECT_THAT(text.notes, testing::Contains("1 volume belongs to several physical groups; cell field 'physical' has "
+                                            "the first"));
+  const auto ints = [](std::initializer_list<std::int32_t> values) { return in_bytes<std::int32_t>(values, false); };
+  const auto sizes = [](std::initializer_list<std::uint64_t> values) { return in_bytes<std::uint64_t>(values, false); };
+  const auto reals = [](std::initializer_list<double> values) { return in_bytes<double>(values, false); };
+  write_file(folder / "a.msh", head + "1 8\n" + ints({1}) + "\n$EndMeshFormat\n$PartitionedEntities\n" + sizes({2, 1}) +
+                                   ints({5, 2}) + sizes({0, 0, 0, 1}) + ints({2, 3, 1}) + sizes({1}) + ints({1}) +
+                                   reals({0, 0, 0, 1, 1, 1}) + sizes({1}) + ints({7}) + sizes({0}) +
+                                   "\n$EndPartitionedEntities\n$Nodes\n" + sizes({1, 4, 1, 4}) + ints({3, 2, 0}) +
+                                   sizes({4, 1, 2, 3, 4}) + reals({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}) +
+                                   "\n$EndNodes\n$Elements\n" + sizes({1, 1, 1, 1}) + ints({3, 2, 4}) +
+                                   sizes({1, 1, 1, 2, 3, 4}) + "\n$EndElements\n");
+  EXPECT_THAT(field_of(read_cells(folder / "a.msh", {}).cell_fields, "physical").values, testing::ElementsAre(7));
+}
+
+/// Gmsh's library gives every step the time 0 unless it is told another.
+TEST(Gmsh, tells_steps_of_the_same_time_apart) {
+  TemporaryFolder folder;
+  const auto section = [](const std::string& name, const std::string& time, int step, int value) {
+    return concat("$NodeData\n1\n\"", name, "\"\n1\n", time, "\n3\n", step, "\n1\n1\n1 ", value, "\n$EndNodeData\n");
+  };
+  const auto value = [&](const std::string& field, const std::string& time) {
+    return field_of(read_cells(folder / "a.msh", {.time = time}).point_fields, field).values[0];
+  };
+  for (const char* time : {"0", "nan"}) {
+    write_file(folder / "a.msh", format_2 + nodes_2 + elements_2 + section("u", time, 0, 1) +
+                                     section("u", time, 1, 10) + section("v", time, 3, 5));
+    EXPECT_EQ(value("u", {}), 10) << time;
+    EXPECT_EQ(value("u", "first"), 1) << time;
+    EXPECT_EQ(value("u", "#1"), 10) << time;
+    EXPECT_EQ(value("v", {}), 5) << "the only one";
+    EXPECT_THAT(read_cells(folder / "a.msh", {}).notes,
+                testing::Contains(testing::HasSubstr("using the last of 2 time steps")));
+  }
+  // Fields that count their steps differently share the steps of their times.
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements_2 + section("u", "0", 0, 1) + section("u", "0.5", 1, 2) +
+                                   section("u", "1", 2, 3) + section("v", "0", 0, 4) + section("v", "1", 1, 5));
+  EXPECT_EQ(value("u", {}), 3);
+  EXPECT_EQ(value("v", {}), 5);
+  EXPECT_THAT(read_cells(folder / "a.msh", {}).notes,
+              testing::Contains(testing::HasSubstr("the last of 3 time steps")));
+}
+
 TEST(Gmsh, keeps_elements_that_share_a_number) {
   TemporaryFolder folder;
   const std::string elements =
