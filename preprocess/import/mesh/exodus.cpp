@@ -85,13 +85,20 @@ class ExodusReader {
                    "points in 3 dimensions");
     const auto together = file_.variable("coord");
     Array<double> all;
-    if (together) all = file_.numbers(*together, std::array{axes, count});
+    if (together) all = written_numbers(*together, std::array{axes, count});
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (!together) all = file_.numbers(file_.need_variable(concat("coord", "xyz"[axis])), std::array{count});
+      if (!together) all = written_numbers(file_.need_variable(concat("coord", "xyz"[axis])), std::array{count});
       mesh_.points.resize(count);
       const std::size_t first = together ? axis * count : 0;
       for (std::size_t i = 0; i < count; ++i) mesh_.points[i][axis] = all[first + i];
     }
+  }
+
+  /// Like NetcdfFile::numbers, with NaN where nothing was written.
+  Array<double> written_numbers(const NetcdfFile::Variable& variable, std::span<const std::uint64_t> shape) const {
+    Array<double> numbers = file_.numbers(variable, shape);
+    std::replace(numbers.begin(), numbers.end(), file_.fill_value(variable), std::numeric_limits<double>::quiet_NaN());
+    return numbers;
   }
 
   void read_blocks() {
@@ -161,7 +168,7 @@ class ExodusReader {
       if (!at_points.empty() || !in_cells.empty()) mesh_.notes.push_back("fields left out: they have no time steps");
       return;
     }
-    const Array<double> times = file_.numbers(file_.need_variable("time_whole"), std::array{steps});
+    const Array<double> times = written_numbers(file_.need_variable("time_whole"), std::array{steps});
     step_ = choose_time_step(times, time_, file_.path(), mesh_.notes);
     for (std::size_t i = 0; i < at_points.size(); i += point_field(at_points, i)) {
     }
@@ -200,12 +207,37 @@ class ExodusReader {
     return field;
   }
 
+  /// A component of the values of a field, from an owner on.
+  struct Target {
+    std::size_t owner, component;
+  };
+
+  /// Leaves NaN where nothing was written, which the fill value says. Returns how many those are.
+  static std::uint64_t put_values(NeutralField& field, const Target& target, std::span<const double> values,
+                                  double fill_value) {
+    const auto width = static_cast<std::size_t>(field.component_count);
+    std::uint64_t unwritten = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] == fill_value)
+        ++unwritten;
+      else
+        field.values[(target.owner + i) * width + target.component] = values[i];
+    return unwritten;
+  }
+
+  void note_unwritten(const NeutralField& field, std::uint64_t count) {
+    if (count > 0)
+      mesh_.notes.push_back(
+          concat("field '", field.name, "': ", count_text(count, "value was", "values were"), " never written"));
+  }
+
   /// Adds the field that starts at name i, and returns the number of names it used.
   std::size_t point_field(const std::vector<std::string>& names, std::size_t i) {
     const std::uint64_t owners = mesh_.points.size();
     NeutralField field = new_field(names, i, owners);
     const auto width = static_cast<std::size_t>(field.component_count);
     bool is_double = false;
+    std::uint64_t unwritten = 0;
     // small old files store all variables in one array
     const auto together = file_.variable("vals_nod_var");
     Array<double> all;
@@ -215,9 +247,10 @@ class ExodusReader {
       if (!own) continue;  // never written: no data
       if (!together) all = file_.numbers(*own, std::array{owners}, step_);
       is_double = is_double || NetcdfFile::is_double_precision(*own);
-      const std::size_t first = together ? (i + c) * owners : 0;
-      for (std::size_t point = 0; point < owners; ++point) field.values[point * width + c] = all[first + point];
+      const auto values = std::span(all).subspan(together ? (i + c) * owners : 0, owners);
+      unwritten += put_values(field, {.owner = 0, .component = c}, values, file_.fill_value(*own));
     }
+    note_unwritten(field, unwritten);
     if (in_capitals(field.name).starts_with("DISPL"))
       mesh_.notes.push_back(concat("points are not displaced by field '", field.name, "'"));
     field.was_single_precision = !is_double || fits_single_precision(field.values);
@@ -236,6 +269,7 @@ class ExodusReader {
     NeutralField field = new_field(names, i, cells_.kinds.size());
     const auto width = static_cast<std::size_t>(field.component_count);
     bool is_double = false;
+    std::uint64_t unwritten = 0;
     for (std::size_t c = 0; c < width; ++c)
       for (std::size_t b = 0; b < blocks_.size(); ++b) {
         const Block& block = blocks_[b];
@@ -244,8 +278,9 @@ class ExodusReader {
         if (!variable) continue;
         is_double = is_double || NetcdfFile::is_double_precision(*variable);
         const Array<double> values = file_.numbers(*variable, std::array{block.count}, step_);
-        for (std::size_t e = 0; e < block.count; ++e) field.values[(block.first + e) * width + c] = values[e];
+        unwritten += put_values(field, {.owner = block.first, .component = c}, values, file_.fill_value(*variable));
       }
+    note_unwritten(field, unwritten);
     field.was_single_precision = !is_double || fits_single_precision(field.values);
     mesh_.cell_fields.push_back(std::move(field));
     return width;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "formats/base/bytes.h"
@@ -218,6 +219,18 @@ Array<std::byte> NetcdfFile::bytes(const Variable& variable, std::span<const std
   Array<std::byte> result(checked_count(variable, shape, false) * formats::element_bytes(*element_type(variable)));
   if (!result.empty()) check(::nc_get_var(variable.group, variable.id, result.data()), variable.name);
   return result;
+}
+
+double NetcdfFile::fill_value(const Variable& variable) const {
+  static_assert(NC_FILL_FLOAT == NC_FILL_DOUBLE);
+  const bool is_float = variable.type == NC_FLOAT || variable.type == NC_DOUBLE;
+  double value = is_float ? NC_FILL_DOUBLE : std::numeric_limits<double>::quiet_NaN();
+  nc_type type = NC_NAT;
+  std::size_t length = 0;
+  if (::nc_inq_att(variable.group, variable.id, "_FillValue", &type, &length) == NC_NOERR && length == 1 &&
+      element_type_of(type))
+    check(::nc_get_att_double(variable.group, variable.id, "_FillValue", &value), variable.name);
+  return value;
 }
 
 bool NetcdfFile::is_double_precision(const Variable& variable) {

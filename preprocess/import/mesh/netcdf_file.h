@@ -63,6 +63,10 @@ class NetcdfFile {
   /// A text attribute; empty when there is none.
   std::string text_attribute(const Variable& variable, const std::string& name) const;
 
+  /// The number that stands where nothing was written: the variable's _FillValue, or netCDF's for
+  /// floating-point numbers. NaN for other variables.
+  double fill_value(const Variable& variable) const;
+
   static bool is_double_precision(const Variable& variable);
 
  private:

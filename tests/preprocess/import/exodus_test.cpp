@@ -297,6 +297,39 @@ TEST(Exodus, reads_every_format_of_netcdf) {
     }
 }
 
+/// A program that ends while it writes leaves netCDF's fill values, 9.97e36, where it wrote
+/// nothing.
+TEST(Exodus, takes_values_that_were_never_written_as_no_data) {
+  TemporaryFolder folder;
+  for (const int format : {NC_64BIT_OFFSET, NC_NETCDF4}) {
+    ExodusFile file = small_file();
+    file.format = format;
+    file.write(folder / "a.e");
+    {
+      int id = 0, variable = 0;
+      must(::nc_open((folder / "a.e").c_str(), NC_WRITE, &id));
+      must(::nc_inq_varid(id, "time_whole", &variable));
+      const std::size_t start[] = {3}, count[] = {1};
+      const double time = 3;
+      must(::nc_put_vara_double(id, variable, start, count, &time));
+      must(::nc_inq_varid(id, "vals_nod_var1", &variable));
+      const std::size_t place[] = {3, 1};
+      const double value = 7;
+      must(::nc_put_var1_double(id, variable, place, &value));
+      must(::nc_close(id));
+    }
+    const CellMesh mesh = read_cells(folder / "a.e", {});
+    const NeutralField& t = field_of(mesh.point_fields, "T");
+    for (std::size_t n = 0; n < 6; ++n) EXPECT_TRUE(n == 1 ? t.values[n] == 7 : std::isnan(t.values[n])) << n;
+    EXPECT_THAT(field_of(mesh.point_fields, "V").values, testing::Each(testing::IsNan()));
+    EXPECT_THAT(field_of(mesh.cell_fields, "p").values, testing::Each(testing::IsNan()));
+    EXPECT_THAT(mesh.notes, testing::Contains("field 'T': 5 values were never written"));
+    EXPECT_THAT(mesh.notes, testing::Contains("field 'V': 18 values were never written"));
+    EXPECT_EQ(field_of(read_cells(folder / "a.e", {.time = "2"}).point_fields, "V").values[0],
+              ExodusFile::point_value(2, 1, 0));
+  }
+}
+
 /// A cell as VTK's own reader finds it in a file: its kind and the positions of its corners. Cells
 /// are in the order of the blocks.
 struct VtkCell {
