@@ -53,7 +53,7 @@ std::uint64_t count_in(LineReader& lines, std::string_view what) {
 
 Array<std::array<double, 3>> read_points(const fs::path& path) {
   const ForeignFile file(path);
-  LineReader lines(file);
+  LineReader lines(file, WordEnds::at_spaces);
   const std::uint64_t count = count_in(lines, "a number of points");
   Array<std::array<double, 3>> points;
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -74,7 +74,7 @@ const CellWord& word_of(const LineReader& lines) {
 /// @param regions  receives each cell's region; 0 where the file gives none
 ForeignCells read_cells(const fs::path& path, Array<double>& regions) {
   const ForeignFile file(path);
-  LineReader lines(file);
+  LineReader lines(file, WordEnds::at_spaces);
   const bool has_words = extension_of(path) == ".elem";
   const std::uint64_t count = count_in(lines, "a number of cells");
   ForeignCells cells{.kinds = {}, .offsets = {0}, .nodes = {}};

@@ -30,7 +30,8 @@ constexpr VolumeElement volume_elements[] = {
 
 class NetgenReader {
  public:
-  explicit NetgenReader(const std::filesystem::path& path) : path_(path), file_(path), lines_(file_) {}
+  explicit NetgenReader(const std::filesystem::path& path)
+      : path_(path), file_(path), lines_(file_, WordEnds::at_spaces) {}
 
   CellMesh read() {
     lines_.need("mesh3d");
@@ -109,7 +110,7 @@ class NetgenReader {
     for (std::uint64_t left = count("a number of materials"); left > 0; --left) {
       lines_.need("a material's number and name");
       if (lines_.words().size() < 2) continue;
-      names_.emplace_back(lines_.number<int>(0, "a material"), lines_.words()[1]);
+      names_.emplace_back(lines_.number<int>(0, "a material"), lines_.text_from(1));
     }
   }
 

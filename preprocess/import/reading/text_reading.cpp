@@ -83,12 +83,14 @@ bool LineReader::next() {
   while (words_.empty()) {
     if (position_ >= text_.size()) return false;
     const std::size_t end = std::min(text_.find('\n', position_), text_.size());
-    std::string_view line = text_.substr(position_, end - position_);
+    line_ = text_.substr(position_, end - position_);
     position_ = end + 1 > text_.size() ? text_.size() : end + 1;
     ++line_number_;
-    line = line.substr(0, line.find(comment_));
+    const std::string_view line = line_.substr(0, line_.find('#'));
     for (std::size_t i = 0; i < line.size();) {
-      const auto separates = [&](std::size_t k) { return is_space(line[k]) || line[k] == ','; };
+      const auto separates = [&](std::size_t k) {
+        return is_space(line[k]) || (ends_ == WordEnds::at_spaces_and_commas && line[k] == ',');
+      };
       while (i < line.size() && separates(i)) ++i;
       const std::size_t begin = i;
       while (i < line.size() && !separates(i)) ++i;
@@ -96,6 +98,12 @@ bool LineReader::next() {
     }
   }
   return true;
+}
+
+std::string_view LineReader::text_from(std::size_t i) const {
+  std::string_view text = line_.substr(static_cast<std::size_t>(words_[i].data() - line_.data()));
+  while (is_space(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 void LineReader::need(std::string_view expected) {

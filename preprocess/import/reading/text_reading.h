@@ -93,18 +93,22 @@ class NumberReader {
   bool is_big_endian = false;
 };
 
-/// Reads a file line by line and splits each line into words at white space and commas. Skips lines
-/// that are empty or contain only a comment.
+/// Where the words of a line end.
+enum class WordEnds { at_spaces_and_commas, at_spaces };
+
+/// Reads a file line by line and splits each line into words. A comment begins with '#'. Skips
+/// lines that are empty or contain only a comment.
 class LineReader {
  public:
-  /// @param comment  character that starts a comment, up to the end of the line
-  explicit LineReader(const ForeignFile& file, char comment = '#')
-      : file_(file), text_(file.text()), comment_(comment) {}
+  explicit LineReader(const ForeignFile& file, WordEnds ends = WordEnds::at_spaces_and_commas)
+      : file_(file), text_(file.text()), ends_(ends) {}
 
   /// moves to the next line with words; false at the end
   bool next();
   void need(std::string_view expected);  ///< like next, but refuses at the end
   const std::vector<std::string_view>& words() const { return words_; }
+  /// The line from word i on, with commas and comments, without white space at its end.
+  std::string_view text_from(std::size_t i) const;
   std::size_t line_number() const { return line_number_; }
 
   /// Word i of this line as a number; refuses if there is no such word.
@@ -133,9 +137,10 @@ class LineReader {
  private:
   const ForeignFile& file_;
   std::string_view text_;
-  char comment_;
+  WordEnds ends_;
   std::size_t position_ = 0;
   std::size_t line_number_ = 0;
+  std::string_view line_;
   std::vector<std::string_view> words_;
 };
 

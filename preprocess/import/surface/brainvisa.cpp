@@ -20,7 +20,7 @@ std::uint64_t count_in(LineReader& lines, std::string_view what) {
 /// BrainVisa's text format: points, each with its normal, then triangles.
 NeutralSurface read_brainvisa(const std::filesystem::path& path) {
   const ForeignFile file(path);
-  LineReader lines(file);
+  LineReader lines(file, WordEnds::at_spaces);
   NeutralSurface surface;
   const std::uint64_t point_count = count_in(lines, "a number of points");
   for (std::uint64_t i = 0; i < point_count; ++i) {

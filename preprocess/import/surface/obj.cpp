@@ -21,7 +21,7 @@ std::uint64_t corner_of(const LineReader& lines, std::size_t i, std::size_t poin
 
 NeutralSurface read_obj(const std::filesystem::path& path) {
   const ForeignFile file = unpacked_file(path);
-  LineReader lines(file);
+  LineReader lines(file, WordEnds::at_spaces);
   NeutralSurface surface;
   std::uint64_t left_out = 0;
   Array<std::uint64_t> corners;

@@ -6,7 +6,7 @@ namespace rhoray::preprocess {
 
 NeutralSurface read_off(const std::filesystem::path& path) {
   const ForeignFile file(path);
-  LineReader lines(file);
+  LineReader lines(file, WordEnds::at_spaces);
   lines.need("OFF");
   // C and N mean colours and normals after the coordinates, ST texture coordinates; all are
   // skipped.

@@ -39,6 +39,15 @@ TEST(Netgen, reads_points_cells_and_materials) {
   EXPECT_THAT(mesh.notes, testing::ElementsAre("2 surface elements left out: only cells that fill space are kept"));
 }
 
+/// A name runs to the end of its line: it may contain spaces, commas and '#'.
+TEST(Netgen, takes_whole_names_of_materials) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vol",
+             head + volumes + points + "materials\n2\n7 heart,left\n8   left #2, inner \r\nendmesh\n");
+  EXPECT_EQ(read_cells(folder / "a.vol", {}).cell_fields[0].label_names,
+            (formats::LabelNames{{7, "heart,left"}, {8, "left #2, inner"}}));
+}
+
 /// Netgen's corners of a unit cell, mirrored against VTK's, become VTK's.
 TEST(Netgen, turns_cells_of_every_kind_the_right_way_round) {
   TemporaryFolder folder;
@@ -75,6 +84,7 @@ TEST(Netgen, refuses_what_does_not_fit) {
   refuses("7 4 1 3 2 4", "7 4 1 3 2", ErrorCode::invalid, {"line 18"});
   refuses("7 4 1 3 2 4", "7 4 1 3 2 6", ErrorCode::invalid, {"cell 0", "point 5"});
   refuses("7 4 1 3 2 4", "7 4 1 3 2 0", ErrorCode::invalid, {"cell 0", "point -1"});
+  refuses("0.0 0 1", "0,5 0 1", ErrorCode::invalid, {"line 29", "'0,5'"});
   refuses("7 4 1 3 2 4", "7 4 1 3 2 x", ErrorCode::invalid, {"line 18", "'x'"});
   refuses("volumeelements\n2", "volumeelements\n18446744073709551615", ErrorCode::invalid, {"a.vol"});
   refuses("volumeelements\n2\n7 4 1 3 2 4\n8 4 2 4 3 5", "volumeelements\n0", ErrorCode::invalid, {"cells", "none"});

@@ -202,6 +202,7 @@ TEST(Off, refuses_what_does_not_fit) {
   refuses("OFX\n", {"a.off, line 1", "'OFX'"});
   refuses("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", {"a.off, line 6", "corner 3"});
   refuses("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n", {"a.off, line 6", "4 corners"});
+  refuses("OFF\n3 1 0\n0,5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"a.off, line 3", "'0,5'"});
   refuses("OFF\n1000000000 1 0\n0 0 0\n", {"end of the file"});
   refuses("OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", {"facets", "none"});
 }
