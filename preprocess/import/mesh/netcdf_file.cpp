@@ -41,6 +41,8 @@ NetcdfFile::NetcdfFile(const std::filesystem::path& path) : path_(path) {
   const ForeignFile file(path);
   check_classic_netcdf(file);
   file_bytes_ = file.bytes().size();
+  // before netCDF's library opens it: that follows links to other files
+  if (Hdf5File::is_hdf5(path)) hdf5_.emplace(path, Hdf5File::Driver::buffered).check_links();
   // An absolute name cannot be mistaken for a network address.
   check(::nc_open(std::filesystem::absolute(path).c_str(), NC_NOWRITE, &id_), "header");
 }
@@ -104,9 +106,26 @@ std::uint64_t NetcdfFile::checked_count(const Variable& variable, std::span<cons
   return *count;
 }
 
+void NetcdfFile::check_written(const Variable& variable, std::optional<std::uint64_t> first) const {
+  if (!hdf5_ || (first && variable.shape.empty())) return;
+  Hyperslab part{.start = std::vector<std::uint64_t>(variable.shape.size(), 0),
+                 .stride = std::vector<std::uint64_t>(variable.shape.size(), 1),
+                 .count = variable.shape};
+  if (first) {
+    part.start.front() = *first;
+    part.count.front() = 1;
+  }
+  const std::size_t own_name = variable.name.rfind('/') + 1;
+  // netCDF's library adds this to the name of a variable that shares it with a dimension
+  for (const char* beginning : {"", "_nc4_non_coord_"})
+    hdf5_->check_written(concat(variable.name.substr(0, own_name), beginning, variable.name.substr(own_name)),
+                         first ? &part : nullptr);
+}
+
 Array<double> NetcdfFile::numbers(const Variable& variable, std::span<const std::uint64_t> shape,
                                   std::optional<std::uint64_t> first) const {
   Array<double> result(checked_count(variable, shape, first.has_value()));
+  check_written(variable, first);
   std::vector<std::size_t> start(variable.shape.size(), 0), count(variable.shape.begin(), variable.shape.end());
   if (first) {
     start.front() = *first;
@@ -122,6 +141,7 @@ Array<std::int64_t> NetcdfFile::integers(const Variable& variable, std::span<con
   Array<std::int64_t> result(checked_count(variable, shape, false));
   if (variable.type == NC_FLOAT || variable.type == NC_DOUBLE)
     refuse_input(path_, concat("variable '", variable.name, "'"), "floating-point numbers", "integers");
+  check_written(variable);
   if (!result.empty())
     check(::nc_get_var_longlong(variable.group, variable.id, reinterpret_cast<long long*>(result.data())),
           variable.name);
@@ -217,6 +237,7 @@ std::optional<formats::ElementType> NetcdfFile::element_type(const Variable& var
 
 Array<std::byte> NetcdfFile::bytes(const Variable& variable, std::span<const std::uint64_t> shape) const {
   Array<std::byte> result(checked_count(variable, shape, false) * formats::element_bytes(*element_type(variable)));
+  check_written(variable);
   if (!result.empty()) check(::nc_get_var(variable.group, variable.id, result.data()), variable.name);
   return result;
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "preprocess/import/xdmf/hdf5_file.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -16,7 +17,8 @@ namespace rhoray::preprocess {
 /// the file and the variable. Names of variables may begin with groups: "VTKHDF/PointData/flow".
 ///
 /// The library reads zeros where a classic file was cut off, and accepts any size in a header. This
-/// class refuses a file that is too short for the variables in its header.
+/// class refuses a file that is too short for the variables in its header. It refuses an HDF5 file
+/// that leads to other files, and numbers in it that were never written (Hdf5File).
 class NetcdfFile {
  public:
   explicit NetcdfFile(const std::filesystem::path& path);
@@ -71,12 +73,15 @@ class NetcdfFile {
 
  private:
   std::uint64_t checked_count(const Variable& variable, std::span<const std::uint64_t> shape, bool is_part) const;
+  /// Refuses numbers that were never written, of all or of the part [first, ...].
+  void check_written(const Variable& variable, std::optional<std::uint64_t> first = {}) const;
   void check(int status, std::string_view place) const;
   std::optional<int> group_id(const std::string& group) const;
   std::string text_attribute(int group, int variable, const std::string& name, std::string_view place) const;
 
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;
+  std::optional<Hdf5File> hdf5_;
   int id_ = -1;
 };
 

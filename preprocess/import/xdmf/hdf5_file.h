@@ -24,17 +24,20 @@ class Hdf5DataSet {
   const std::vector<std::uint64_t>& shape() const { return shape_; }  ///< slowest axis first
   formats::ElementType type() const { return type_; }
 
-  /// Refuses so many bytes, if the file does not store as many even at zlib's best compression.
+  /// Refuses so many bytes, if the file does not store as many: packed ones even at zlib's best
+  /// compression.
   void check_bytes(std::uint64_t wanted) const;
 
   /// Reads all numbers, or those of a part inside the shape. T is double, std::int64_t, or
-  /// std::byte for numbers of type() in native byte order. `to` has memory for all.
+  /// std::byte for numbers of type() in native byte order. `to` has memory for all. Refuses like
+  /// Hdf5File::check_written.
   template <class T>
   void read(std::span<T> to, const Hyperslab* part = nullptr) const;
 
+  class Handle;  ///< an identifier of the library
+
  private:
   friend class Hdf5File;
-  class Handle;
 
   [[noreturn]] void refuse(std::string_view found, std::string_view expected,
                            ErrorCode error_code = ErrorCode::invalid) const;
@@ -45,16 +48,31 @@ class Hdf5DataSet {
   std::vector<std::uint64_t> shape_;
   formats::ElementType type_ = formats::ElementType::U8;
   std::uint64_t stored_bytes_ = 0;  ///< at most the size of the file
+  bool is_packed_ = false;          ///< by filters, or not all of it needs to be stored
 };
 
 /// An HDF5 file, open for reading. Refusals name the file and the data set.
 class Hdf5File {
  public:
-  explicit Hdf5File(const std::filesystem::path& path);
+  /// HDF5's library takes a file opened by two drivers for two files. So a library that opens it by
+  /// `direct`, as netCDF's does, needs none of the settings of a file opened by `buffered`.
+  enum class Driver { direct, buffered };
+
+  explicit Hdf5File(const std::filesystem::path& path, Driver driver = Driver::direct);
 
   /// Refuses one that is missing, other data than integers and floats of 16, 32 or 64 bits, and
   /// data outside the file.
   Hdf5DataSet data_set(const std::string& name) const;
+
+  static bool is_hdf5(const std::filesystem::path& path);
+
+  /// Refuses links to other files, and data sets whose numbers are in other files. A library that
+  /// opens the file may follow all of them.
+  void check_links() const;
+
+  /// Refuses a data set, or a part of it, of which numbers were never written, unless the file has
+  /// a value for these: HDF5 reads zeros there. Accepts a name without a data set.
+  void check_written(const std::string& name, const Hyperslab* part = nullptr) const;
 
  private:
   std::filesystem::path path_;

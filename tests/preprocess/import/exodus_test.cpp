@@ -14,6 +14,7 @@
 
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/xdmf_files.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -328,6 +329,20 @@ TEST(Exodus, takes_values_that_were_never_written_as_no_data) {
     EXPECT_EQ(field_of(read_cells(folder / "a.e", {.time = "2"}).point_fields, "V").values[0],
               ExodusFile::point_value(2, 1, 0));
   }
+}
+
+/// The coordinates in another file, which HDF5 reads like those in this one.
+TEST(Exodus, refuses_numbers_in_other_files) {
+  TemporaryFolder folder;
+  ExodusFile file = small_file();
+  file.format = NC_NETCDF4;
+  file.write(folder / "a.e");
+  {
+    const Hdf5Writer hdf5(folder / "a.e", H5F_ACC_RDWR);
+    H5Lcreate_external((folder / "b.e").c_str(), "/coordx", hdf5.id(), "other", H5P_DEFAULT, H5P_DEFAULT);
+  }
+  expect_refusal([&] { read_cells(folder / "a.e", {}); }, ErrorCode::unsupported,
+                 {"a.e, link 'other'", "another file"});
 }
 
 /// A cell as VTK's own reader finds it in a file: its kind and the positions of its corners. Cells

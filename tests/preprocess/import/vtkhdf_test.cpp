@@ -14,6 +14,7 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/preprocess/import/xdmf_files.h"
 
 // The netCDF library writes the files, as HDF5; VTK's reader says what they mean.
 
@@ -203,6 +204,65 @@ TEST(VtkHdf, refuses_times_other_versions_and_types_and_damage_in_one_line) {
     file.array(file.group("PointData"), "a", NC_FLOAT, {2, 2, 2}, ascending(8));
   }
   expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid, {"'VTKHDF/PointData/a'", "2 x 2 x 2"});
+}
+
+/// A VTKHDF image of 2 x 2 x 4 points whose array `v` has been made by HDF5's library.
+void write_image_with(const std::filesystem::path& path, const std::function<void(const Hdf5Writer&)>& add_array) {
+  {
+    HdfFile file(path, "ImageData");
+    file.integers("WholeExtent", {0, 3, 0, 1, 0, 1});
+    file.group("PointData");
+  }
+  add_array(Hdf5Writer(path, H5F_ACC_RDWR));
+}
+
+/// HDF5 reads zeros where nothing was written.
+TEST(VtkHdf, refuses_numbers_that_were_never_written) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.vtkhdf";
+  const hid_t chunks = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk[] = {1, 1, 4};
+  H5Pset_chunk(chunks, 3, chunk);
+  write_image_with(path, [&](const Hdf5Writer& file) {
+    H5Dclose(file.make("VTKHDF/PointData/v", H5T_IEEE_F32LE, {2, 2, 4}, H5P_DEFAULT));
+  });
+  expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid,
+                 {"a.vtkhdf, data set 'VTKHDF/PointData/v'", "never written"});
+  write_image_with(path, [&](const Hdf5Writer& file) { file.part("VTKHDF/PointData/v", {2, 2, 4}, chunks); });
+  expect_refusal([&] { read_volume(path, {}); }, ErrorCode::invalid, {"found 1 of 4 chunks"});
+  H5Pclose(chunks);
+  write_image_with(path, [&](const Hdf5Writer& file) {
+    file.array("VTKHDF/PointData/v", H5T_IEEE_F32LE, {2, 2, 4}, ascending(16), {1, 1, 4});
+  });
+  EXPECT_EQ(values_of(read_volume(path, {})), ascending(16));
+}
+
+/// HDF5 follows links to other files and reads numbers from them, even from a pipe.
+TEST(VtkHdf, refuses_what_leads_to_other_files) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.vtkhdf", secret = folder / "secret.bin", other = folder / "other.h5";
+  write_file(secret, std::string(64, '1'));
+  { Hdf5Writer(other).array("v", H5T_IEEE_F32LE, {2, 2, 4}, ascending(16)); }
+  const hid_t external = H5Pcreate(H5P_DATASET_CREATE), mapped = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_external(external, secret.c_str(), 0, 64);
+  const hsize_t shape[] = {2, 2, 4};
+  const hid_t space = H5Screate_simple(3, shape, nullptr);
+  H5Pset_virtual(mapped, space, other.c_str(), "/v", space);
+  for (const hid_t creation : {external, mapped}) {
+    write_image_with(path, [&](const Hdf5Writer& file) {
+      H5Dclose(file.make("VTKHDF/PointData/v", H5T_IEEE_F32LE, {2, 2, 4}, creation));
+    });
+    expect_refusal([&] { read_volume(path, {}); }, ErrorCode::unsupported,
+                   {"a.vtkhdf, data set 'VTKHDF/PointData/v'", "numbers in other files"});
+  }
+  H5Sclose(space);
+  H5Pclose(mapped);
+  H5Pclose(external);
+  write_image_with(path, [&](const Hdf5Writer& file) {
+    H5Lcreate_external(other.c_str(), "/v", file.id(), "VTKHDF/PointData/v", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  expect_refusal([&] { read_volume(path, {}); }, ErrorCode::unsupported,
+                 {"a.vtkhdf, link 'VTKHDF/PointData/v'", "to another file"});
 }
 
 TEST(VtkHdf, refuses_cells_that_point_outside) {

@@ -273,6 +273,11 @@ TEST_F(XdmfRefusals, of_hdf5) {
     H5Sclose(space);
     H5Sclose(memory);
     H5Dclose(set);
+    H5Pset_deflate(sparse, 9);
+    file.part("half", {8}, sparse);
+    const double fill = 7;
+    H5Pset_fill_value(sparse, H5T_NATIVE_DOUBLE, &fill);
+    file.part("filled", {8}, sparse);
     H5Pclose(sparse);
   }
   const Lie lies[] = {
@@ -285,7 +290,7 @@ TEST_F(XdmfRefusals, of_hdf5) {
       {heavy("4", "text"), unsupported, {"data set 'text': found other data"}},
       {heavy("4", "wide"), unsupported, {"data set 'wide': found other data"}},
       {heavy("4", "unwritten"), invalid, {"data set 'unwritten'", "never written"}},
-      {heavy("1099511627776", "sparse"), invalid, {"packed bytes"}},
+      {heavy("1099511627776", "sparse"), invalid, {"found 32 bytes; expected 8796093022208"}},
       {heavy("4", "four|0:1:4:5"), invalid, {"a part of an array of other sizes"}},
       {heavy("4", "four|1:1:4:4"), invalid, {"found 4 from 1 on"}},
       {heavy("4", "four|0:1:4"), invalid, {"START:STRIDE:COUNT:SHAPE"}},
@@ -311,6 +316,13 @@ TEST_F(XdmfRefusals, of_hdf5) {
                                                       item("3", "0 1 4", "NumberType=\"Int\""),
                                                       heavy("1099511627776", "sparse"), "</DataItem>")))));
   EXPECT_THAT(read_cells(folder_ / "a.xdmf", {}).point_fields.at(0).values, testing::ElementsAre(1, 2, 3, 4));
+  // so is the written part of an array that lacks others, and one with a value for these
+  for (const auto& [text, last] :
+       {std::pair(heavy("4", "half|0:1:4:8"), 4.0), std::pair(heavy("4", "filled|4:1:4:8"), 7.0)}) {
+    write_file(folder_ / "a.xdmf", xdmf(grid("a", tet_cells + tet_points + attribute("f", text))));
+    EXPECT_EQ(read_cells(folder_ / "a.xdmf", {}).point_fields.at(0).values.at(3), last) << text;
+  }
+  refuses_numbers(heavy("4", "half|1:2:4:8"), invalid, {"data set 'half': found a part without numbers"});
   write_file(folder_ / "a.h5", "no HDF5");
   refuses_numbers(heavy("4", "four"), invalid, {"a.h5, header: found damaged data, or another format"});
   write_file(folder_ / "a.h5", "");
