@@ -9,6 +9,7 @@
 #include "formats/base/nearest_name.h"
 #include "formats/base/word_list.h"
 #include "preprocess/components.h"
+#include "preprocess/import/reading/hidden_samples.h"
 #include "preprocess/import/reading/samples.h"
 #include "preprocess/process/foreign_file.h"
 
@@ -234,6 +235,7 @@ PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<s
 
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& points, std::vector<GridArray> arrays,
                               const std::string& field) {
+  const std::vector<GridArray> ghosts = take_ghosts(arrays);
   const std::vector<VectorArray> shapes = shapes_of(arrays);
   const ScalarChoice choice = choose_scalar(path, shapes, field);
   GridArray& array = loaded(arrays[choice.array]);
@@ -248,9 +250,11 @@ NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid
   volume.world_from_grid = grid.world_from_grid;
   volume.axes = grid.axes;
   set_names(volume, shapes, choice, field);
+  volume.field_unit = array.unit;
   if (array.in_cells) volume.notes.push_back("cell data: each value was placed at its cell's centre");
   take_scalar(volume, {array.type, array.component_count, std::move(array.values)}, choice.component);
   finish_volume(volume, path);
+  hide_samples(volume, ghosts, points, array.in_cells, path);
   return volume;
 }
 
@@ -279,6 +283,7 @@ GridArray& choose_colors(const std::filesystem::path& path, std::vector<GridArra
 
 NeutralVolume colors_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field) {
+  take_ghosts(arrays);
   GridArray& array = loaded(choose_colors(path, arrays, field));
   NeutralVolume volume;
   volume.component_count = array.component_count;

@@ -74,6 +74,7 @@ struct GridArray {
   formats::ElementType type = formats::ElementType::U8;
   int component_count = 1;
   bool in_cells = false;
+  std::string unit{};
   Array<std::byte> values{};                 ///< in native byte order; either these
   std::function<Array<std::byte>()> load{};  ///< or what reads them when the array is chosen
 };
@@ -94,7 +95,8 @@ PointGrid rectilinear_grid(const std::filesystem::path& path, const std::array<s
                            double relative_precision);
 
 /// The volume of one scalar, as choose_scalar selects it. Cell values become samples at cell
-/// centres, with a note.
+/// centres, with a note. VTK's arrays vtkGhostType are no fields: the samples of points and cells
+/// that they hide become NaN, with a note.
 NeutralVolume volume_of_field(const std::filesystem::path& path, const PointGrid& grid, std::vector<GridArray> arrays,
                               const std::string& field);
 

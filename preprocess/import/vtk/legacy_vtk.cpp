@@ -283,7 +283,7 @@ class Parser {
       const std::string_view line = reader_.line();
       if (line.empty()) break;
       if (is_unit && line.starts_with("DATA ") && metadata_has_owner_)
-        result_.units[result_.arrays.size() - 1] = decoded(line.substr(5));
+        result_.arrays.back().unit = decoded(line.substr(5));
       is_unit = line.starts_with("NAME UNITS_LABEL ");
     }
     metadata_has_owner_ = false;
@@ -298,6 +298,7 @@ class Parser {
                               .type = type,
                               .component_count = components,
                               .in_cells = in_cells_,
+                              .unit = {},
                               .values = std::move(numbers)});
     metadata_has_owner_ = true;
   }

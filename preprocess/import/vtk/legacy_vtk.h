@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -29,7 +28,6 @@ struct LegacyVtk {
   std::uint64_t thin_cell_count = 0;  ///< of POLYDATA: number of vertices and lines
   /// POINT_DATA and CELL_DATA, in file order
   std::vector<GridArray> arrays;
-  std::map<std::size_t, std::string> units;  ///< key: index in `arrays`; only of arrays with a unit
   std::uint64_t point_data_count = 0, cell_data_count = 0;
 };
 

@@ -17,6 +17,7 @@ using formats::ElementType;
 NeutralField field_of(const GridArray& array) {
   NeutralField field;
   field.name = array.name;
+  field.unit = array.unit;
   field.component_count = array.component_count;
   field.values.resize(array.values.size() / formats::element_bytes(array.type));
   copy_as_doubles(array.type, array.values, field.values.data());
@@ -25,15 +26,13 @@ NeutralField field_of(const GridArray& array) {
 }
 
 void take_arrays(CellMesh& mesh, LegacyVtk& parts) {
-  for (std::size_t i = 0; i < parts.arrays.size(); ++i) {
-    const GridArray& array = parts.arrays[i];
+  for (const GridArray& array : parts.arrays) {
     if (array.name == "vtkGhostType" && array.type == ElementType::U8 && array.component_count == 1) {
       const auto* ghosts = reinterpret_cast<const std::uint8_t*>(array.values.data());
       (array.in_cells ? parts.cells.ghosts : parts.cells.point_ghosts).assign(ghosts, ghosts + array.values.size());
       continue;
     }
-    NeutralField& field = (array.in_cells ? mesh.cell_fields : mesh.point_fields).emplace_back(field_of(array));
-    if (const auto unit = parts.units.find(i); unit != parts.units.end()) field.unit = unit->second;
+    (array.in_cells ? mesh.cell_fields : mesh.point_fields).push_back(field_of(array));
   }
 }
 

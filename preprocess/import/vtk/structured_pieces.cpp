@@ -1,6 +1,7 @@
 #include "preprocess/import/vtk/structured_pieces.h"
 
 #include <algorithm>
+#include <set>
 
 #include "formats/base/bytes.h"
 
@@ -95,6 +96,13 @@ void StructuredPieces::read(const Parts& parts, bool in_cells, std::span<T> to) 
 }
 template void StructuredPieces::read(const Parts&, bool, std::span<double>) const;
 template void StructuredPieces::read(const Parts&, bool, std::span<std::byte>) const;
+
+void StructuredPieces::add_notes(std::vector<std::string>& notes) const {
+  std::set<const VtkXmlStream*> files;
+  for (const Piece& piece : pieces_)
+    if (files.insert(piece.file).second)
+      notes.insert(notes.end(), piece.file->notes().begin(), piece.file->notes().end());
+}
 
 std::vector<double> StructuredPieces::coordinates(const Parts& parts, int axis) const {
   std::vector<double> positions;

@@ -41,6 +41,9 @@ class StructuredPieces {
   template <class T>
   void read(const Parts& parts, bool in_cells, std::span<T> to) const;
 
+  /// Adds the notes of all files about the arrays that were read.
+  void add_notes(std::vector<std::string>& notes) const;
+
   /// Reads the positions along an axis, which each piece has for its own extent.
   std::vector<double> coordinates(const Parts& parts, int axis) const;
 

@@ -181,6 +181,7 @@ void add_piece(MeshPieces& pieces, const VtkXmlStream& file, const XmlElement& p
   for (const bool in_cells : {false, true})
     for (const VtkXmlArray& array : file.arrays_in(piece.child(in_cells ? "CellData" : "PointData"), &mesh.notes))
       add_array(mesh, cells, in_cells, file, array, file.numbers<double>(array, in_cells ? cell_count : point_count));
+  mesh.notes.insert(mesh.notes.end(), file.notes().begin(), file.notes().end());
   pieces.add(std::move(mesh), std::move(cells), path);
 }
 
@@ -205,6 +206,7 @@ CellMesh read_structured(const VtkXmlStream& file, const StructuredPieces& piece
       pieces.read(parts, in_cells, std::span<double>(values));
       add_array(mesh, cells, in_cells, file, parts.front(), std::move(values));
     }
+  pieces.add_notes(mesh.notes);
   take_cells(mesh, std::move(cells), path);
   return mesh;
 }

@@ -437,20 +437,24 @@ void VtkXmlStream::for_each_packed_piece(const VtkXmlArray& array, Source source
 
 namespace {
 
-/// Calls take(number) for `count` numbers of a text; returns how many were found.
+/// The first word of a text, which is removed from it; empty at its end.
+std::string_view next_word(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(spaces), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(spaces));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+/// Calls take(number) for `count` numbers of a text, which are removed from it; returns how many
+/// were found.
 template <class T, class Take>
-std::uint64_t read_text(std::string_view text, std::uint64_t count, const Take& take) {
-  std::uint64_t found = 0;
-  for (std::size_t at = 0; found < count; ++found) {
-    at = text.find_first_not_of(spaces, at);
-    if (at == text.npos) break;
-    const std::size_t end = std::min(text.find_first_of(spaces, at), text.size());
-    const std::optional<T> number = parse_number<T>(text.substr(at, end - at));
-    if (!number) break;
+std::uint64_t read_text(std::string_view& text, std::uint64_t count, const Take& take) {
+  for (std::uint64_t found = 0; found < count; ++found) {
+    const std::optional<T> number = parse_number<T>(next_word(text));
+    if (!number) return found;
     take(found, *number);
-    at = end;
   }
-  return found;
+  return count;
 }
 
 }  // namespace
@@ -467,8 +471,14 @@ void VtkXmlStream::read(const VtkXmlArray& array, std::span<Number> numbers) con
         numbers[at] = cast<Number>(value);
     };
     if (array.format == VtkXmlArray::Format::text) {
-      const std::uint64_t found = read_text<T>(array.content, count, put);
+      std::string_view text = array.content;
+      const std::uint64_t found = read_text<T>(text, count, put);
       if (found != count) refuse(array, concat(found, " numbers"), concat(count));
+      std::uint64_t rest = 0;
+      while (!next_word(text).empty()) ++rest;
+      if (rest > 0)
+        notes_->push_back(concat("array '", array.name, "': ", count_text(rest, "word", "words"), " after its numbers ",
+                                 rest == 1 ? "was" : "were", " left out"));
       return;
     }
     if (count == 0) return;

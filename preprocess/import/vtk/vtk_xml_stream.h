@@ -73,6 +73,9 @@ class VtkXmlStream {
     return result;
   }
 
+  /// Notes of the arrays that were read so far and that hold more than their numbers.
+  const std::vector<std::string>& notes() const { return *notes_; }
+
   [[noreturn]] void refuse(std::string_view place, std::string_view found, std::string_view expected,
                            ErrorCode error_code = ErrorCode::invalid) const {
     refuse_input(file_->path(), place, found, expected, error_code);
@@ -111,6 +114,7 @@ class VtkXmlStream {
   bool appended_base64_ = false;
   std::size_t header_bytes_ = 4;  ///< size of each number before the data
   std::string_view appended_;     ///< after its underscore
+  std::shared_ptr<std::vector<std::string>> notes_ = std::make_shared<std::vector<std::string>>();
   std::shared_ptr<std::atomic<std::uint64_t>> bytes_done_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 

@@ -55,6 +55,7 @@ std::vector<GridArray> arrays_of(const StructuredPieces& pieces) {
                         .type = array.type,
                         .component_count = array.component_count,
                         .in_cells = in_cells,
+                        .unit = array.unit,
                         .values = {},
                         .load = [&pieces, parts, in_cells] {
                           const std::uint64_t count = pieces.checked_count(parts, in_cells);
@@ -66,11 +67,16 @@ std::vector<GridArray> arrays_of(const StructuredPieces& pieces) {
   return arrays;
 }
 
+NeutralVolume with_notes(NeutralVolume volume, const StructuredPieces& pieces) {
+  pieces.add_notes(volume.notes);
+  return volume;
+}
+
 NeutralVolume read_image(const std::filesystem::path& path, const std::string& field, TakeField* take) {
   const ForeignFile source(path);
   const VtkXmlStream file(source, "ImageData");
   const StructuredPieces pieces(file);
-  return take(path, image_grid(file, pieces), arrays_of(pieces), field);
+  return with_notes(take(path, image_grid(file, pieces), arrays_of(pieces), field), pieces);
 }
 
 NeutralVolume read_image_pieces(const std::filesystem::path& path, const std::string& field, TakeField* take) {
@@ -78,7 +84,7 @@ NeutralVolume read_image_pieces(const std::filesystem::path& path, const std::st
   const VtkXmlStream file(source, "PImageData");
   const PieceFiles parts(file, path, "ImageData");
   const StructuredPieces pieces(file, parts.streams());
-  return take(path, image_grid(file, pieces), arrays_of(pieces), field);
+  return with_notes(take(path, image_grid(file, pieces), arrays_of(pieces), field), pieces);
 }
 
 }  // namespace
@@ -95,7 +101,7 @@ NeutralVolume read_vtr(const std::filesystem::path& path, const std::string& fie
   const ForeignFile source(path);
   const VtkXmlStream file(source, "RectilinearGrid");
   const StructuredPieces pieces(file);
-  return volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field);
+  return with_notes(volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field), pieces);
 }
 
 NeutralVolume read_pvti(const std::filesystem::path& path, const std::string& field) {
@@ -111,7 +117,7 @@ NeutralVolume read_pvtr(const std::filesystem::path& path, const std::string& fi
   const VtkXmlStream file(source, "PRectilinearGrid");
   const PieceFiles parts(file, path, "RectilinearGrid");
   const StructuredPieces pieces(file, parts.streams());
-  return volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field);
+  return with_notes(volume_of_field(path, rectilinear(file, pieces, path), arrays_of(pieces), field), pieces);
 }
 
 }  // namespace rhoray::preprocess

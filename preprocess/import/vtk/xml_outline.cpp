@@ -81,10 +81,13 @@ class Parser {
   }
 
   /// Moves to the next '<' that begins or ends an element.
-  bool next_tag() {
+  /// @param parts  receives the text up to there, cut at comments; may be null
+  bool next_tag(std::vector<std::string_view>* parts = nullptr) {
     for (;;) {
+      const std::size_t begin = at_;
       at_ = text_.find('<', at_);
       if (at_ == text_.npos) return false;
+      if (parts != nullptr) parts->push_back(text_.substr(begin, at_ - begin));
       if (is_at("<?")) {
         if (!skip_behind("?>")) return false;
       } else if (is_at("<!--")) {
@@ -163,9 +166,15 @@ class Parser {
   }
 
   bool inside(XmlElement& element, int depth) {
-    const std::size_t begin = at_;
-    if (!next_tag()) return false;
-    element.content = text_.substr(begin, at_ - begin);
+    std::vector<std::string_view> parts;
+    if (!next_tag(&parts)) return false;
+    element.content = parts.back();
+    if (parts.size() > 1) {
+      std::string joined;
+      for (const std::string_view part : parts) joined += part;
+      element.joined = std::make_shared<const std::string>(std::move(joined));
+      element.content = *element.joined;
+    }
     while (!is_at("</")) {
       if (!this->element(element.children.emplace_back(), depth + 1)) return false;
       if (is_cut_) return true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,8 +13,10 @@ namespace rhoray::preprocess {
 struct XmlElement {
   std::string_view name;
   std::map<std::string, std::string, std::less<>> attributes;  ///< with entities replaced
-  /// from the end of its tag to the next tag: all of it if there are no child elements
+  /// from the end of its tag to the next tag, without comments: all of it if there are no child
+  /// elements
   std::string_view content;
+  std::shared_ptr<const std::string> joined;  ///< holds the content where a comment interrupts it
   std::vector<XmlElement> children;
 
   /// Value of an attribute; empty if it is missing.

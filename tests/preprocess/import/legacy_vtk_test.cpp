@@ -45,6 +45,22 @@ TEST(LegacyVtkVolume, keeps_spacing_origin_and_type) {
   EXPECT_EQ(volume.field_name, "v");
 }
 
+TEST(LegacyVtkVolume, keeps_the_unit_and_takes_hidden_points_as_no_data) {
+  TemporaryFolder folder;
+  std::string hidden;
+  for (std::size_t i = 0; i < value_count; ++i) hidden += i == 3 ? "2 " : "0 ";
+  write_file(folder / "a.vtk", volume_text.substr(0, volume_text.find("SCALARS")) +
+                                   "FIELD FieldData 2\nvtkGhostType 1 60 unsigned_char\n" + hidden +
+                                   "\nv 1 60 float\n" + values_in_text() +
+                                   "METADATA\nINFORMATION 1\nNAME UNITS_LABEL LOCATION vtkDataArray\nDATA mmHg\n\n");
+  const NeutralVolume volume = read(folder / "a.vtk");
+  EXPECT_EQ(volume.field_name, "v");
+  EXPECT_EQ(volume.field_unit, "mmHg");
+  EXPECT_TRUE(volume.other_fields.empty());
+  EXPECT_TRUE(std::isnan(values_of(volume)[3]));
+  EXPECT_EQ(values_of(volume)[4], known_values<double>()[4]);
+}
+
 /// VTK writes files of version 5.1 and 4.2, in text and in binary; METADATA blocks come with them.
 TEST(LegacyVtkVolume, reads_what_vtk_writes) {
   TemporaryFolder folder;

@@ -130,6 +130,59 @@ TEST(Vti, puts_values_of_cells_at_their_middles) {
   EXPECT_EQ(volume.notes.size(), 1U);
 }
 
+std::string array_by_hand(const std::string& type, const std::string& name, const std::string& content) {
+  return concat("<DataArray type=\"", type, "\" Name=\"", name, "\" format=\"ascii\">", content, "</DataArray>");
+}
+
+TEST(Vti, keeps_the_unit_and_passes_over_comments) {
+  TemporaryFolder folder;
+  const std::string key = "<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">mmHg</InformationKey>";
+  write_file(folder / "a.vti",
+             by_hand("0 2 0 3 0 4", "<PointData>" +
+                                        array_by_hand("Int16", "v", "<!-- 60 numbers -->" + values_in_text() + key) +
+                                        "</PointData>"));
+  const NeutralVolume volume = read(folder / "a.vti");
+  expect_known_values(volume, ElementType::I16);
+  EXPECT_EQ(volume.field_unit, "mmHg");
+}
+
+/// VTK hides points and cells by the array vtkGhostType; it is no field.
+TEST(Vti, takes_values_of_hidden_points_and_cells_as_no_data) {
+  TemporaryFolder folder;
+  std::string points, cells, values;
+  for (int i = 0; i < 27; ++i) points += i == 1 ? "2 " : "0 ";
+  for (int i = 0; i < 8; ++i) cells += i == 7 ? "32 " : "0 ", values += concat(i, " ");
+  std::string numbers;
+  for (int i = 0; i < 27; ++i) numbers += concat(i, " ");
+  write_file(folder / "a.vti",
+             by_hand("0 2 0 2 0 2", "<PointData>" + array_by_hand("UInt8", "vtkGhostType", points) +
+                                        array_by_hand("Int16", "v", numbers) + "</PointData><CellData>" +
+                                        array_by_hand("UInt8", "vtkGhostType", cells) +
+                                        array_by_hand("Float64", "c", values) + "</CellData>"));
+  const NeutralVolume volume = read(folder / "a.vti");
+  EXPECT_EQ(volume.field_name, "v");
+  EXPECT_THAT(volume.other_fields, testing::ElementsAre("c"));
+  EXPECT_EQ(volume.type, ElementType::F32);
+  for (std::size_t i = 0; i < 27; ++i)
+    EXPECT_TRUE(i == 1 ? std::isnan(values_of(volume)[i]) : values_of(volume)[i] == static_cast<double>(i)) << i;
+  EXPECT_THAT(volume.notes, testing::Contains("1 hidden point has no data"));
+  const NeutralVolume in_cells = read(folder / "a.vti", "c");  // point 1 is a corner of the cells 0 and 1
+  EXPECT_THAT(values_of(in_cells),
+              testing::ElementsAre(testing::IsNan(), testing::IsNan(), 2, 3, 4, 5, 6, testing::IsNan()));
+  EXPECT_THAT(in_cells.notes, testing::Contains("3 hidden cells, or cells with a hidden point, have no data"));
+  expect_refusal([&] { read(folder / "a.vti", "vtkGhostType"); }, ErrorCode::usage, {"expected one of: v, c"});
+}
+
+TEST(Vti, notes_numbers_after_the_last) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vti",
+             by_hand("0 2 0 3 0 4",
+                     "<PointData>" + array_by_hand("Int16", "v", values_in_text() + " 98 97\n") + "</PointData>"));
+  const NeutralVolume volume = read(folder / "a.vti");
+  expect_known_values(volume, ElementType::I16);
+  EXPECT_THAT(volume.notes, testing::Contains("array 'v': 2 words after its numbers were left out"));
+}
+
 TEST(Vti, refuses_other_files_and_absurd_sizes) {
   TemporaryFolder folder;
   const auto path = folder / "a.vti";

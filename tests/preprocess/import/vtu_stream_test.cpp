@@ -269,6 +269,14 @@ TEST(XmlOutline, skips_a_document_type_that_declares_nothing) {
   EXPECT_EQ(root->attribute("b"), "1");
 }
 
+TEST(XmlOutline, leaves_comments_out_of_content) {
+  const auto root = outline("<a><b><!-- 1 < 2 --> 3 <!-- --><?and so on?>4<!-- 5 --></b><c>6</c></a>");
+  ASSERT_TRUE(root);
+  ASSERT_EQ(root->children.size(), 2U);
+  EXPECT_EQ(root->child("b")->content, " 3 4");
+  EXPECT_EQ(root->child("c")->content, "6");
+}
+
 TEST(XmlOutline, does_not_look_behind_the_last_element) {
   const auto root = outline("<a><b/><data kind='raw'>_<<<\0\xff", "data");
   ASSERT_TRUE(root);
