@@ -51,7 +51,7 @@ std::uint64_t count_in(LineReader& lines, std::string_view what) {
   return lines.number<std::uint64_t>(0, what);
 }
 
-Array<std::array<double, 3>> read_points(const fs::path& path) {
+Array<std::array<double, 3>> read_points(const fs::path& path, std::vector<std::string>& notes) {
   const ForeignFile file(path);
   LineReader lines(file, WordEnds::at_spaces);
   const std::uint64_t count = count_in(lines, "a number of points");
@@ -60,6 +60,7 @@ Array<std::array<double, 3>> read_points(const fs::path& path) {
     lines.need(concat(count, " points"));
     points.push_back(lines.point(0));
   }
+  lines.note_rest("points", notes);
   return points;
 }
 
@@ -72,7 +73,7 @@ const CellWord& word_of(const LineReader& lines) {
 }
 
 /// @param regions  receives each cell's region; 0 where the file gives none
-ForeignCells read_cells(const fs::path& path, Array<double>& regions) {
+ForeignCells read_cells(const fs::path& path, Array<double>& regions, std::vector<std::string>& notes) {
   const ForeignFile file(path);
   LineReader lines(file, WordEnds::at_spaces);
   const bool has_words = extension_of(path) == ".elem";
@@ -87,6 +88,7 @@ ForeignCells read_cells(const fs::path& path, Array<double>& regions) {
     cells.offsets.push_back(cells.nodes.size());
     cells.kinds.push_back(cell.kind);
   }
+  lines.note_rest("cells", notes);
   return cells;
 }
 
@@ -134,9 +136,9 @@ void order_upper_nodes(CellMesh& mesh, ForeignCells& cells) {
 CellMesh read_carp(const fs::path& path) {
   const Pair pair = pair_of(path);
   CellMesh mesh;
-  mesh.points = read_points(pair.points);
+  mesh.points = read_points(pair.points, mesh.notes);
   Array<double> regions;
-  ForeignCells cells = read_cells(pair.cells, regions);
+  ForeignCells cells = read_cells(pair.cells, regions, mesh.notes);
   order_upper_nodes(mesh, cells);
   mesh.cell_fields.push_back(field_of("region", std::move(regions)));
   take_cells(mesh, std::move(cells), pair.cells);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 
 #include "preprocess/import/mesh/mesh_cells.h"
@@ -19,12 +20,37 @@ struct Section {
   std::string_view word;
   std::int32_t number;
 };
-constexpr Section known_sections[] = {
-    {"Dimension", 3},    {"Vertices", 4},     {"Edges", 5},         {"Triangles", 6},     {"Quadrilaterals", 7},
-    {"Tetrahedra", 8},   {"Prisms", 9},       {"Pentahedra", 9},    {"Hexahedra", 10},    {"TetrahedraP2", 30},
-    {"HexahedraQ2", 33}, {"Polyhedra", 46},   {"Pyramids", 49},     {"End", 54},          {"SolAtVertices", 62},
-    {"PrismsP2", 86},    {"PyramidsP2", 87},  {"TetrahedraP3", 96}, {"TetrahedraP4", 97}, {"HexahedraQ3", 98},
-    {"HexahedraQ4", 99}, {"PyramidsP3", 100}, {"PyramidsP4", 101},  {"PrismsP3", 102},    {"PrismsP4", 103}};
+constexpr Section known_sections[] = {{"Dimension", 3},
+                                      {"Vertices", 4},
+                                      {"Edges", 5},
+                                      {"Triangles", 6},
+                                      {"Quadrilaterals", 7},
+                                      {"Tetrahedra", 8},
+                                      {"Prisms", 9},
+                                      {"Pentahedra", 9},
+                                      {"Hexahedra", 10},
+                                      {"TetrahedraP2", 30},
+                                      {"HexahedraQ2", 33},
+                                      {"Polyhedra", 46},
+                                      {"Pyramids", 49},
+                                      {"End", 54},
+                                      {"SolAtVertices", 62},
+                                      {"SolAtEdges", 63},
+                                      {"SolAtTriangles", 64},
+                                      {"SolAtQuadrilaterals", 65},
+                                      {"SolAtTetrahedra", 66},
+                                      {"SolAtPrisms", 67},
+                                      {"SolAtHexahedra", 68},
+                                      {"PrismsP2", 86},
+                                      {"PyramidsP2", 87},
+                                      {"TetrahedraP3", 96},
+                                      {"TetrahedraP4", 97},
+                                      {"HexahedraQ3", 98},
+                                      {"HexahedraQ4", 99},
+                                      {"PyramidsP3", 100},
+                                      {"PyramidsP4", 101},
+                                      {"PrismsP3", 102},
+                                      {"PrismsP4", 103}};
 
 /// A section of cells, faces or lines: nodes per cell, and VTK's kind.
 struct CellSection {
@@ -66,6 +92,12 @@ class MeditFile {
     return is_float ? static_cast<double>(in_.next<float>(expected)) : in_.next<double>(expected);
   }
 
+  /// Call it if the numbers of this section are not read.
+  void pass_over() { section_ = {}; }
+
+  /// Notes of text sections with more numbers than their records have.
+  const std::vector<std::string>& notes() const { return notes_; }
+
   bool is_single_precision() const { return version_ == 1; }
   const std::filesystem::path& path() const { return path_; }
   [[noreturn]] void refuse(std::string_view found, std::string_view expected,
@@ -84,11 +116,27 @@ class MeditFile {
   std::string_view next_text_section() {
     for (;;) {
       const std::string_view word = words_.word("End");
+      if (word.starts_with('#')) {
+        words_.line();
+        continue;
+      }
+      if (std::isalpha(static_cast<unsigned char>(word.front())) == 0) {
+        ++rest_;
+        continue;
+      }
+      note_rest();
       if (word == "End") return {};
-      if (word.starts_with('#')) words_.line();
-      const std::string_view known = known_word([&](const Section& section) { return section.word == word; });
-      if (!known.empty()) return known;
+      section_ = known_word([&](const Section& section) { return section.word == word; });
+      if (!section_.empty()) return section_;
     }
+  }
+
+  void note_rest() {
+    if (rest_ > 0 && !section_.empty())
+      notes_.push_back(concat(path_.filename().string(), ": section ", section_, ": ",
+                              count_text(rest_, "number", "numbers"), " after its records ",
+                              rest_ == 1 ? "was" : "were", " left out"));
+    rest_ = 0;
   }
 
   /// Each section begins with its number and the position of the next one.
@@ -114,7 +162,14 @@ class MeditFile {
   WordReader& words_ = in_.words;
   std::int32_t version_ = 0;
   std::uint64_t next_ = 0;
+  std::string_view section_;  ///< the last one; empty if its numbers are passed over
+  std::uint64_t rest_ = 0;    ///< numbers after its records
+  std::vector<std::string> notes_;
 };
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
+}
 
 void check_dimension(MeditFile& file) {
   const std::int32_t dimension = file.small("3: the dimension");
@@ -134,9 +189,12 @@ class MeditReader {
         read_vertices();
       else if (cells != cell_sections.end())
         read_cells(cells->second);
-      else if (word != "SolAtVertices")
+      else if (word.starts_with("SolAt"))
+        file_.pass_over();
+      else
         file_.refuse(concat("section ", word), "Tetrahedra, Hexahedra, Prisms or Pyramids", ErrorCode::unsupported);
     }
+    append(mesh_.notes, file_.notes());
     mesh_.cell_fields.push_back(field_of("reference", std::move(references_)));
     read_solutions();
     take_cells(mesh_, std::move(cells_), file_.path());
@@ -170,9 +228,17 @@ class MeditReader {
       if (!is_there(beside)) continue;
       MeditFile file(beside);
       for (std::string_view word = file.next_section(); !word.empty(); word = file.next_section()) {
-        if (word == "Dimension") check_dimension(file);
-        if (word == "SolAtVertices") read_solution(file);
+        if (word == "Dimension") {
+          check_dimension(file);
+        } else if (word == "SolAtVertices") {
+          read_solution(file);
+        } else {
+          file.pass_over();
+          mesh_.notes.push_back(
+              concat(beside.filename().string(), ": section ", word, " left out: only values at vertices are read"));
+        }
       }
+      append(mesh_.notes, file.notes());
     }
   }
 

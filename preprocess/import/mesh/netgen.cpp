@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/reading/families.h"
@@ -50,7 +51,13 @@ class NetgenReader {
   bool read_section() {
     lines_.need("endmesh");
     const std::string_view word = lines_.words().front();
+    if (std::isalpha(static_cast<unsigned char>(word.front())) == 0) {
+      ++rest_;
+      return true;
+    }
+    note_rest();
     if (word == "endmesh") return false;
+    list_ = word;
     if (word == "dimension") {
       lines_.need("3");
       if (lines_.words().front() != "3") lines_.refuse(lines_.words().front(), "3", ErrorCode::unsupported);
@@ -62,10 +69,21 @@ class NetgenReader {
       pass_over("surface elements");
     } else if (word == "curvedelements") {
       mesh_.notes.push_back("section curvedelements left out: cells are taken as straight");
+      list_.clear();
     } else if (word == "materials") {
       read_material_names();
+    } else {
+      list_.clear();
     }
     return true;
+  }
+
+  /// Notes the lines after the last record of a known list.
+  void note_rest() {
+    if (rest_ > 0 && !list_.empty())
+      mesh_.notes.push_back(concat("list '", list_, "': ", count_text(rest_, "line", "lines"), " after its records ",
+                                   rest_ == 1 ? "was" : "were", " left out"));
+    rest_ = 0;
   }
 
   std::uint64_t count(std::string_view expected) {
@@ -120,7 +138,9 @@ class NetgenReader {
   CellMesh mesh_;
   ForeignCells cells_{.kinds = {}, .offsets = {0}, .nodes = {}};
   Array<double> materials_;
-  GivenNames names_;  ///< of materials
+  GivenNames names_;        ///< of materials
+  std::string list_;        ///< keyword of the list that was read last; empty for one that is passed over
+  std::uint64_t rest_ = 0;  ///< lines since then
 };
 
 }  // namespace

@@ -99,7 +99,8 @@ void read_text_records(Tetrahedra& result, LineReader& lines, const TetgenPoints
   }
 }
 
-Tetrahedra read_records(const std::filesystem::path& path, const TetgenPoints& points) {
+Tetrahedra read_records(const std::filesystem::path& path, const TetgenPoints& points,
+                        std::vector<std::string>& notes) {
   const ForeignFile file(path);
   LineReader lines(file);
   lines.need("a number of tetrahedra");
@@ -119,11 +120,12 @@ Tetrahedra read_records(const std::filesystem::path& path, const TetgenPoints& p
     read_binary_records(result, lines, points);
   else
     read_text_records(result, lines, points);
+  if (!is_binary) lines.note_rest("tetrahedra", notes);
   return result;
 }
 
 void read_tetrahedra(CellMesh& mesh, const TetgenPoints& points, const std::filesystem::path& path) {
-  Tetrahedra tetrahedra = read_records(path, points);
+  Tetrahedra tetrahedra = read_records(path, points, mesh.notes);
   const bool is_quadratic = tetrahedra.node_count == 10;
   if (is_quadratic) order_nodes(mesh, tetrahedra.nodes, path);
   ForeignCells cells;
@@ -156,6 +158,7 @@ CellMesh read_tetgen_mesh(const std::filesystem::path& path) {
   TetgenPoints points = read_tetgen_node_file(is_node ? path : partner(".node"));
   CellMesh mesh;
   mesh.points = points.points;
+  mesh.notes = points.notes;
   take_attributes(mesh.point_fields, points.attributes);
   read_tetrahedra(mesh, points, is_node ? partner(".ele") : path);
   return mesh;

@@ -66,7 +66,10 @@ TetgenPoints read_tetgen_node_file(const std::filesystem::path& path) {
   const ForeignFile file(path);
   LineReader lines(file);
   lines.need("a number of points");
-  return read_tetgen_points(lines);
+  const bool is_binary = is_tetgen_binary(lines);
+  TetgenPoints points = read_tetgen_points(lines);
+  if (!is_binary) lines.note_rest("points", points.notes);
+  return points;
 }
 
 std::uint64_t tetgen_corner(const LineReader& lines, std::uint32_t number, const TetgenPoints& points) {

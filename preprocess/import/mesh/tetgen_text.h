@@ -15,6 +15,7 @@ struct TetgenPoints {
   Array<std::array<double, 3>> points;
   std::vector<Array<double>> attributes;  ///< per attribute, one value per point
   std::int64_t first_number = 0;          ///< number of the first point: 0 or 1
+  std::vector<std::string> notes;         ///< of a .node file
 };
 
 /// The binary records after a first line that ends in BIN, as Chaste writes them. A record is

@@ -106,6 +106,14 @@ std::string_view LineReader::text_from(std::size_t i) const {
   return text;
 }
 
+void LineReader::note_rest(std::string_view records, std::vector<std::string>& notes) {
+  std::uint64_t count = 0;
+  while (next()) ++count;
+  if (count > 0)
+    notes.push_back(concat(file_.path().filename().string(), ": ", count_text(count, "line", "lines"), " after the ",
+                           records, count == 1 ? " was" : " were", " left out"));
+}
+
 void LineReader::need(std::string_view expected) {
   if (!next()) refuse("the end of the file", expected);
 }

@@ -128,6 +128,10 @@ class LineReader {
 
   std::uint64_t bytes_left() const { return text_.size() - position_; }
 
+  /// Adds a note if there are lines after the last record. Reads to the end.
+  /// @param records  their name, in the plural
+  void note_rest(std::string_view records, std::vector<std::string>& notes);
+
   /// Bytes after the current line, for formats that continue in binary.
   std::span<const std::byte> rest() const { return file_.bytes().subspan(position_); }
 

@@ -35,6 +35,7 @@ NeutralSurface read_brainvisa(const std::filesystem::path& path) {
     for (std::size_t k = 0; k < 3; ++k) corners[k] = lines.number<std::uint64_t>(k, "three corners");
     add_facet(surface, corners, path, concat("line ", lines.line_number()));
   }
+  lines.note_rest("triangles", surface.notes);
   finish_surface(surface, path);
   return surface;
 }

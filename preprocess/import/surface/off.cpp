@@ -36,6 +36,7 @@ NeutralSurface read_off(const std::filesystem::path& path) {
     for (std::uint64_t k = 1; k <= count; ++k) corners.push_back(lines.number<std::uint64_t>(k, "a corner"));
     add_facet(surface, corners, path, concat("line ", lines.line_number()));
   }
+  lines.note_rest("facets", surface.notes);
   finish_surface(surface, path);
   return surface;
 }

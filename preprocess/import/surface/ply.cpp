@@ -50,6 +50,9 @@ class Ply {
     return static_cast<std::uint64_t>(value);
   }
 
+  /// Bytes after the last number; white space after a text does not count.
+  std::uint64_t bytes_left() { return encoding_ == Encoding::text && reader_.at_end() ? 0 : reader_.bytes_left(); }
+
   void skip(const Property& property) {
     const std::uint64_t count = property.count_type ? whole_number(*property.count_type, "a list's length") : 1;
     for (std::uint64_t i = 0; i < count; ++i) number(property.type, property.name);
@@ -193,6 +196,9 @@ NeutralSurface read_ply(const std::filesystem::path& path) {
       for (std::uint64_t i = 0; i < element.count; ++i)
         for (const Property& property : element.properties) ply.skip(property);
   }
+  if (const std::uint64_t rest = ply.bytes_left(); rest > 0)
+    surface.notes.push_back(concat(path.filename().string(), ": ", count_text(rest, "byte", "bytes"),
+                                   " after the elements ", rest == 1 ? "was" : "were", " left out"));
   finish_surface(surface, path);
   return surface;
 }

@@ -121,6 +121,7 @@ NeutralSurface read_tetgen_surface(const std::filesystem::path& path) {
   if (points.points.empty()) points = read_tetgen_node_file(std::filesystem::path(path).replace_extension(".node"));
   NeutralSurface surface;
   surface.points = points.points;
+  surface.notes = points.notes;
   lines.need("a number of facets");
   if (extension_of(path) == ".smesh")
     read_smesh_facets(lines, points, surface);
@@ -155,7 +156,10 @@ NeutralSurface read_tetgen_faces(const std::filesystem::path& path) {
     }
   }
   if (faces.empty()) lines.refuse("no faces", "at least 1");
-  return surface_of(faces, points);
+  NeutralSurface surface = surface_of(faces, points);
+  surface.notes.insert(surface.notes.end(), points.notes.begin(), points.notes.end());
+  if (!is_binary) lines.note_rest("faces", surface.notes);
+  return surface;
 }
 
 Array<double> read_tetgen_sizes(const std::filesystem::path& path, std::size_t point_count) {

@@ -52,6 +52,14 @@ TEST(Carp, reads_tetrahedra_without_words) {
   }
 }
 
+TEST(Carp, notes_lines_after_the_last_point_and_cell) {
+  TemporaryFolder folder;
+  write_file(folder / "a.pts", cube_points + "7 7 7\n");
+  write_file(folder / "a.elem", "1\nTt 0 1 3 4 7\nTt 1 2 3 6 7\nTt 1 2 3 6 7\n");
+  EXPECT_THAT(read_cells(folder / "a.elem", {}).notes, ElementsAre("a.pts: 1 line after the points was left out",
+                                                                   "a.elem: 2 lines after the cells were left out"));
+}
+
 TEST(Carp, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   const auto refuses = [&](const std::string& points, const std::string& cells, ErrorCode error_code,

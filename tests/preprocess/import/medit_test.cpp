@@ -146,6 +146,17 @@ TEST(Medit, reads_values_that_lie_beside) {
   expect_refusal([&] { read_cells(folder / "a.mesh", {}); }, ErrorCode::invalid, {"a.sol, line 4", "8 vertices"});
 }
 
+TEST(Medit, notes_numbers_after_the_last_record_and_values_of_cells) {
+  TemporaryFolder folder;
+  const std::string points =
+      "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 0\n";
+  write_file(folder / "a.mesh", points + "Corners\n2\n1 2\nTetrahedra\n1\n1 2 3 4 1\n2 3 4 5 2\nRidges\n1\n1\nEnd\n");
+  write_file(folder / "a.sol", "MeshVersionFormatted 2\nDimension 3\nSolAtTetrahedra\n1\n1 1\n5\nEnd\n");
+  EXPECT_THAT(read_cells(folder / "a.mesh", {}).notes,
+              testing::ElementsAre("a.mesh: section Tetrahedra: 5 numbers after its records were left out",
+                                   "a.sol: section SolAtTetrahedra left out: only values at vertices are read"));
+}
+
 TEST(Medit, refuses_what_does_not_fit) {
   TemporaryFolder folder;
   const auto refuses = [&](const std::string& from, const std::string& to, ErrorCode error_code,

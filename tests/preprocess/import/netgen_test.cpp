@@ -48,6 +48,17 @@ TEST(Netgen, takes_whole_names_of_materials) {
             (formats::LabelNames{{7, "heart,left"}, {8, "left #2, inner"}}));
 }
 
+TEST(Netgen, notes_lines_after_the_last_record_of_a_list) {
+  TemporaryFolder folder;
+  write_file(folder / "a.vol",
+             head +
+                 "volumeelements\n1\n7 4 1 3 2 4\n8 4 2 4 3 5\n\npoints\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+                 "1 1 1.5\n2 2 2\n3 3 3\nedgesegmentsgi2\n1\n1 0 1 2 -1 -1 0 0 1 0 1 0\nendmesh\n");
+  EXPECT_THAT(read_cells(folder / "a.vol", {}).notes,
+              testing::ElementsAre("list 'volumeelements': 1 line after its records was left out",
+                                   "list 'points': 2 lines after its records were left out"));
+}
+
 /// Netgen's corners of a unit cell, mirrored against VTK's, become VTK's.
 TEST(Netgen, turns_cells_of_every_kind_the_right_way_round) {
   TemporaryFolder folder;

@@ -57,6 +57,13 @@ TEST(Ply, passes_over_properties_and_elements_that_it_does_not_need) {
   check_every_beginning(folder / "a.ply", ply_text, [&] { return is_tetrahedron(read_surface(folder / "a.ply")); });
 }
 
+TEST(Ply, notes_bytes_after_the_last_element) {
+  TemporaryFolder folder;
+  write_file(folder / "a.ply", ply_text + "3 0 1 2 0\n");
+  EXPECT_THAT(read_surface(folder / "a.ply").notes,
+              testing::ElementsAre("a.ply: 10 bytes after the elements were left out"));
+}
+
 TEST(Ply, keeps_polygons_and_double_precision) {
   TemporaryFolder folder;
   write_file(
@@ -191,6 +198,13 @@ TEST(Off, reads_points_and_facets_and_passes_over_colours) {
   check_every_beginning(folder / "a.off", off_text, [&] { return is_tetrahedron(read_surface(folder / "a.off")); });
   write_file(folder / "a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_EQ(read_surface(folder / "a.off").points.size(), 3U);
+}
+
+TEST(Off, notes_lines_after_the_last_facet) {
+  TemporaryFolder folder;
+  write_file(folder / "a.off", off_text + "# the end\n3 0 1 2\n3 9 9 9\n");
+  EXPECT_THAT(read_surface(folder / "a.off").notes,
+              testing::ElementsAre("a.off: 2 lines after the facets were left out"));
 }
 
 TEST(Off, refuses_what_does_not_fit) {

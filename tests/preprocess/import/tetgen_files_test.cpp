@@ -31,6 +31,15 @@ TEST(TetgenMesh, reads_points_cells_and_attributes_numbered_from_one) {
   }
 }
 
+TEST(TetgenMesh, notes_lines_after_the_last_point_and_tetrahedron) {
+  TemporaryFolder folder;
+  write_file(folder / "a.node", nodes + "6 2 2 2 4.1 7 0\n");
+  write_file(folder / "a.ele", elements + "3 2 3 4 5 20\n4 2 3 4 5 20\n");
+  EXPECT_THAT(read_mesh(folder / "a.ele").notes,
+              testing::ElementsAre("a.node: 1 line after the points was left out",
+                                   "a.ele: 2 lines after the tetrahedra were left out"));
+}
+
 TEST(TetgenMesh, reads_numbers_from_zero) {
   TemporaryFolder folder;
   write_file(folder / "a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
