@@ -4,6 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
 
 #include "formats/base/checks.h"
 #include "formats/base/text.h"
@@ -25,6 +29,10 @@ std::uint64_t hash_of(const Point& point) {
   return hash;
 }
 
+bool is_finite(const Point& point) {
+  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
 /// For each point, the first one at the same position. A point that is not finite matches only
 /// itself.
 Array<std::uint64_t> first_at_place(const Array<Point>& points) {
@@ -32,6 +40,8 @@ Array<std::uint64_t> first_at_place(const Array<Point>& points) {
   Array<std::uint64_t> slots(std::bit_ceil(2 * points.size() + 1), none);  // at least half empty
   const std::uint64_t mask = slots.size() - 1;
   for (std::uint64_t i = 0; i < points.size(); ++i) {
+    first[i] = i;
+    if (!is_finite(points[i])) continue;
     std::uint64_t slot = hash_of(points[i]) & mask;
     while (slots[slot] != none && points[slots[slot]] != points[i]) slot = (slot + 1) & mask;
     if (slots[slot] == none) slots[slot] = i;
@@ -67,7 +77,6 @@ class Merging {
       : mesh_(mesh),
         piece_offsets_(piece_offsets),
         first_(first_at_place(mesh.points)),
-        latest_piece_(mesh.points.size(), none),
         next_here_(mesh.points.size(), none),
         differences_(mesh.point_fields.size()) {}
 
@@ -92,8 +101,9 @@ class Merging {
   /// belong together.
   void find_crowded_places() {
     is_crowded_.assign(mesh_.points.size(), 0);
+    Array<std::uint64_t> latest_piece(mesh_.points.size(), none);
     for_each_point([&](std::uint64_t i, std::uint64_t piece) {
-      std::uint64_t& latest = latest_piece_[first_[i]];
+      std::uint64_t& latest = latest_piece[first_[i]];
       if (latest == piece) is_crowded_[first_[i]] = 1;
       latest = piece;
     });
@@ -105,7 +115,6 @@ class Merging {
     for_each_point([&](std::uint64_t i, std::uint64_t piece) {
       const std::uint64_t partner = is_crowded_[first_[i]] != 0 ? partner_at_crowded_place(i, piece) : first_[i];
       stands_for_[i] = partner;
-      latest_piece_[partner] = piece;
       if (partner == i) return;
       ++merged_count_;
       for (std::size_t f = 0; f < differences_.size(); ++f) differences_[f].include(mesh_.point_fields[f], partner, i);
@@ -115,18 +124,15 @@ class Merging {
   /// The first point at this position that has equal values and no point of this piece yet;
   /// otherwise the point itself, which is then added to them.
   std::uint64_t partner_at_crowded_place(std::uint64_t i, std::uint64_t piece) {
-    std::uint64_t last = first_[i];
-    if (last == i) return i;
-    bool has_others = false;
-    for (std::uint64_t here = last; here != none; here = next_here_[here]) {
-      last = here;
-      if (latest_piece_[here] == piece) continue;
-      has_others = true;
-      const auto agrees = [&](const NeutralField& field) { return has_same_values(field, here, i); };
-      if (std::all_of(mesh_.point_fields.begin(), mesh_.point_fields.end(), agrees)) return here;
-    }
-    next_here_[last] = i;
-    left_apart_count_ += has_others ? 1 : 0;
+    Place& place = places_[first_[i]];
+    if (std::exchange(place.piece, piece) != piece) place.taken_count = 0;
+    ++place.taken_count;
+    const auto [found, is_new] = groups_.try_emplace(i, Group{.piece = piece, .next = none, .last = i});
+    Group& group = found->second;
+    if (std::exchange(group.piece, piece) != piece) group.next = found->first;
+    if (group.next != none) return std::exchange(group.next, next_here_[group.next]);
+    if (!is_new) next_here_[std::exchange(group.last, i)] = i;
+    if (++place.kept_count > place.taken_count) ++left_apart_count_;
     return i;
   }
 
@@ -187,12 +193,48 @@ class Merging {
                                    "several there and their values differ"));
   }
 
+  /// A position where a piece has several points.
+  struct Place {
+    std::uint64_t kept_count = 0;
+    std::uint64_t piece = none;     ///< the latest piece with a point here
+    std::uint64_t taken_count = 0;  ///< of the kept points, those that have a point of this piece
+  };
+
+  /// The kept points with the same position and values, a chain in next_here_. Its key is the first
+  /// of them.
+  struct Group {
+    std::uint64_t piece = none;  ///< the latest piece with a point here
+    std::uint64_t next = none;   ///< the first that has no point of this piece yet
+    std::uint64_t last = none;
+  };
+
+  struct HashOfPoint {
+    const Merging& merging;
+    std::size_t operator()(std::uint64_t i) const {
+      std::size_t hash = merging.first_[i];
+      for (const NeutralField& field : merging.mesh_.point_fields) {
+        const auto bytes = static_cast<std::size_t>(field.component_count) * sizeof(double);
+        const auto* values = reinterpret_cast<const char*>(field.values.data()) + i * bytes;
+        hash = hash * 0x9E3779B97F4A7C15U ^ std::hash<std::string_view>()({values, bytes});
+      }
+      return hash;
+    }
+  };
+  struct SamePoint {
+    const Merging& merging;
+    bool operator()(std::uint64_t a, std::uint64_t b) const {
+      const auto agrees = [&](const NeutralField& field) { return has_same_values(field, a, b); };
+      return merging.first_[a] == merging.first_[b] &&
+             std::all_of(merging.mesh_.point_fields.begin(), merging.mesh_.point_fields.end(), agrees);
+    }
+  };
+
   CellMesh& mesh_;
   std::span<const std::uint64_t> piece_offsets_;
   Array<std::uint64_t> first_;
-  /// first the latest piece seen at a position, then the latest piece of each kept point
-  Array<std::uint64_t> latest_piece_;
-  Array<std::uint64_t> next_here_;  ///< chain of points kept at a crowded position
+  Array<std::uint64_t> next_here_;  ///< chains of points kept at crowded positions
+  std::unordered_map<std::uint64_t, Place> places_;
+  std::unordered_map<std::uint64_t, Group, HashOfPoint, SamePoint> groups_{0, HashOfPoint{*this}, SamePoint{*this}};
   Array<std::uint8_t> is_crowded_;  ///< set for the first point at a position
   Array<std::uint64_t> stands_for_;
   std::vector<Difference> differences_;

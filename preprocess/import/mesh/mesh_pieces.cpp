@@ -51,12 +51,11 @@ void shift_nodes(CellMesh& mesh, std::uint64_t distance) {
   }
 }
 
-/// Source indices of all cells; their own indices if the mesh has no cell_ids.
-Array<std::uint64_t> cell_ids_of(const CellMesh& mesh) {
-  if (!mesh.cell_ids.empty() || mesh.kinds.empty()) return mesh.cell_ids;
-  Array<std::uint64_t> ids(mesh.kinds.size());
-  std::iota(ids.begin(), ids.end(), std::uint64_t{0});
-  return ids;
+/// Gives a mesh without cell_ids those that the cells have by their order.
+void number_cells(CellMesh& mesh) {
+  if (!mesh.cell_ids.empty()) return;
+  mesh.cell_ids.resize(mesh.kinds.size());
+  std::iota(mesh.cell_ids.begin(), mesh.cell_ids.end(), std::uint64_t{0});
 }
 
 }  // namespace
@@ -78,8 +77,9 @@ void MeshPieces::append(CellMesh piece, std::uint64_t foreign_cell_count) {
   shift_nodes(piece, whole_.points.size());
   const bool has_ids = whole_.kinds.size() != foreign_cell_count_ || piece.kinds.size() != foreign_cell_count;
   if (has_ids) {
-    whole_.cell_ids = cell_ids_of(whole_);
-    for (const std::uint64_t id : cell_ids_of(piece)) whole_.cell_ids.push_back(foreign_cell_count_ + id);
+    number_cells(whole_);
+    number_cells(piece);
+    for (const std::uint64_t id : piece.cell_ids) whole_.cell_ids.push_back(foreign_cell_count_ + id);
   }
   const std::uint64_t first_node = whole_.cell_nodes.size();
   for (std::size_t cell = 1; cell < piece.cell_offsets.size(); ++cell)
