@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/regular_file.h"
+#include "preprocess/process/foreign_file.h"
 
 namespace rhoray::preprocess {
 
@@ -62,6 +63,10 @@ void require_input(const std::filesystem::path& path) {
 std::string unsupported_type(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension.empty()) return concat(path.string(), ": unknown file type");
+  for (const ForeignFormat& format : foreign_formats())
+    if (std::find(format.families.begin(), format.families.end(), extension_of(path)) != format.families.end())
+      return concat(path.string(), ": its content cannot be read as ", format.name, ", the format that \"", extension,
+                    "\" stands for");
   return concat(path.string(), ": unsupported file type \"", extension, "\"");
 }
 

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
-#include <cinttypes>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -32,6 +32,7 @@
 #include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/library_text.h"
+#include "formats/base/printable.h"
 #include "preprocess/process/limits.h"
 #include "preprocess/process/nameless_file.h"
 #include "preprocess/process/scratch_memory.h"
@@ -158,11 +159,19 @@ void set_limits(const WorkerLimits& limits) {
   fail_in_child("the worker program was not accepted by the system\n");
 }
 
-/// Forwards the numbers of a line `<mark>DONE TOTAL`.
-void pass_progress_on(const char* numbers, const WorkerRequest& request) {
+/// Forwards the numbers of `<mark>DONE TOTAL` at the end of a line, and returns the text before. A
+/// mark before other text belongs to the text.
+std::string_view without_progress(std::string_view line, const WorkerRequest& request) {
+  const std::size_t mark = line.rfind(progress_mark);
+  if (mark == line.npos) return line;
+  const char* const end = line.data() + line.size();
   std::uint64_t done = 0, total = 0;
-  if (request.progress && std::sscanf(numbers, "%" SCNu64 " %" SCNu64, &done, &total) == 2)
-    request.progress(done, total);
+  const auto first = std::from_chars(line.data() + mark + 1, end, done);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != ' ') return line;
+  const auto second = std::from_chars(first.ptr + 1, end, total);
+  if (second.ec != std::errc() || second.ptr != end) return line;
+  if (request.progress) request.progress(done, total);
+  return line.substr(0, mark);
 }
 
 [[noreturn]] void refuse_idle(const WorkerRequest& request) {
@@ -219,12 +228,10 @@ std::string complaints_of(int descriptor, pid_t worker, const WorkerRequest& req
     rest.append(piece, static_cast<std::size_t>(count));
     std::size_t begin = 0;
     for (std::size_t end; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1) {
-      const std::size_t mark = std::min(rest.find(progress_mark, begin), end);
-      text.append(rest, begin, mark - begin);
-      if (mark == end)
-        text += '\n';
-      else
-        pass_progress_on(rest.c_str() + mark + 1, request);
+      const std::string_view line = std::string_view(rest).substr(begin, end - begin);
+      const std::string_view kept = without_progress(line, request);
+      text += kept;
+      if (kept.size() == line.size()) text += '\n';
     }
     rest.erase(0, begin);
     if (rest.size() > kept_complaint_bytes) text += std::exchange(rest, {});
@@ -382,7 +389,7 @@ namespace {
 
 std::string in_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
+  return printable(text);
 }
 
 int report(ErrorCode error_code, const std::string& fact, const std::string& hint) {

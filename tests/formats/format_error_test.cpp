@@ -27,6 +27,11 @@ TEST(FormatError, shows_control_characters_from_files_as_numbers) {
                     "\x1b[2J\x7f"
                     "µ"),
             "a.rho, folder\\x0aa.dcm: found \\x1b[2J\\x7fµ; expected another");
+  EXPECT_EQ(message("name",
+                    "\xc2\x9b"
+                    "2J\xc2\xa0\xc2"),
+            "a.rho, name: found \\xc2\\x9b2J\xc2\xa0\xc2; expected another")
+      << "the same code for a terminal, as one character";
 }
 
 TEST(FormatError, cuts_long_texts_from_files) {

@@ -4,6 +4,7 @@
 
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
+#include "formats/base/printable.h"
 #include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
@@ -317,6 +318,14 @@ std::string info_text(const Json& json, bool verbose) {
   return text + packing_text(json);
 }
 
+/// Names, units and notes may come from a hostile file.
+Json with_printable_texts(Json json) {
+  if (json.is_string()) return printable(json.get_ref<const std::string&>());
+  if (json.is_structured())
+    for (Json& part : json) part = with_printable_texts(std::move(part));
+  return json;
+}
+
 int run(const InfoOptions& options) {
   int result = 0;
   preprocess::PackOptions pack = pack_options(options.read);
@@ -331,7 +340,7 @@ int run(const InfoOptions& options) {
       if (options.common.json)
         std::puts(dump(json).c_str());
       else
-        std::fputs(info_text(json, options.common.verbose).c_str(), stdout);
+        std::fputs(info_text(with_printable_texts(json), options.common.verbose).c_str(), stdout);
     } catch (const Error& error) {
       std::fputs(error_lines("rhoray info", error.what(), error.hint()).c_str(), stderr);
       result = std::max(result, static_cast<int>(error.code()));

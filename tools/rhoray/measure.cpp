@@ -4,6 +4,7 @@
 #include "formats/base/error.h"
 #include "formats/base/number_text.h"
 #include "formats/base/parallel.h"
+#include "formats/base/printable.h"
 #include "render/isovalue.h"
 #include "tools/analysis/enclosed.h"
 #include "tools/rhoray/cli/options.h"
@@ -74,8 +75,8 @@ int run(const MeasureCommand& command) {
     std::puts(dump(json).c_str());
     return 0;
   }
-  std::fputs(concat(command.input.string(), ": where '", dataset.field().name, "' is at least ", isovalue.value,
-                    isovalue.from == "given" ? "" : concat(" (", isovalue.from, ")"), "\n",
+  std::fputs(concat(command.input.string(), ": where '", printable(dataset.field().name), "' is at least ",
+                    isovalue.value, isovalue.from == "given" ? "" : concat(" (", isovalue.from, ")"), "\n",
                     text_of(enclosed, dataset.length_unit()))
                  .c_str(),
              stdout);

@@ -96,6 +96,19 @@ class LibraryText {
   std::vector<std::string> lines_;
 };
 
+/// A message that quotes a file may contain the mark of progress, and codes for a terminal.
+TEST_F(Worker, passes_control_characters_on_as_text) {
+  const LibraryText said;
+  try {
+    run_worker(request("refuse-controls"));
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "bone.mhd, key: found 'a\\x01b\\x1b[31m'; expected c");
+    EXPECT_EQ(error.hint(), "try\\x09this");
+  }
+  EXPECT_THAT(said.lines(), testing::ElementsAre("chatter \1 of a library"));
+}
+
 TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
   const LibraryText said;
   expect_refusal([] { run_worker(request("throw")); }, ErrorCode::internal, {"reading bone.vtu: failed unexpectedly"});

@@ -24,5 +24,17 @@ TEST(InputFile, that_is_missing_is_refused_with_the_nearest_name) {
   expect_error(ErrorCode::unreadable, "no folder", [&] { require_input(folder / "nowhere/bone.vtu"); });
 }
 
+/// An extension that is read for other content is not called unsupported.
+TEST(InputFile, that_is_not_what_its_name_says_is_refused_by_its_content) {
+  const tests::TemporaryFolder folder;
+  tests::write_file(folder / "a.xyz", "a molecule\n");
+  EXPECT_EQ(foreign_kind(folder / "a.xyz"), ForeignKind::unknown);
+  EXPECT_EQ(unsupported_type(folder / "a.xyz"),
+            concat((folder / "a.xyz").string(),
+                   ": its content cannot be read as PLOT3D, the format that \".xyz\" stands for"));
+  EXPECT_EQ(unsupported_type(folder / "a.cgns"),
+            concat((folder / "a.cgns").string(), ": unsupported file type \".cgns\""));
+}
+
 }  // namespace
 }  // namespace rhoray::preprocess

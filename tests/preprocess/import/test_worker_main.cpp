@@ -98,6 +98,9 @@ void act(const std::string& verb, int input, int output) {
     std::fputs("a library's chatter\n", stderr);
     throw Error(ErrorCode::unsupported, "bone.vtu, cells: found 3 hexahedra; expected linear\ntetrahedra",
                 "make it tetrahedra");
+  } else if (verb == "refuse-controls") {
+    std::fputs("chatter \1 of a library\n", stderr);
+    throw Error(ErrorCode::invalid, "bone.mhd, key: found 'a\1b\x1b[31m'; expected c", "try\tthis");
   } else if (verb == "throw") {
     throw std::runtime_error("a library's exception");
   } else if (verb == "segfault") {

@@ -11,6 +11,7 @@
 #include "formats/base/floating_point.h"
 #include "formats/base/library_text.h"
 #include "formats/base/mapped_file.h"
+#include "formats/base/printable.h"
 #include "formats/base/word_list.h"
 #include "render/load.h"
 #include "tools/rhoray/cli/completion.h"
@@ -149,8 +150,8 @@ int print_completion(std::span<const Subcommand> subcommands, std::span<const ch
 }  // namespace
 
 std::string error_lines(const std::string& place, const std::string& fact, const std::string& hint) {
-  std::string lines = concat(place, ": ", fact, "\n");
-  if (!hint.empty()) lines += concat("hint: ", hint, "\n");
+  std::string lines = concat(place, ": ", printable(fact), "\n");
+  if (!hint.empty()) lines += concat("hint: ", printable(hint), "\n");
   return lines;
 }
 

@@ -9,6 +9,7 @@
 #include "formats/base/error.h"
 #include "formats/base/library_text.h"
 #include "formats/base/nearest_name.h"
+#include "formats/base/printable.h"
 #include "formats/base/word_list.h"
 
 namespace rhoray::tools {
@@ -159,7 +160,7 @@ std::vector<Option> all_options(std::initializer_list<std::vector<Option>> lists
 }
 
 void say(const CommonOptions& common, const std::string& line) {
-  if (!common.quiet) std::fputs((line + "\n").c_str(), stderr);
+  if (!common.quiet) std::fputs((printable(line) + "\n").c_str(), stderr);
 }
 
 void tell(const CommonOptions& common, const std::string& line) {
