@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "preprocess/import/reading/ghost_values.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -21,9 +22,6 @@ struct ForeignCells {
   Array<std::uint8_t> ghosts{};        ///< vtkGhostType of each cell; empty: no ghosts
   Array<std::uint8_t> point_ghosts{};  ///< vtkGhostType of each point; empty: none is hidden
 };
-
-/// Values of VTK's vtkGhostType arrays (vtkDataSetAttributes.h) that are used here.
-constexpr std::uint8_t ghost_duplicate = 1, ghost_refined = 8, ghost_hidden_cell = 32, ghost_hidden_point = 2;
 
 /// Number of cells left out, and why.
 struct LeftOut {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "preprocess/import/xdmf/hdf5_file.h"
+#include "preprocess/import/reading/hdf5_file.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {

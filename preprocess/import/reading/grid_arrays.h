@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "preprocess/import/reading/point_grid.h"
 #include "preprocess/neutral.h"
 
 namespace rhoray::preprocess {
@@ -67,25 +67,6 @@ void pick(Samples& samples, std::initializer_list<int> numbers);
 /// The orders in which formats store symmetric tensors, as picks that give ours.
 inline constexpr std::initializer_list<int> from_upper_rows = {0, 3, 5, 1, 4, 2};  ///< xx xy xz yy yz zz
 inline constexpr std::initializer_list<int> from_lower_rows = {0, 2, 5, 1, 4, 3};  ///< xx yx yy zx zy zz
-
-/// One array of a file that stores several, with values at grid points or in grid cells.
-struct GridArray {
-  std::string name;
-  formats::ElementType type = formats::ElementType::U8;
-  int component_count = 1;
-  bool in_cells = false;
-  std::string unit{};
-  Array<std::byte> values{};                 ///< in native byte order; either these
-  std::function<Array<std::byte>()> load{};  ///< or what reads them when the array is chosen
-};
-
-/// A grid of points. Sample (i, j, k) lies at world_from_grid.point({i, j, k}). On an axis with a
-/// table, the table's entry replaces the index.
-struct PointGrid {
-  Index3 point_count;
-  Affine world_from_grid;
-  std::array<std::vector<double>, 3> axes{};
-};
 
 /// The grid with points at these positions along x, y and z, increasing or decreasing. An axis with
 /// equal steps, within the given precision, needs no table. Refuses positions that are not finite

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "formats/base/text.h"
-#include "preprocess/import/mesh/mesh_cells.h"
+#include "preprocess/import/reading/ghost_values.h"
 #include "preprocess/import/reading/samples.h"
 
 namespace rhoray::preprocess {

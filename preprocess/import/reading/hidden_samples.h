@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "preprocess/import/reading/grid_arrays.h"
+#include "preprocess/import/reading/point_grid.h"
 
 namespace rhoray::preprocess {
 

@@ -1,4 +1,4 @@
-#include "preprocess/import/xdmf/hdf5_file.h"
+#include "preprocess/import/reading/hdf5_file.h"
 
 #include <hdf5.h>
 
