@@ -74,6 +74,33 @@ def test_a_picture_s_scene_makes_the_same_picture(ball, box):
         assert numpy.array_equal(picture.color, again.color)
 
 
+def test_data_of_one_file_are_those_of_their_names(ball, box, tmp_path):
+    def scene(name, **reading):
+        layers = [{"data": name, "type": "isosurface", "isovalue": 4}]
+        return {"data": {"a": {"file": "f"}, "b": {"file": "f", **reading}}, "layers": layers,
+                "camera": {"position": [10, -40, 6], "target": [10, 8, 6], "up": [0, 0, 1], "fov": 30},
+                "image": {"size": [60, 40]}}
+    other = rr.volume({"distance": distance_samples()}, spacing=(0.25, 0.5, 0.5))
+    shown = [rr.render(scene(name), data={"a": ball, "b": other}) for name in "ab"]
+    alone = [rr.render({**scene("a"), "data": {"a": {}}}, data={"a": data}) for data in (ball, other)]
+    for picture, expected in zip(shown, alone, strict=True):
+        assert numpy.array_equal(picture.rgba, expected.rgba)
+    assert {spec["file"] for spec in shown[1].scene["data"].values()} == {"f"}
+    distance_samples().tofile(tmp_path / "f")
+    for name in "ab":  # one file, read in two ways
+        read = scene(name, raw="41x33x25:float32", spacing=[0.25, 0.5, 0.5])
+        read["data"]["a"].update(raw="41x33x25:float32", spacing=[0.5, 0.5, 0.5])
+        (tmp_path / "scene.json").write_text(json.dumps(read))
+        picture = rr.render(tmp_path / "scene.json")
+        assert numpy.array_equal(picture.rgba, shown["ab".index(name)].rgba)
+        subprocess.run([PROGRAM, "render", "scene.json", "-o", "program.png", "--force", "-q"], cwd=tmp_path, check=True)
+        assert picture.compare(tmp_path / "program.png")["differing"] == 0
+        subprocess.run([PROGRAM, *shlex.split(picture.command)[1:], "--force", "-q"], cwd=tmp_path, check=True)
+        assert picture.compare(tmp_path / "picture.png")["differing"] == 0
+        with rr.view(tmp_path / "scene.json", browser=False) as view:
+            assert numpy.array_equal(view.picture(size=(60, 40)).rgba, picture.rgba)
+
+
 def test_pictures_show_themselves_in_notebooks(ball):
     assert rr.render(ball, iso=4, size=(32, 32))._repr_png_().startswith(b"\x89PNG")
 

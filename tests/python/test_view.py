@@ -168,9 +168,9 @@ def test_wrong_changes_are_refused(viewer):
     del viewer.scene["layers"][0]["colour"]
     assert viewer.error is None
     with pytest.raises(rr.UsageError, match="nosuch"):
-        rr.view(viewer._data[viewer.scene["data"]["data"]["file"]], color_by="nosuch", browser=False)
+        rr.view(viewer._data["data"], color_by="nosuch", browser=False)
     with pytest.raises(rr.UsageError, match="port"):
-        rr.view(viewer._data[viewer.scene["data"]["data"]["file"]], port=70000, browser=False)
+        rr.view(viewer._data["data"], port=70000, browser=False)
 
 
 def test_views_packed_files_scenes_and_meshes(ball, box, tmp_path):

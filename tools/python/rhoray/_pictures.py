@@ -12,9 +12,10 @@ from rhoray._errors import FileError, UsageError
 class Picture:
     """A picture, with the scene that makes it again. Its arrays are views of its memory."""
 
-    def __init__(self, core, data):
+    def __init__(self, core, data, files):
         self._core = core
-        self._data = data  # by the files of the scene
+        self._data = data  # by name, as the files of the scene
+        self._files = files
 
     size = property(lambda self: self._core.size, doc="(width, height)")
     color = property(lambda self: self._core.color, doc="[height, width, 4]: linear RGB and alpha, float32")
@@ -35,7 +36,7 @@ class Picture:
     @property
     def scene(self):
         """The scene document that says every choice, as a dict; `render` makes the same picture of it."""
-        return json.loads(self._core.document)
+        return _scenes.with_files(json.loads(self._core.document), self._files)
 
     @property
     def command(self):
@@ -101,11 +102,13 @@ def render(what, *, data=None, channels=(), **options):
     """
     document, known = _scenes.read(what, data, options, "render")
     known = _scenes.opened(document, known)
-    datasets = {file: opened._core for file, opened in known.items()}
-    text = _scenes.text_of(document, "render")
+    files = {name: spec["file"] for name, spec in document["data"].items()}
+    # Several names may have one file, but data of their own.
+    text = _scenes.text_of(_scenes.with_files(document, {name: name for name in known}), "render")
     with Context() as context:
         try:
-            return Picture(_core.render(context, text, datasets, list(channels)), known)
+            core = _core.render(context, text, {name: data._core for name, data in known.items()}, list(channels))
+            return Picture(core, known, files)
         except FileError as error:
             if not error.fact.startswith("scene:"):
                 raise

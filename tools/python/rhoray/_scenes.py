@@ -43,8 +43,11 @@ def document_of(data, iso=None, mode=None, size=None, accuracy=None, view=None, 
     return document
 
 
+_reading_keys = ("raw", "spacing", "origin", "time")
+
+
 def read(what, data, options, where):
-    """(document, data by file) of what `render`, `view` and `accuracy` take: Data, or paths of files.
+    """(document, known) of what `render`, `view` and `accuracy` take. known: Data, or paths of files, by name.
 
     where: the function's name, for messages.
     """
@@ -58,24 +61,38 @@ def read(what, data, options, where):
     given, known, specs = data or {}, {}, {}
     for name, spec in document.get("data", {}).items():
         file = spec.get("file", name)
-        known[file] = given.get(name, given.get(file, folder / file))
-        field = known[file]._name if isinstance(known[file], Data) else ""
+        known[name] = given.get(name, given.get(file, folder / file))
+        field = known[name]._name if isinstance(known[name], Data) else ""
         specs[name] = {**({"field": field} if field else {}), **spec, "file": file}
     return {**document, "data": specs}, known
 
 
 def opened(document, known):
-    """Data by file, where `known` may have paths."""
-    reading = {spec["file"]: {key: spec[key] for key in ("raw", "spacing", "origin", "time") if key in spec}
-               for spec in document["data"].values()}
-    return {file: data if isinstance(data, Data) else open(data, **reading[file]) for file, data in known.items()}
+    """Data by name, where `known` may have paths. What several names read in the same way is opened once."""
+    result, by_reading = {}, {}
+    for name, data in known.items():
+        if not isinstance(data, Data):
+            spec = document["data"][name]
+            reading = {key: spec[key] for key in _reading_keys if key in spec}
+            same = os.path.abspath(data), repr(reading)
+            data = by_reading[same] = by_reading.get(same) or open(data, **reading)
+        result[name] = data
+    return result
+
+
+def with_files(document, files):
+    """The document with other files, by the names of the data."""
+    return {**document, "data": {name: {**spec, "file": files[name]} for name, spec in document["data"].items()}}
 
 
 def with_paths(document, known):
-    """The document with files that the program can open."""
-    paths = {file: data.path if isinstance(data, Data) else os.path.abspath(data) for file, data in known.items()}
-    return {**document, "data": {name: {**spec, "file": paths[spec["file"]]}
-                                 for name, spec in document["data"].items()}}
+    """The document with files that the program can open. Those of Data are packed: they are not read again."""
+    packed = {name: {key: value for key, value in spec.items()
+                     if key not in _reading_keys or not isinstance(known[name], Data)}
+              for name, spec in document["data"].items()}
+    return with_files({**document, "data": packed},
+                      {name: data.path if isinstance(data, Data) else os.path.abspath(data)
+                       for name, data in known.items()})
 
 
 def text_of(document, where):

@@ -42,7 +42,7 @@ class View:
         document, known = _scenes.read(what, data, options, "view")
         known = _scenes.opened(document, known)
         document = _scenes.with_paths(document, known)
-        self._data = {each.path: each for each in known.values()}
+        self._data = known
         title = what.kind if isinstance(what, Data) else "scene" if isinstance(what, dict) else pathlib.Path(what).stem
         self._folder = tempfile.TemporaryDirectory(prefix="rhoray-view-")
         folder = pathlib.Path(self._folder.name)
