@@ -21,11 +21,12 @@ struct OpenOptions {
 };
 
 struct OpenedData {
-  formats::PackedFile file;          ///< its name is the path as given
-  std::filesystem::path path{};      ///< of a packed file with this content; empty: it is in memory
-  bool was_packed = false;           ///< just now
-  std::string not_kept{};            ///< why the cache does not hold the copy; empty: it does, or was not asked
-  std::vector<std::string> notes{};  ///< of packing
+  formats::PackedFile file;           ///< its name is the path as given
+  std::filesystem::path path{};       ///< of a packed file with this content; empty: it is in memory
+  bool was_packed = false;            ///< just now
+  std::string not_kept{};             ///< why the cache does not hold the copy; empty: it does, or was not asked
+  std::vector<std::string> notes{};   ///< of packing
+  std::vector<SourceFile> sources{};  ///< as PackReport::sources; none of a file that is not packed here
 };
 
 /// Opens any file that can be rendered: a packed file; an OpenVDB file; a volume, mesh or surface

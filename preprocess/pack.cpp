@@ -158,9 +158,11 @@ ImportVolumeOptions import_options(const formats::Destination& output, const Pac
   return import;
 }
 
-/// The requested fields, each as a volume; without names the file's first field.
-std::vector<NeutralVolume> import_fields(const fs::path& input, const PackOptions& options,
-                                         ImportVolumeOptions import) {
+/// The requested fields, each as a volume; without names the file's first field. Refuses an output
+/// that was read.
+std::vector<NeutralVolume> import_fields(const fs::path& input, const formats::Destination& output,
+                                         const PackOptions& options, const Progress& progress) {
+  ImportVolumeOptions import = import_options(output, options, progress);
   std::vector<NeutralVolume> fields;
   fields.reserve(std::max<std::size_t>(1, options.fields.size()));
   if (options.fields.empty()) fields.push_back(import_volume(input, import));
@@ -168,6 +170,7 @@ std::vector<NeutralVolume> import_fields(const fs::path& input, const PackOption
     import.field = name;
     fields.push_back(import_volume(input, import));
   }
+  for (const NeutralVolume& field : fields) require_not_read(output.path, field.sources);
   return fields;
 }
 
@@ -194,7 +197,7 @@ std::uint64_t bytes_of(const std::vector<formats::FieldSummary>& fields) {
 
 PackReport pack_volume_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                             const Progress& progress) {
-  const std::vector<NeutralVolume> fields = import_fields(input, options, import_options(output, options, progress));
+  const std::vector<NeutralVolume> fields = import_fields(input, output, options, progress);
   const PackVolumeReport packed = pack_grid(fields, output,
                                             {.order = options.layout.value_or(SampleOrder::bricks),
                                              .brick_edge = options.brick_edge,
@@ -215,7 +218,7 @@ PackReport pack_volume_file(const fs::path& input, const formats::Destination& o
 
 PackReport pack_color_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                            const Progress& progress) {
-  const std::vector<NeutralVolume> fields = import_fields(input, options, import_options(output, options, progress));
+  const std::vector<NeutralVolume> fields = import_fields(input, output, options, progress);
   PackColorsOptions pack{.is_linear = options.layout == SampleOrder::linear,
                          .command = options.command,
                          .source_name = input.filename().string(),
@@ -249,6 +252,7 @@ PackReport pack_mesh_file(const fs::path& input, const formats::Destination& out
                                          .memory_limit_bytes = options.memory_limit_bytes,
                                          .scratch_folder = scratch_folder(output, options),
                                          .progress = progress});
+  require_not_read(output.path, mesh.sources);
   give_fields(mesh, pack.cells_to_points);
   const PackMeshReport packed = pack_mesh(mesh, output, pack, progress);
   const formats::TetMeshDescription& tets = packed.description;
@@ -265,6 +269,7 @@ PackReport pack_mesh_file(const fs::path& input, const formats::Destination& out
 PackReport pack_surface_file(const fs::path& input, const formats::Destination& output, const PackOptions& options,
                              const Progress& progress) {
   const NeutralSurface surface = import_surface(input, {}, {.memory_limit_bytes = options.memory_limit_bytes});
+  require_not_read(output.path, surface.sources);
   const PackSurfaceReport packed = pack_surface(surface, output,
                                                 {.command = options.command,
                                                  .source_name = input.filename().string(),

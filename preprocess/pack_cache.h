@@ -26,10 +26,11 @@ class PackCache {
   };
 
   struct Copy {
-    formats::PackedFile file;          ///< its name is that of the input
-    std::filesystem::path path{};      ///< of the packed copy; empty: it was not kept
-    std::string not_kept{};            ///< the reason
-    std::vector<std::string> notes{};  ///< of reading and of packing
+    formats::PackedFile file;           ///< its name is that of the input
+    std::filesystem::path path{};       ///< of the packed copy; empty: it was not kept
+    std::string not_kept{};             ///< the reason
+    std::vector<std::string> notes{};   ///< of reading and of packing
+    std::vector<SourceFile> sources{};  ///< as PackReport::sources
   };
 
   struct Entry {

@@ -48,6 +48,7 @@ ResampleReport resample(const std::filesystem::path& input, const std::filesyste
   check_resample(input);
   if (progress) progress(concat("reading ", input.string()), 0, 0);
   NeutralMesh mesh = read_mesh(input, options);
+  require_not_read(output, mesh.sources);
   give_fields(mesh, options.cells_to_points);
   options.source_name = input.filename().string();
   ResampleReport report = resample(mesh, output, options, progress);

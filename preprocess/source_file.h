@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace rhoray::preprocess {
 
@@ -17,5 +18,11 @@ struct SourceFile {
 
 /// Describes a file as it stands now.
 SourceFile source_file(const std::filesystem::path& path);
+
+/// Whether a file is one of those that were read.
+bool was_read(const std::filesystem::path& path, const std::vector<SourceFile>& sources);
+
+/// Refuses an output that is one of the files that were read (ErrorCode::usage).
+void require_not_read(const std::filesystem::path& output, const std::vector<SourceFile>& sources);
 
 }  // namespace rhoray::preprocess

@@ -36,7 +36,8 @@ OpenedData packed_into_memory(const fs::path& input, const PackOptions& pack, co
   const PackReport report = preprocess::pack(input, formats::Destination(memory.number()), pack, progress);
   return {.file = formats::PackedFile::from_descriptor(memory.number(), input.string()),
           .was_packed = true,
-          .notes = report.notes};
+          .notes = report.notes,
+          .sources = report.sources};
 }
 
 /// The copy in the cache, or a new one.
@@ -55,7 +56,8 @@ OpenedData packed(const fs::path& input, const PackOptions& pack, const OpenOpti
               .path = copy->path,
               .was_packed = is_new,
               .not_kept = copy->not_kept,
-              .notes = copy->notes};
+              .notes = copy->notes,
+              .sources = copy->sources};
     } catch (const Error& error) {
       if (error.code() != ErrorCode::resource) throw;
       not_kept = error.what();

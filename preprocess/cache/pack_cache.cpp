@@ -228,7 +228,7 @@ std::optional<PackCache::Copy> PackCache::find(const Key& key) const {
   std::optional<formats::PackedFile> file = open_copy(packed, key.input.string());
   if (!file) return std::nullopt;
   mark_used(path);
-  return Copy{.file = *std::move(file), .path = packed, .notes = record->notes};
+  return Copy{.file = *std::move(file), .path = packed, .notes = record->notes, .sources = record->sources};
 }
 
 PackCache::Copy PackCache::add(const Key& key,
@@ -243,7 +243,7 @@ PackCache::Copy PackCache::add(const Key& key,
   const PackReport report = write(formats::Destination(folder_ / packed));
   std::optional<formats::PackedFile> file = open_copy(folder_ / packed, key.input.string());
   if (!file) throw Error(ErrorCode::resource, concat((folder_ / packed).string(), ": was removed at once"));
-  Copy copy{.file = *std::move(file), .path = folder_ / packed, .notes = report.notes};
+  Copy copy{.file = *std::move(file), .path = folder_ / packed, .notes = report.notes, .sources = report.sources};
   std::error_code ignored;
   const auto drop = [&](const std::string& reason) {
     fs::remove(copy.path, ignored);

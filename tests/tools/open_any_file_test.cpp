@@ -110,9 +110,41 @@ TEST(OpenAnyFile, lists_packed_copies_and_removes_them) {
   EXPECT_EQ(listed["entries"][0]["input"], std::filesystem::canonical(bench / "ball.nrrd").string());
   EXPECT_EQ(listed["entries"][0]["bytes"], listed["bytes"]);
   EXPECT_THAT(bench.rhoray({"cache"}).out, HasSubstr("ball.nrrd"));
-  EXPECT_THAT(bench.rhoray({"cache", "--clear"}).err, HasSubstr("removed 1 packed copy"));
+  const RunResult cleared = bench.rhoray({"cache", "--clear", "--json"});
+  EXPECT_THAT(cleared.err, HasSubstr("removed 1 packed copy"));
+  const auto removed = nlohmann::json::parse(cleared.out, nullptr, false);
+  EXPECT_EQ(removed["removed"], listed["entries"]) << cleared.out;
+  EXPECT_EQ(removed["entries"].size(), 0U);
   EXPECT_EQ(nlohmann::json::parse(bench.rhoray({"cache", "--json"}).out)["entries"].size(), 0U);
   EXPECT_EQ(bench.shell("RHORAY_CACHE_SIZE=lots rhoray cache").exit_code, 2);
+}
+
+TEST(OpenAnyFile, replaces_no_file_that_reading_found) {
+  const Workbench bench;
+  bench.make_ball_raw();
+  const auto header = [](const std::string& data) {
+    return "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 24 24 24\nencoding: raw\ndata file: " + data + "\n";
+  };
+  for (const char* const name : {"ball.npy", "ball.png", "0.png"}) {
+    std::filesystem::copy(bench / "ball.raw", bench / name);
+    write_file(bench / (std::string(name) + ".nhdr"), header(name));
+  }
+  write_file(bench / "ball.nhdr", header("ball.raw"));
+  write_file(bench / "frames.json",
+             R"({"data": {"b": {"file": "0.png.nhdr"}}, "layers": [{"data": "b", "type": "mip"}],
+                 "camera": {"keyframes": [{"time": 0, "view": "front"}, {"time": 1, "view": "back"}]}})");
+  std::filesystem::create_symlink("ball.raw", bench / "link.rho");
+  const std::map<std::string, std::string> before = bench.contents();
+  for (const char* const line : {"pack ball.nhdr -o ball.raw", "pack ball.nhdr -o link.rho",
+                                 "export ball.npy.nhdr -o ball.npy", "render --no-cache ball.png.nhdr -o ball.png",
+                                 "render ball.png.nhdr -o ball.png", "render frames.json --frames 2 -o %d.png"})
+    for (int i = 0; i < 2; ++i) {  // packed, and by its packed copy
+      const RunResult run = bench.shell(std::string("rhoray ") + line + " --force -q");
+      EXPECT_EQ(run.exit_code, 2) << line << run.err;
+      EXPECT_THAT(run.err, HasSubstr("is a file of the input; expected another name")) << line;
+      EXPECT_TRUE(bench.contents() == before) << line;
+    }
+  EXPECT_EQ(bench.rhoray({"pack", "ball.nhdr", "-o", "ball.rho", "-q"}).exit_code, 0);
 }
 
 TEST(OpenAnyFile, names_a_damaged_packed_copy_and_its_remedy) {

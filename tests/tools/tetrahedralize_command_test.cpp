@@ -91,6 +91,27 @@ TEST(TetrahedralizeCommand, leaves_the_faulty_facets_in_a_file_and_replaces_it_o
   EXPECT_NE(read_file(bench / "open.faults.ply"), "mine");
 }
 
+TEST(TetrahedralizeCommand, replaces_no_file_that_it_reads) {
+  Workbench bench;
+  with_boxes(bench);
+  bench.make_box_vtu();
+  std::filesystem::create_symlink("inner.off", bench / "inner.vtu");
+  std::filesystem::copy(bench / "open.off", bench / "x.off");
+  ASSERT_EQ(bench.rhoray({"tetrahedralize", "x.off"}).exit_code, 4);
+  const std::map<std::string, std::string> before = bench.contents();
+  for (const char* const options :
+       {"--size-field box.vtu:height -o box.vtu", "--size-field distance:inner.off:1:2:0.5 -o inner.vtu"}) {
+    const RunResult run = bench.shell(std::string("rhoray tetrahedralize outer.off --force ") + options);
+    EXPECT_EQ(run.exit_code, 2) << options << run.err;
+    EXPECT_THAT(run.err, HasSubstr("is a file of the input; expected another name"));
+    EXPECT_TRUE(bench.contents() == before) << options;
+  }
+  const RunResult faults = bench.shell("rhoray tetrahedralize x.faults.ply -o x.vtu --force");
+  EXPECT_EQ(faults.exit_code, 4);
+  EXPECT_THAT(faults.err, HasSubstr("x.faults.ply is an input and was not changed"));
+  EXPECT_TRUE(bench.contents() == before);
+}
+
 TEST(TetrahedralizeCommand, fills_a_hole_however_wide_and_says_so) {
   Workbench bench;
   const RunResult run = with_boxes(bench).rhoray(

@@ -33,18 +33,21 @@ std::uint64_t bytes_of(const std::vector<preprocess::PackCache::Entry>& entries)
   return sum;
 }
 
-Json json_of(const preprocess::PackCache& cache, const std::vector<preprocess::PackCache::Entry>& entries) {
-  Json json{{"folder", cache.folder().string()},
-            {"limit_bytes", cache.limit_bytes()},
-            {"bytes", bytes_of(entries)},
-            {"entries", Json::array()}};
+Json json_of(const std::vector<preprocess::PackCache::Entry>& entries) {
+  Json json = Json::array();
   for (const auto& entry : entries)
-    json["entries"].push_back(
-        {{"input", entry.input.string()},
-         {"options", entry.options},
-         {"bytes", entry.bytes},
-         {"used", std::chrono::duration_cast<std::chrono::seconds>(entry.used.time_since_epoch()).count()}});
+    json.push_back({{"input", entry.input.string()},
+                    {"options", entry.options},
+                    {"bytes", entry.bytes},
+                    {"used", std::chrono::duration_cast<std::chrono::seconds>(entry.used.time_since_epoch()).count()}});
   return json;
+}
+
+Json json_of(const preprocess::PackCache& cache, const std::vector<preprocess::PackCache::Entry>& entries) {
+  return {{"folder", cache.folder().string()},
+          {"limit_bytes", cache.limit_bytes()},
+          {"bytes", bytes_of(entries)},
+          {"entries", json_of(entries)}};
 }
 
 int run(const CacheCommand& command) {
@@ -54,6 +57,10 @@ int run(const CacheCommand& command) {
     cache.clear();
     say(command.common, concat("removed ", counted(entries.size(), "packed copy", "packed copies"), ", ",
                                bytes_text(bytes_of(entries)), ", from ", cache.folder().string()));
+    if (!command.common.json) return 0;
+    Json json = json_of(cache, cache.entries());
+    json["removed"] = json_of(entries);
+    std::puts(dump(json).c_str());
     return 0;
   }
   if (command.common.json) {
@@ -87,8 +94,9 @@ Subcommand cache_subcommand() {
                                     {"limit",
                                      "20 GiB, or RHORAY_CACHE_SIZE, such as 5G; copies that were not used for the "
                                      "longest time are removed first"}}}},
-          .options = all_options({{flag_option("--clear", "Remove all packed copies", command->clear)},
-                                  message_options(command->common, "Print the list as JSON to stdout")}),
+          .options = all_options(
+              {{flag_option("--clear", "Remove all packed copies", command->clear)},
+               message_options(command->common, "Print the list, and what was removed, as JSON to stdout")}),
           .run = [command] { return run(*command); }};
 }
 

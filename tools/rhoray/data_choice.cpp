@@ -121,6 +121,11 @@ DataAccess reading(const render::DataSpec& data, const DataAccess& access) {
 
 }  // namespace
 
+void require_not_read(const std::filesystem::path& output, const DataAccess& access) {
+  if (access.opened)
+    for (const auto& [key, opened] : *access.opened) preprocess::require_not_read(output, opened.data.sources);
+}
+
 void require_packed(const std::filesystem::path& path) {
   if (formats::PackedFile::looks_packed(path) || path.extension() == ".rho") return;
   const std::filesystem::path packed = std::filesystem::path(path.filename()).replace_extension(".rho");

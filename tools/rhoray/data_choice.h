@@ -58,6 +58,9 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,
                              const DataAccess& access = {});
 
+/// Refuses an output that packing read when data were opened (ErrorCode::usage).
+void require_not_read(const std::filesystem::path& output, const DataAccess& access);
+
 /// The options of packing that say how a file is read.
 preprocess::PackOptions pack_options(const render::ReadSpec& read);
 

@@ -111,10 +111,12 @@ int run(ExportCommand& command) {
   const std::filesystem::path output = command.common.output;
   if (output.empty()) throw Error(ErrorCode::usage, "-o: missing; the extension of the output selects the format");
   const ExportFormat& format = format_of(output);
-  command.packed = [&] {
+  {
     ProgressDisplay display(command.common);
-    return packed_path(command.input, command.field, access_for(command.common, display, command.read));
-  }();
+    const DataAccess access = access_for(command.common, display, command.read);
+    command.packed = packed_path(command.input, command.field, access);
+    require_not_read(output, access);
+  }
   const Content content = content_in(command);
   check(command, format, content);
   require_writable(command.common, output, command.input);

@@ -101,7 +101,7 @@ int run(RenderCommand& command) {
   const render::SceneSpec scene_spec = with_label_layers(asked, access);
   drawn.plan = resolve_layers(scene_spec, access);
   settle_annotations(scene_spec, drawn.output, drawn.plan);
-  if (draws) require_picture(command, drawn.output, drawn.plan);
+  if (draws) require_picture(command, drawn.output, drawn.plan, access);
   drawn.stations.open_s = opening.seconds();
   const Progress progress = display.progress();
   aim_camera(scene_spec, drawn.plan, {{}, progress});

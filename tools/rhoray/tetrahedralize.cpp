@@ -41,6 +41,7 @@ struct TetrahedralizeCommand {
   std::optional<double> max_move, time_limit_s;
   bool mend = false;
   bool no_regions = false;
+  std::vector<preprocess::SourceFile> sources;  ///< the files that were read
 };
 
 /// A number of an option whose text has several.
@@ -204,6 +205,20 @@ preprocess::SizeField read_size_field(const TetrahedralizeCommand& command) {
   }
 }
 
+/// Notes files that were read. Refuses an output that is one of them.
+void note_sources(TetrahedralizeCommand& command, const std::vector<preprocess::SourceFile>& sources,
+                  const std::filesystem::path& output) {
+  preprocess::require_not_read(output, sources);
+  command.sources.insert(command.sources.end(), sources.begin(), sources.end());
+}
+
+std::vector<preprocess::SourceFile> sources_of(const preprocess::SizeField& sizes) {
+  if (const auto* const by_distance = std::get_if<preprocess::SizeByDistance>(&sizes))
+    return by_distance->surface.sources;
+  if (const auto* const mesh = std::get_if<preprocess::NeutralMesh>(&sizes)) return mesh->sources;
+  return std::get<preprocess::NeutralVolume>(sizes).sources;
+}
+
 /// Writes the faulty facets as PLY (text): every facet once for each fault, its number in the
 /// surface as property `facet`, the kind of fault as property `fault`; comments name the kinds.
 void write_fault_file(const std::filesystem::path& path, const preprocess::NeutralSurface& surface,
@@ -243,7 +258,10 @@ void write_fault_file(const std::filesystem::path& path, const preprocess::Neutr
   const auto faults = preprocess::find_faults(surface, command.fill.solids_may_touch);
   const std::filesystem::path file = std::filesystem::path(output).replace_extension(".faults.ply");
   std::string where;
-  if (std::error_code ignored; !faults.empty() && std::filesystem::exists(file, ignored) && !command.common.force) {
+  if (!faults.empty() && preprocess::was_read(file, command.sources)) {
+    where = concat("; ", file.string(), " is an input and was not changed");
+  } else if (std::error_code ignored;
+             !faults.empty() && std::filesystem::exists(file, ignored) && !command.common.force) {
     where = concat("; ", file.string(), " already exists and was not changed (use --force to overwrite it)");
   } else if (!faults.empty()) {
     write_fault_file(file, surface, faults, command.common.force);
@@ -312,9 +330,11 @@ int run(TetrahedralizeCommand& command) {
     ProgressDisplay display(command.common);
     NeutralSurface surface = read_surfaces(command, display);
     notes = surface.notes;
+    note_sources(command, surface.sources, output);
     if (!command.size_field.empty()) {
       display.show("reading the size field");
       command.fill.size_field = std::make_shared<const preprocess::SizeField>(read_size_field(command));
+      note_sources(command, sources_of(*command.fill.size_field), output);
     }
     if (command.mend || command.repair.wrap > 0) {
       display.show(command.repair.wrap > 0 ? "wrapping the surface (CGAL)" : "repairing the surface (CGAL)");

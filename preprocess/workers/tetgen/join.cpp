@@ -32,6 +32,7 @@ NeutralSurface join(std::span<const NeutralSurface> surfaces) {
     all.holes.insert(all.holes.end(), s.holes.begin(), s.holes.end());
     all.regions.insert(all.regions.end(), s.regions.begin(), s.regions.end());
     all.notes.insert(all.notes.end(), s.notes.begin(), s.notes.end());
+    all.sources.insert(all.sources.end(), s.sources.begin(), s.sources.end());
   }
   return all;
 }

@@ -129,14 +129,14 @@ render::Framebuffer empty_sheet(const render::ResolvedScene& plan, int columns, 
 
 /// Draws all frames in one picture.
 void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const render::SceneSpec& scene_spec,
-                render::Sweep& sweep, render::ResolvedScene plan) {
+                render::Sweep& sweep, render::ResolvedScene plan, const DataAccess& access) {
   Drawn drawn;
   drawn.output = command.common.output;
   drawn.plan = std::move(plan);
   const int columns = *command.sheet, frame_count = sweep.frame_count();
   if (drawn.plan.frame.channels.any()) throw Error(ErrorCode::usage, "--sheet and --channels are mutually exclusive");
   render::ResolvedScene& shown = drawn.plan;
-  require_picture(command, drawn.output, shown);
+  require_picture(command, drawn.output, shown, access);
   render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
   Checks checks(command, shown);
   render::RenderContext memory;
@@ -158,12 +158,13 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const re
 }
 
 void draw_frames(const RenderCommand& command, ProgressDisplay& display, render::Sweep& sweep,
-                 render::ResolvedScene plan) {
+                 render::ResolvedScene plan, const DataAccess& access) {
   const int first = command.frame.value_or(0), end = command.frame ? first + 1 : sweep.frame_count();
   Drawn drawn;
   drawn.plan = std::move(plan);
   const std::vector<std::string> notes = drawn.plan.notes;
-  for (int frame = first; frame < end; ++frame) require_picture(command, frame_name(command, frame), drawn.plan);
+  for (int frame = first; frame < end; ++frame)
+    require_picture(command, frame_name(command, frame), drawn.plan, access);
   Checks checks(command, drawn.plan);
   render::RenderContext memory;
   std::vector<DrawnFrame> frames;
@@ -203,10 +204,11 @@ void run_frames(const RenderCommand& command, const render::SceneSpec& scene_spe
                            keeps_alpha(scene_spec));
   display.show(concat("opening ", scene_spec.data[0].file.string()));
   const render::SceneSpec of_frame = sweep.spec_at(sweep.time_of(frame));
-  render::ResolvedScene plan = resolve_layers(of_frame, access_for(command.common, display));
+  const DataAccess access = access_for(command.common, display);
+  render::ResolvedScene plan = resolve_layers(of_frame, access);
   settle_annotations(of_frame, command.common.output, plan);
-  if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan));
-  if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan));
+  if (draws && command.sheet) draw_sheet(command, display, scene_spec, sweep, std::move(plan), access);
+  if (draws && !command.sheet) draw_frames(command, display, sweep, std::move(plan), access);
   if (draws) return;
   sweep.plan_frame(frame, plan);
   display.clear();

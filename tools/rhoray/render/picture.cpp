@@ -75,10 +75,11 @@ void check_files(const render::ResolvedScene& plan) {
 }
 
 void require_writable(const RenderCommand& command, const std::filesystem::path& output,
-                      const render::ResolvedScene& plan) {
+                      const render::ResolvedScene& plan, const DataAccess& access) {
   for (const std::filesystem::path& input : command.inputs) require_writable(command.common, output, input);
   for (const auto* data : {&plan.data, &plan.texture_data})
     for (const render::DataSpec& each : *data) require_writable(command.common, output, each.file);
+  require_not_read(output, access);
 }
 
 }  // namespace
@@ -116,8 +117,8 @@ bool keeps_alpha(const render::SceneSpec& scene_spec) {
 }
 
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
-                     const render::ResolvedScene& plan) {
-  if (output != "-") require_writable(command, output, plan);
+                     const render::ResolvedScene& plan, const DataAccess& access) {
+  if (output != "-") require_writable(command, output, plan, access);
   require_memory(command, plan);
   if (has_texts(plan)) {
     require_pictures_module();

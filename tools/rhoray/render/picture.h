@@ -11,6 +11,7 @@
 #include "render/document.h"
 #include "render/render.h"
 #include "tools/pictures/stored_picture.h"
+#include "tools/rhoray/data_choice.h"
 #include "tools/rhoray/render/command.h"
 #include "tools/rhoray/report.h"
 
@@ -62,7 +63,7 @@ bool keeps_alpha(const render::SceneSpec& scene_spec);
 
 /// What is refused before anything is traced.
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
-                     const render::ResolvedScene& plan);
+                     const render::ResolvedScene& plan, const DataAccess& access);
 
 /// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks
 /// pixels: where they do not hold, nothing is traced. Those that the picture's own method relies on
