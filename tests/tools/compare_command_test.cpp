@@ -120,6 +120,25 @@ TEST(CompareCommand, ends_with_6_beyond_its_limit_and_draws_where) {
   EXPECT_EQ(bench.rhoray({"compare", "a.png", "b.png", "--fail", "1"}).exit_code, 0);
 }
 
+TEST(CompareCommand, ends_with_6_if_a_channel_is_in_one_picture_only) {
+  const Workbench bench;
+  draw_two(bench, ".png");
+  const std::vector<std::string> render{"render", "ball.rho", "--iso", "100", "--size", "40x30", "-q", "--force", "-o"};
+  const auto draw = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), render.begin(), render.end());
+    const RunResult drawn = bench.rhoray(more);
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  };
+  draw({"a.exr"});
+  draw({"b.exr", "--channels", "depth"});
+  for (const auto& [one, other] : {std::pair{"a.exr", "b.exr"}, {"b.exr", "a.exr"}}) {
+    const RunResult refused = bench.rhoray({"compare", one, other, "--fail", "1000"});
+    EXPECT_EQ(refused.exit_code, 6);
+    EXPECT_THAT(refused.err, HasSubstr("b.exr: has the channel Z, which a.exr has not"));
+    EXPECT_EQ(bench.rhoray({"compare", one, other}).exit_code, 0);
+  }
+}
+
 TEST(CompareCommand, says_what_is_wrong_with_its_words_and_files) {
   const Workbench bench;
   draw_two(bench, ".png");

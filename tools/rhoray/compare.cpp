@@ -79,6 +79,17 @@ Json difference_json(const PictureDifference& difference, const CompareCommand& 
   return json;
 }
 
+/// Refuses channels that only one picture has: they are not compared.
+void require_same_channels(const PictureDifference& difference, const CompareCommand& command) {
+  const auto require_none = [](const std::vector<std::string>& only, const auto& file, const auto& other) {
+    if (!only.empty())
+      throw Error(ErrorCode::outside_limit, concat(file.string(), ": has the channel", only.size() == 1 ? " " : "s ",
+                                                   listed(only), ", which ", other.string(), " has not"));
+  };
+  require_none(difference.only_a, command.files[0], command.files[1]);
+  require_none(difference.only_b, command.files[1], command.files[0]);
+}
+
 int run(const CompareCommand& command) {
   check(command);
   const StoredPicture a = read_picture(command.files[0]), b = read_picture(command.files[1]);
@@ -91,6 +102,7 @@ int run(const CompareCommand& command) {
     say(command.common, concat(command.map.string(), ": black means equal; brighter means a larger difference"));
   }
   if (!command.limit) return 0;
+  require_same_channels(difference, command);
   const std::uint64_t beyond = difference.beyond(*command.limit);
   if (share_of(beyond, difference) > command.share.value_or(0))
     throw Error(ErrorCode::outside_limit,
@@ -115,8 +127,10 @@ Subcommand compare_subcommand() {
                         .is_expert = true}},
           .options = all_options(
               {{files_option("A B", "Two pictures of the same size", command->files),
-                value_option("--fail", "E", "Exit code 6 if a pixel differs by more than E; 0 requires equal pictures",
-                             command->limit),
+                value_option(
+                    "--fail", "E",
+                    "Exit code 6 if a pixel differs by more than E, or the channels differ; 0 requires equal pictures",
+                    command->limit),
                 value_option("--fail-share", "S", "Share of pixels that may differ by more; default 0", command->share),
                 value_option("--map", "FILE", "Write a picture of the differences", command->map),
                 flag_option("--force", "Overwrite an existing map", command->common.force)},
