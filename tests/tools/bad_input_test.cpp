@@ -373,6 +373,7 @@ const Case cases[] = {
      {"pack", "ball.raw", "--raw", "24x24x24:uint8", "-o", "ball.raw", "--force"},
      2,
      "is the input"},
+    {"a word behind --version", {"--version", "foo"}, 2, "unexpected foo"},
     {"mesh of another format", {"tetrahedralize", "open.off", "-o", "x.msh"}, 2, "expected .vtu"},
     {"folder for tables is missing", {"bench", "open", "ball.rho", "-o", "nowhere"}, 2, "no such folder"}};
 

@@ -133,6 +133,11 @@ int print_help(std::span<const Subcommand> subcommands, std::span<const char* co
   return std::fputs(text.c_str(), stdout), 0;
 }
 
+int print_version(std::span<const char* const> words) {
+  if (!words.empty()) throw Error(ErrorCode::usage, concat("unexpected ", words[0]), "`rhoray --version` stands alone");
+  return std::puts(version_line().c_str()), 0;
+}
+
 /// Fields that a shell offers. Only packed files are read quickly enough.
 std::vector<std::string> fields_of_packed_file(const std::filesystem::path& path) try {
   if (path.extension() != ".rho") return {};
@@ -177,7 +182,7 @@ int run_command_line(std::span<const Subcommand> subcommands, int argc, const ch
     const auto words = std::span(argv, static_cast<std::size_t>(argc)).subspan(2);
     if (word == "help") return print_help(subcommands, words);
     if (word == "complete") return print_completion(subcommands, words);
-    if (word == "--version") return std::puts(version_line().c_str()), 0;
+    if (word == "--version") return print_version(words);
     const Subcommand& subcommand = choose(subcommands, word);
     place += " " + subcommand.name;
     const int exit_code = run_subcommand(subcommand, words);
