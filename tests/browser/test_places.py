@@ -149,6 +149,10 @@ class Trouble(PageTest):
         viewer.start()
         self.wait("document.getElementById('state').textContent.startsWith('not let in: open the URL')")
         self.assertEqual(self.js("document.getElementById('announcement').textContent"), self.state())
+        for token in ("%", "()"):
+            self.driver.get("about:blank")
+            self.driver.get(f"{viewer.url.partition('#')[0]}#token={token}")
+            self.wait("document.getElementById('state').textContent.startsWith('not let in: open the URL')", token)
         self.open(viewer)
         self.assertEqual(self.state(), "finished, lossless")
 

@@ -222,9 +222,9 @@ class Connection : public std::enable_shared_from_this<Connection<Protocol>> {
 
   void start() {
     parser_.header_limit(most_header_bytes);
-    parser_.body_limit(std::uint64_t{0});
+    parser_.body_limit(boost::none);  // no body is read
     stream_.expires_after(longest_silence);
-    http::async_read(stream_, buffer_, parser_, [self = this->shared_from_this()](Code error, std::size_t) {
+    http::async_read_header(stream_, buffer_, parser_, [self = this->shared_from_this()](Code error, std::size_t) {
       if (!error) self->answer_request();
     });
   }
@@ -251,7 +251,18 @@ class Connection : public std::enable_shared_from_this<Connection<Protocol>> {
     http::async_write(stream_, response_, [self = this->shared_from_this()](Code, std::size_t) {
       Code ignored;
       self->stream_.socket().shutdown(Protocol::socket::shutdown_send, ignored);
+      self->buffer_.clear();
+      if (!self->parser_.is_done()) self->pass_over_body();
     });
+  }
+
+  /// Drops what the client still sends, until it ends or its time is over: closing the connection
+  /// before would take the answer back.
+  void pass_over_body() {
+    stream_.async_read_some(buffer_.prepare(most_header_bytes),
+                            [self = this->shared_from_this()](Code error, std::size_t) {
+                              if (!error) self->pass_over_body();
+                            });
   }
 
   Shared& shared_;

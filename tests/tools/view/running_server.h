@@ -45,10 +45,11 @@ class Running {
 
   /// The answer to a request whose headers are replaced where a value is given.
   http::response<http::string_body> answer(http::verb verb, const std::string& target,
-                                           std::optional<std::string> other_host = {}) {
+                                           std::optional<std::string> other_host = {}, std::string body = {}) {
     Tcp::socket socket = connected();
-    http::request<http::empty_body> request{verb, target, 11};
+    http::request<http::string_body> request{verb, target, 11, std::move(body)};
     request.set(http::field::host, other_host.value_or(host()));
+    if (!request.body().empty()) request.prepare_payload();
     http::write(socket, request);
     beast::flat_buffer buffer;
     http::response_parser<http::string_body> parser;

@@ -53,7 +53,9 @@ TEST(ViewServer, serves_its_page_and_nothing_else) {
     const http::status status = running.answer(http::verb::get, path).result();
     EXPECT_EQ(status, http::status::not_found) << path;
   }
-  EXPECT_EQ(running.answer(http::verb::post, "/").result(), http::status::method_not_allowed);
+  for (const std::size_t body_bytes : {0, 1, 3'000'000})
+    EXPECT_EQ(running.answer(http::verb::post, "/", {}, std::string(body_bytes, 'x')).result(),
+              http::status::method_not_allowed);
   for (const char* host : {"evil.com", "", "127.0.0.1", "127.0.0.1:1"})
     EXPECT_EQ(running.answer(http::verb::get, "/", host).result(), http::status::forbidden) << host;
 }

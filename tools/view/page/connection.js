@@ -15,7 +15,7 @@ export function takeToken() {
   const items = location.hash.slice(1).split("&");
   const given = items.find((item) => item.startsWith("token="));
   if (!given) return;
-  token = decodeURIComponent(given.slice("token=".length));
+  token = given.slice("token=".length).replace(/[^0-9a-f]/g, "");  // a WebSocket refuses other letters
   ofTab.set(tokenKey(), token);
   const rest = items.filter((item) => item !== given).join("&");
   history.replaceState(null, "", `${location.pathname}${rest && `#${rest}`}`);
