@@ -206,3 +206,23 @@ def test_memory_for_answers_of_another_query_is_refused(ball, options, error, wo
 def test_wrong_rays_are_refused_with_a_sentence(ball, call, words):
     with pytest.raises(rr.Error, match=words):
         call(ball)
+
+
+@pytest.mark.parametrize("array, words", [
+    (numpy.ma.masked_less(numpy.ones((1, 3)), 2), "a masked array"),
+    (numpy.ma.masked_less(numpy.ones((1, 3), int), 2), "a masked array"),
+    (numpy.ones((1, 3), object), "object"),
+    (numpy.array([["1", "2", "3"]]), "<U1"),
+    (numpy.ones((1, 3), complex), "complex128"),
+    (numpy.ones((1, 3), "m8[s]"), "timedelta64"),
+])
+def test_rays_and_points_that_are_no_plain_numbers_are_refused(ball, array, words):
+    plain = numpy.ones((1, 3))
+    for name, call in (("points", lambda: rr.sample(ball, array)),
+                       ("origins", lambda: rr.trace(ball, array, plain, iso=4)),
+                       ("directions", lambda: rr.trace(ball, plain, array, iso=4)),
+                       ("t_max", lambda: rr.trace(ball, plain, plain, iso=4, t_max=array[:, 0]))):
+        with pytest.raises(TypeError, match=f"{name}: .*{words}"):
+            call()
+    for other in (plain.astype(bool), plain.astype(">f8").astype(numpy.float32), plain.astype(numpy.uint8)):
+        assert numpy.array_equal(rr.sample(ball, other)[0], rr.sample(ball, plain)[0])

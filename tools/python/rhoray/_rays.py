@@ -4,14 +4,9 @@ import dataclasses
 import numpy
 
 from rhoray import _core
+from rhoray._arrays import floats_of
 from rhoray._contexts import Context
 from rhoray._errors import UsageError
-
-
-def _floats(values):
-    """An array of floats. Other numbers are converted, unless that would copy more than 64 MiB."""
-    array = numpy.asarray(values)
-    return array if array.dtype.kind == "f" or array.nbytes > 64 << 20 else array.astype(float)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -112,8 +107,8 @@ def trace(data, origins, directions, *, iso=None, query="first", accuracy="doubl
     >>> hits.t
     array([0.5, 1. ])
     """
-    origins, directions = _floats(origins), _floats(directions)
-    limits = [None if limit is None else _floats(limit) for limit in (t_min, t_max)]
+    origins, directions = floats_of(origins), floats_of(directions)
+    limits = [None if limit is None else floats_of(limit) for limit in (t_min, t_max)]
     arrays = (origins, directions, *limits)
     rows = origins.shape[:1]
     used = dict(zip(("origins", "directions", "t_min", "t_max"), arrays, strict=True))
@@ -159,7 +154,7 @@ def sample(data, points, *, field=None):
     >>> values
     array([0.5, nan])
     """
-    points = _floats(points)
+    points = floats_of(points)
     values, cells = numpy.empty(points.shape[:1]), numpy.empty(points.shape[:1], numpy.uint64)
     _core.FieldSampler(data._core, field or data._name, "double").sample(points, values, cells)
     return values, cells
