@@ -76,6 +76,7 @@ TEST(Datasets, have_a_path_that_another_process_can_open) {
   EXPECT_EQ(gyroid_grid({.file = folder / "grid.rho"}).path(), folder / "grid.rho");
   const Dataset boundary = ball_mesh().boundary();
   expect_refused(ErrorCode::usage, "boundary of a mesh in memory", [&] { boundary.path(); });
+  expect_refused(ErrorCode::usage, "save: this is the boundary of a mesh", [&] { boundary.save(folder / "b.rho"); });
   expect_refused(ErrorCode::usage, ": no array 'nothing'; it has ", [&] { in_memory.array("nothing"); });
 }
 

@@ -1,7 +1,10 @@
 """Arrays to data, and data to arrays."""
 import gc
+import os
+import pathlib
 import subprocess
 import sys
+import threading
 
 import numpy
 import pytest
@@ -99,6 +102,32 @@ def test_saved_data_are_those_of_a_packed_file(tmp_path, box):
     box.save(tmp_path / "saved.rho", replace=True)
 
 
+def test_data_of_files_are_saved_as_those_in_memory_are(tmp_path, box):
+    distance_samples().tofile(tmp_path / "ball.raw")
+    raw = {"raw": "41x33x25:float32"}
+    kept, temporary = rr.pack(tmp_path / "ball.raw", path=tmp_path / "kept.rho", **raw), rr.open(tmp_path / "ball.raw", **raw)
+    errors = []
+    for data in (kept, temporary):
+        data.save(tmp_path / "saved.rho", replace=True)
+        assert rr.open(tmp_path / "saved.rho").damaged_blocks() == []
+        assert (tmp_path / "saved.rho").read_bytes() == pathlib.Path(data.path).read_bytes()
+    for data in (kept, temporary, box):
+        for path in (tmp_path / "saved.rho", tmp_path / "no" / "folder.rho", tmp_path, "/proc/saved.rho"):
+            with pytest.raises(rr.Error) as refused:
+                data.save(path)
+            errors.append(str(refused.value))
+    assert errors[:4] == errors[4:8] == errors[8:]
+    assert not any("force" in error for error in errors)
+    with pytest.raises(rr.UsageError, match="this is the boundary of a mesh"):
+        box.boundary().save(tmp_path / "boundary.rho")
+    threads = [threading.Thread(target=temporary.save, args=(tmp_path / f"{i % 2}.rho", True)) for i in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["0.rho", "1.rho", "ball.raw", "kept.rho", "saved.rho"]
+
+
 def test_opening_and_closing_keeps_no_memory(tmp_path):
     rr.pack(distance_samples(), path=tmp_path / "a.rho")
     for _ in range(300):
@@ -147,11 +176,38 @@ def test_labels_and_boundaries_of_meshes(box):
     (lambda: rr.mesh(numpy.eye(4)[:, :3], numpy.array([[0, 1, 2, -1]])), rr.UsageError, "found -1"),
     (lambda: rr.mesh(numpy.eye(4)[:, :3], numpy.array([[0, 1, 2, 3.0]])), rr.UsageError, "integers"),
     (lambda: rr.mesh(numpy.full((4, 3), numpy.nan), numpy.array([[0, 1, 2, 3]])), rr.UsageError, "finite"),
+    (lambda: rr.mesh(numpy.eye(4)[:, :3], [[0, 1, 2, 3]], numpy.arange(4.0)), rr.UsageError, "point_fields: .*dict"),
+    (lambda: rr.mesh(numpy.eye(4)[:, :3], [[0, 1, 2, 3]], {}, [1.0]), rr.UsageError, "cell_fields: .*dict"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2), dtype=">f4")), TypeError, r"use a\.astype\(a\.dtype\.newbyteorder"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), affine=numpy.eye(4), spacing=(1, 1, 2)), rr.UsageError, "spacing"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), affine=numpy.eye(4), positions=[[0, 1]] * 3), rr.UsageError, "affine"),
+    (lambda: rr.volume(numpy.zeros((2, 2, 2)), positions=[[0, 1]] * 3, origin=(0, 0, 0)), rr.UsageError, "origin"),
     (lambda: rr.open("/nonexistent.rho"), rr.FileError, "nonexistent"),
 ])
 def test_bad_arrays_are_refused_with_a_sentence(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+def test_meshes_and_surfaces_are_made_of_lists_and_integers():
+    points, tetrahedra = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]], [[0, 1, 2, 3]]
+    for one in (points, numpy.array(points, numpy.int16), numpy.array(points, numpy.float32)):
+        mesh = rr.mesh(one, tetrahedra, {"u": [0, 1, 2, 3]})
+        assert mesh.bounds == ((0, 0, 0), (2, 2, 2)) and mesh.field.range == (0, 3)
+        assert rr.surface(one, [[0, 1, 2]]).bounds == ((0, 0, 0), (2, 2, 0))
+
+
+def test_files_may_have_names_that_are_not_utf_8(ball, tmp_path):
+    path = os.path.join(tmp_path, os.fsdecode(b"b\xff.rho"))
+    ball.save(path)
+    data = rr.open(path)
+    assert data.path == path
+    assert numpy.array_equal(rr.render(data, iso=4, size=(20, 15)).rgba, rr.render(ball, iso=4, size=(20, 15)).rgba)
+    assert rr.info(data)["kind"] == "grid"
+    for call in (lambda: ball.save(path), lambda: rr.open(path, field="q"), lambda: rr.open(path + ".rho"),
+                 lambda: rr.view(data, iso=4, browser=False)):
+        with pytest.raises(rr.Error, match="b\N{REPLACEMENT CHARACTER}|UTF-8"):
+            call()
 
 
 def test_unknown_names_are_refused_with_those_that_exist(ball):

@@ -6,13 +6,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <span>
 #include <system_error>
 
-#include "formats/base/mapped_file.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/pending_file.h"
 #include "formats/base/stopping.h"
 #include "formats/base/word_list.h"
+#include "formats/triangle_mesh.h"
 #include "tools/library/arrays.h"
 #include "tools/library/guarded.h"
 #include "tools/library/plain_types.h"
@@ -201,22 +202,32 @@ void Dataset::drop_prepared() const {
   inside::guarded([&] { implementation_->for_each_loaded([](const render::Dataset& data) { data.drop_prepared(); }); });
 }
 
+namespace {
+
+/// All bytes of a packed file, which is mapped as a whole.
+std::span<const std::byte> bytes_of(const formats::PackedFile& file) {
+  const formats::ArrayEntry& array = file.arrays().front();
+  return {file.bytes(array.name).data() - array.first_byte, file.file_bytes()};
+}
+
+}  // namespace
+
 void Dataset::save(const std::filesystem::path& path, bool replace_existing, const Watch& watch) const {
   inside::guarded([&] {
     implementation_->require_whole_file("save");
-    const Descriptor& memory = implementation_->memory();
     const formats::PackedFile& file = implementation_->first().file();
-    if (memory.number() < 0) inside::refuse(file.name(), ": is in a file already; expected data packed in memory");
-    const MappedFile bytes(memory.number(), file.file_bytes(), file.name());
+    if (kind() == DataKind::triangles && file.description().kind != formats::TriangleMesh::kind)
+      inside::refuse("save: this is the boundary of a mesh; expected the mesh itself");
+    const std::span<const std::byte> bytes = bytes_of(file);
     PendingFile output(path, {.replace_existing = replace_existing});
-    output.reserve(file.file_bytes());
+    output.reserve(bytes.size());
     const rhoray::Watch watched = inside::inside_of(watch);
-    ProgressMeter meter(watched.progress, "writing (bytes)", bytes.bytes().size());
+    ProgressMeter meter(watched.progress, "writing (bytes)", bytes.size());
     constexpr std::size_t piece = 1 << 22;  // bytes between two looks for a stop request
-    for (std::size_t first = 0; first < bytes.bytes().size(); first += piece) {
+    for (std::size_t first = 0; first < bytes.size(); first += piece) {
       end_if_stopped(watched.stop);
-      const std::size_t count = std::min(piece, bytes.bytes().size() - first);
-      output.write(first, bytes.bytes().subspan(first, count));
+      const std::size_t count = std::min(piece, bytes.size() - first);
+      output.write(first, bytes.subspan(first, count));
       meter.add(count);
     }
     output.publish();

@@ -13,8 +13,8 @@ std::string text_of(const py::dtype& type) {
 ElementType type_of(const py::dtype& type, const std::string& name) {
   const char order = type.byteorder();
   if (order == '>')
-    throw py::type_error(name + ": big-endian elements (" + text_of(type) + "); use .astype(" + name +
-                         ".dtype.newbyteorder('='))");
+    throw py::type_error(name + ": big-endian elements (" + text_of(type) +
+                         "); use a.astype(a.dtype.newbyteorder('=')) for such an array a");
   const auto size = static_cast<int>(type.itemsize());
   const char kind = type.kind();
   if (kind == 'f' && size == 4) return ElementType::F32;

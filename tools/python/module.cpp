@@ -9,10 +9,16 @@ namespace py = pybind11;
 
 namespace {
 
+/// A message, which may hold a path that is not UTF-8.
+py::object text_of(const std::string& message) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "replace"));
+}
+
 /// Raises the exception of the package that belongs to the code.
 void raise(const Error& error) {
   const py::object make = py::module_::import("rhoray._errors").attr("error_of");
-  const py::object exception = make(static_cast<int>(error.code()), error.what(), error.hint());
+  const py::object exception = make(static_cast<int>(error.code()), text_of(error.what()), text_of(error.hint()));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
 }
 

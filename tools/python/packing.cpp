@@ -137,7 +137,12 @@ void define_datasets(py::module_& module) {
                   [](const std::filesystem::path& path) {
                     return interruptible([&](const std::stop_token& stop) { return Dataset::open(path, stop); });
                   })
-      .def_property_readonly("path", [](const Dataset& data) { return data.path().string(); })
+      .def_property_readonly("path",
+                             [](const Dataset& data) {
+                               const std::string path = data.path().string();
+                               return py::reinterpret_steal<py::object>(
+                                   PyUnicode_DecodeFSDefaultAndSize(path.data(), static_cast<Py_ssize_t>(path.size())));
+                             })
       .def_property_readonly("kind",
                              [](const Dataset& data) {
                                constexpr const char* kinds[] = {"grid", "tetrahedra", "triangles"};

@@ -104,9 +104,9 @@ class RHORAY_API Dataset {
   /// is prepared.
   void drop_prepared() const;
 
-  /// Writes a dataset that was packed in memory to a file. The file is complete or absent, and has
-  /// the bytes that `pack` writes to a file. Throws ErrorCode::usage for an existing file without
-  /// `replace_existing`, for wrapped arrays, and for data that are not in memory;
+  /// Writes the packed file of a dataset, which may be in memory, to another file. That is complete
+  /// or absent, and has the same bytes. Throws ErrorCode::usage for an existing file without
+  /// `replace_existing`, for wrapped arrays, and for the boundary of a mesh;
   /// ErrorCode::resource for a full disk or a folder in which no file may be made;
   /// ErrorCode::interrupted if stopped.
   void save(const std::filesystem::path& path, bool replace_existing = false, const Watch& watch = {}) const;

@@ -71,11 +71,11 @@ def open(
     progress: _Progress = ...,
 ) -> Data: ...
 def volume(
-    values: NDArray[Any] | Mapping[str, NDArray[Any]],
+    values: ArrayLike | Mapping[str, ArrayLike],
     *,
     axes: Literal["zyx", "xyz"] = ...,
-    spacing: Sequence[float] = ...,
-    origin: Sequence[float] = ...,
+    spacing: Sequence[float] | None = ...,
+    origin: Sequence[float] | None = ...,
     affine: ArrayLike | None = ...,
     positions: Sequence[ArrayLike] | None = ...,
     units: Mapping[str, str] | None = ...,
@@ -85,10 +85,10 @@ def volume(
     progress: _Progress = ...,
 ) -> Data: ...
 def mesh(
-    points: NDArray[Any],
-    tetrahedra: NDArray[Any],
-    point_fields: Mapping[str, NDArray[Any]] | None = ...,
-    cell_fields: Mapping[str, NDArray[Any]] | None = ...,
+    points: ArrayLike,
+    tetrahedra: ArrayLike,
+    point_fields: Mapping[str, ArrayLike] | None = ...,
+    cell_fields: Mapping[str, ArrayLike] | None = ...,
     *,
     units: Mapping[str, str] | None = ...,
     length_unit: str = ...,
@@ -97,8 +97,8 @@ def mesh(
     progress: _Progress = ...,
 ) -> Data: ...
 def surface(
-    points: NDArray[Any],
-    triangles: NDArray[Any],
+    points: ArrayLike,
+    triangles: ArrayLike,
     *,
     path: _Path = ...,
     replace: bool = ...,

@@ -131,7 +131,7 @@ def _require_writable(path, replace):
     if not os.path.isdir(folder):
         raise UsageError(f"{os.fspath(path)}: there is no folder {folder}", hint="create the folder first")
     if os.path.exists(path) and not replace:
-        raise UsageError(f"{os.fspath(path)} already exists", hint="use force=True to overwrite it")
+        raise UsageError(f"{os.fspath(path)} already exists", hint="use replace=True to overwrite it")
 
 
 def _surface_file(surface, path):

@@ -10,6 +10,7 @@ import weakref
 import numpy
 
 from rhoray import _core, _objects, _program, _progress
+from rhoray._arrays import array_of, floats_of
 from rhoray._errors import UsageError
 
 
@@ -115,11 +116,8 @@ class Data:
         return self._core.damaged_blocks()
 
     def save(self, path, replace=False):
-        """Writes data that are in memory, or in a temporary file, to a packed file."""
-        if self._core in _in_temporary_files:
-            _copy(self._core.path, os.fspath(path), replace)
-        else:
-            self._core.save(os.fspath(path), replace)
+        """Writes the data to a packed file, which is complete or absent."""
+        self._core.save(os.fspath(path), replace)
 
     def __repr__(self):
         field = f", field {self._name!r}" if self._name else ""
@@ -153,9 +151,6 @@ def _is_packed(path):
 
 # ---- files that the program makes ----------------------------------------------------------------
 
-_in_temporary_files = weakref.WeakSet()
-
-
 def made(make, path, name, field=None):
     """Data of the packed file that make(path) writes; `report` is what it returns.
 
@@ -172,7 +167,6 @@ def made(make, path, name, field=None):
         remove(folder)
         raise
     weakref.finalize(core, remove, folder, os.getpid())
-    _in_temporary_files.add(core)
     return Data(core, field, report)
 
 
@@ -180,19 +174,6 @@ def remove(folder, process=None):
     """Removes a temporary folder. process: the only one that does it, not those that it forked."""
     if process in (None, os.getpid()):
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _copy(source, path, replace):
-    """Copies a file. The copy is complete or absent."""
-    if os.path.exists(path) and not replace:
-        raise UsageError(f"{path} already exists", hint="use force=True to overwrite it, or choose another name")
-    part = f"{path}.{os.getpid()}.part"
-    try:
-        shutil.copyfile(source, part)
-        os.replace(part, path)
-    except BaseException:
-        pathlib.Path(part).unlink(missing_ok=True)
-        raise
 
 
 def _pack_file(file, *, path="", replace=False, progress=None, field=None, **options):
@@ -219,33 +200,41 @@ def first_of(field):
 # ---- arrays to data ------------------------------------------------------------------------------
 
 def _field(name, values, unit="", labels=None):
-    return _core.Field(str(name), numpy.asarray(values) if not isinstance(values, numpy.ndarray) else values,
-                       unit, labels or {})
+    return _core.Field(str(name), array_of(values), unit, labels or {})
 
 
-def _fields(values, default_name, units):
-    named = values if isinstance(values, dict) else {default_name: values}
+def _fields(values, units):
     units = units or {}
-    return [_field(name, array, units.get(name, "")) for name, array in named.items()]
+    return [_field(name, array, units.get(name, "")) for name, array in values.items()]
+
+
+def _fields_of_mesh(values, argument, units):
+    if values is not None and not isinstance(values, dict):
+        raise UsageError(f"{argument}: found {type(values).__name__}; expected a dict of arrays by name")
+    return _fields(values or {}, units)
 
 
 def _absolute(path):
     return os.path.abspath(path) if path else ""
 
 
-def volume(values, *, axes="zyx", spacing=(1, 1, 1), origin=(0, 0, 0), affine=None, positions=None, units=None,
+def volume(values, *, axes="zyx", spacing=None, origin=None, affine=None, positions=None, units=None,
            length_unit="", path="", replace=False, progress=None):
     """Packs samples on a lattice, in memory or, with `path`, into a file.
 
     values: an array of three axes, or a dict of arrays of one shape by field name.
     axes: "zyx" for values[k, j, i], "xyz" for values[i, j, k].
-    spacing, origin: along x, y, z, whatever the axes.
+    spacing, origin: along x, y, z, whatever the axes; default 1 and 0.
     affine: 4 x 4, world from index (x, y, z, 1), instead of spacing and origin.
     positions: three rising arrays along x, y, z, instead of spacing and origin.
     progress: True for a bar, or a function that is called with (phase, done, total).
     """
     if axes not in ("zyx", "xyz"):
         raise UsageError(f"axes: {axes!r}; expected 'zyx' or 'xyz'")
+    places = {"affine": affine, "positions": positions, "spacing": spacing, "origin": origin}
+    given = [name for name, value in places.items() if value is not None]
+    if len(given) > 1 and given != ["spacing", "origin"]:
+        raise UsageError(f"{given[0]}: found {given[1]}, too; expected one of them")
     columns = None
     if affine is not None:
         matrix = numpy.asarray(affine, dtype=float)
@@ -255,23 +244,27 @@ def volume(values, *, axes="zyx", spacing=(1, 1, 1), origin=(0, 0, 0), affine=No
     along = [numpy.asarray(axis, dtype=float).tolist() for axis in positions] if positions is not None else [[], [], []]
     if len(along) != 3:
         raise UsageError(f"positions: {len(along)} arrays; expected three, along x, y and z")
+    fields = _fields(values if isinstance(values, dict) else {"values": values}, units)
     with _progress.shown(progress) as show:
-        return Data(_core.pack_grid(_fields(values, "values", units), axes == "xyz", tuple(spacing), tuple(origin),
-                                    columns, along, length_unit, _absolute(path), replace, show))
+        return Data(_core.pack_grid(fields, axes == "xyz", (1, 1, 1) if spacing is None else tuple(spacing),
+                                    (0, 0, 0) if origin is None else tuple(origin), columns, along, length_unit,
+                                    _absolute(path), replace, show))
 
 
 def mesh(points, tetrahedra, point_fields=None, cell_fields=None, *, units=None, length_unit="", path="",
          replace=False, progress=None):
     """Packs tetrahedra. points: [n, 3]; tetrahedra: [m, 4] indices; fields: dicts of arrays by name."""
     with _progress.shown(progress) as show:
-        return Data(_core.pack_mesh(points, tetrahedra, _fields(point_fields or {}, "", units),
-                                    _fields(cell_fields or {}, "", units), length_unit, _absolute(path), replace, show))
+        return Data(_core.pack_mesh(floats_of(points), array_of(tetrahedra),
+                                    _fields_of_mesh(point_fields, "point_fields", units),
+                                    _fields_of_mesh(cell_fields, "cell_fields", units), length_unit, _absolute(path),
+                                    replace, show))
 
 
 def surface(points, triangles, *, path="", replace=False, progress=None):
     """Packs a surface. points: [n, 3]; triangles: [m, 3] indices."""
     with _progress.shown(progress) as show:
-        return Data(_core.pack_surface(points, triangles, _absolute(path), replace, show))
+        return Data(_core.pack_surface(floats_of(points), array_of(triangles), _absolute(path), replace, show))
 
 
 def pack(what, *arrays, path="", **options):
