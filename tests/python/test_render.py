@@ -175,6 +175,43 @@ def test_wrong_requests_are_refused_with_a_sentence(ball, call, words):
         call(ball)
 
 
+LAYER = {"data": "data", "type": "isosurface", "isovalue": 4}
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda ball, path: rr.render(path / "missing.json"), "missing.json"),
+    (lambda ball, path: rr.render(path / "bad.json"), "bad.json: line 1, column 2: .*expected JSON"),
+    (lambda ball, path: rr.render(path / "deep.json"), "deep.json"),
+    (lambda ball, path: rr.render(path / "list.json"), "list.json: found list; expected"),
+    (lambda ball, path: rr.render(path / "bytes.json"), "bytes.json: is not text"),
+    (lambda ball, path: rr.render(path), "Is a directory"),
+    (lambda ball, path: rr.render(7), "found int; expected"),
+    (lambda ball, path: rr.render([]), "found list; expected"),
+    (lambda ball, path: rr.render({"data": []}), "/data"),
+    (lambda ball, path: rr.render({"data": {"a": "x.rho"}, "layers": [LAYER]}), "/data/a"),
+    (lambda ball, path: rr.render({"data": {"a": {"file": [1]}}, "layers": [LAYER]}), "/data/a/file"),
+    (lambda ball, path: rr.render({"data": {"data": {}}, "layers": "x"}, data={"data": ball}), "/layers"),
+    (lambda ball, path: rr.render({"data": {"data": {}}, "layers": [LAYER]}, data=ball), "data: found Data"),
+    (lambda ball, path: rr.render({"data": {"data": {}}, "layers": [LAYER]}, data={"data": 7}), "data: .*found int"),
+    (lambda ball, path: rr.render(ball, iso=4, camera="front"), "/camera"),
+    (lambda ball, path: rr.render(ball, iso=4, size=5), "/image/size"),
+    (lambda ball, path: rr.render(ball, iso=4, range=5), "range"),
+    (lambda ball, path: rr.render(ball, mode=[]), "mode"),
+    (lambda ball, path: rr.render(ball, iso=4, effects={("a",): 1}), "render: keys"),
+    (lambda ball, path: rr.view({"data": []}, browser=False), "/data"),
+    (lambda ball, path: rr.view(path / "list.json", browser=False), "list.json"),
+    (lambda ball, path: rr.view(7, browser=False), "found int"),
+    (lambda ball, path: rr.accuracy({"data": {"a": 3}}), "/data/a"),
+])
+def test_scenes_of_another_shape_are_refused_with_a_sentence(ball, tmp_path, call, words):
+    (tmp_path / "bad.json").write_text("{")
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    (tmp_path / "list.json").write_text("[]")
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe")
+    with pytest.raises(rr.Error, match=words):
+        call(ball, tmp_path)
+
+
 def test_a_command_draws_the_same_picture(ball, box, tmp_path):
     pictures = [rr.render(ball, iso=[3, 5, 7], size=(60, 40)), rr.render(ball, mode="mip", size=(60, 40)),
                 rr.render(box, size=(60, 40)), rr.render(box, iso=2, size=(60, 40), background="none")]

@@ -1,9 +1,11 @@
 """The viewer from Python, with a page that is played by the test. tests/browser does it with a browser."""
 import asyncio
 import base64
+import copy
 import json
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -155,6 +157,13 @@ def test_wrong_changes_are_refused(viewer):
         viewer.scene["layers"][0]["isovalue"] = float("nan")
     with pytest.raises(rr.UsageError, match="expected what JSON can say"):
         viewer.scene["layers"][0]["isovalue"] = object()
+    for wrong in (None, [], "x"):
+        with pytest.raises(rr.UsageError, match="scene: found .*expected a dict"):
+            viewer.scene = wrong
+        with pytest.raises(rr.UsageError, match="camera: found .*expected a dict"):
+            viewer.scene = {**viewer.scene, "camera": wrong or 7}
+        with pytest.raises(rr.UsageError, match="layers: found .*expected a list"):
+            viewer.scene["layers"] = wrong if wrong != [] else {}
     assert viewer.scene["layers"][0]["isovalue"] == 5
 
     async def follow():
@@ -171,6 +180,18 @@ def test_wrong_changes_are_refused(viewer):
         rr.view(viewer._data["data"], color_by="nosuch", browser=False)
     with pytest.raises(rr.UsageError, match="port"):
         rr.view(viewer._data["data"], port=70000, browser=False)
+
+
+def test_a_copy_of_the_scene_is_plain(viewer):
+    for copied in (copy.deepcopy(viewer.scene), copy.copy(viewer.scene), pickle.loads(pickle.dumps(viewer.scene))):
+        assert type(copied) is dict and copied == viewer.scene
+    for part in ("layers", "camera"):
+        plain = copy.deepcopy(viewer.scene[part])
+        assert type(plain) in (list, dict) and plain == viewer.scene[part]
+        assert pickle.loads(pickle.dumps(viewer.scene[part])) == plain
+    layers = copy.deepcopy(viewer.scene["layers"])
+    layers[0]["isovalue"] = 7
+    assert type(layers[0]) is dict and viewer.scene["layers"][0]["isovalue"] == 5
 
 
 def test_views_packed_files_scenes_and_meshes(ball, box, tmp_path):
@@ -244,6 +265,20 @@ def test_the_server_ends_with_its_view_and_with_python(ball):
         python.stdout.close()
         if end:
             python.stdin.close()
+
+
+def test_an_observer_that_raises_ends_nothing(viewer, capfd):
+    seen = []
+    viewer.observe(lambda view: seen[7])
+    viewer.observe(lambda view: seen.append(view.scene["layers"][0]["isovalue"]))
+
+    async def follow():
+        async with Page(viewer) as page:
+            for isovalue in (6, 7):
+                await page.show({"layers": {"0": {"isovalue": isovalue}}})
+                await until(lambda: isovalue in seen)
+    asyncio.run(follow())
+    assert capfd.readouterr().err.count("IndexError") >= 2
 
 
 def test_observers_may_change_the_scene_and_close(viewer):

@@ -41,7 +41,7 @@ class Picture:
     @property
     def command(self):
         """The shell command that draws the same picture. Data in memory must exist when it runs."""
-        document = json.dumps(_scenes.with_paths(self.scene, self._data))
+        document = _scenes.text_of(_scenes.with_paths(self.scene, self._data), "command")
         return f"rhoray render {shlex.quote(document)} -o picture.png"
 
     def compare(self, other):
@@ -102,7 +102,7 @@ def render(what, *, data=None, channels=(), **options):
     """
     document, known = _scenes.read(what, data, options, "render")
     known = _scenes.opened(document, known)
-    files = {name: spec["file"] for name, spec in document["data"].items()}
+    files = {name: document["data"][name]["file"] for name in known}
     # Several names may have one file, but data of their own.
     text = _scenes.text_of(_scenes.with_files(document, {name: name for name in known}), "render")
     with Context() as context:

@@ -5,6 +5,7 @@ import os
 import pathlib
 import tempfile
 import threading
+import traceback
 import urllib.parse
 import weakref
 
@@ -81,7 +82,7 @@ class View:
         code = self._process.wait()
         self._process.stdin.close()
         self._process.stdout.close()
-        messages = (scene.parent / "messages").read_text(encoding="utf-8")
+        messages = (scene.parent / "messages").read_text(encoding="utf-8", errors="replace")
         of_scene = f"{scene}: "
         if of_scene in messages:
             code = 2
@@ -108,7 +109,10 @@ class View:
         return render(document, data=self._data, channels=channels)
 
     def observe(self, function):
-        """Calls function(view) after each change in the page, on another thread. Returns a function that ends it."""
+        """Calls function(view) after each change in the page, on another thread. Returns a function that ends it.
+
+        An exception in it is printed, and ends nothing.
+        """
         self._observers.append(function)
         return lambda: self._observers.remove(function)
 
@@ -164,6 +168,8 @@ class View:
         with self._guard:
             document = _merged(self._numbered(), patch)
             camera = document.pop("camera", {})
+            if not isinstance(camera, dict):
+                raise UsageError(f"camera: found {type(camera).__name__}; expected a dict")
             given = (patch or {}).get("camera") or {}
             for new, old in (("fov", "ortho_height"), ("ortho_height", "fov")):
                 if given.get(new) is not None:
@@ -194,7 +200,10 @@ class View:
             self._patch, self._camera = state["scene"], state.get("camera", self._start)
             self.size, self.error = tuple(state["size"]), None
         for function in list(self._observers):
-            function(self)
+            try:
+                function(self)
+            except Exception:  # noqa: BLE001  (any of the user's; the next message comes on this thread)
+                traceback.print_exc()
 
 
 def _read(stream, viewer):
@@ -227,7 +236,10 @@ def _telling(base, names):
             self._root._tell()
             return result
         return act
-    return type(f"_Telling{base.__name__.title()}", (base,), {"_root": None, **{name: method(name) for name in names}})
+    def reduced(self):
+        return base, (base(self),)  # copies and pickles are plain
+    return type(f"_Telling{base.__name__.title()}", (base,),
+                {"_root": None, "__reduce__": reduced, **{name: method(name) for name in names}})
 
 
 _Dict = _telling(dict, ("__setitem__", "__delitem__", "__ior__", "clear", "pop", "popitem", "setdefault", "update"))
@@ -265,7 +277,12 @@ class _Scene(_Dict):
 
 def _with_numbers(document):
     """A document whose layers are a dict by number, so that a merge patch can change one of them."""
-    return {**document, "layers": {str(i): layer for i, layer in enumerate(document.get("layers", []))}}
+    if not isinstance(document, dict):
+        raise UsageError(f"scene: found {type(document).__name__}; expected a dict")
+    layers = document.get("layers", [])
+    if not isinstance(layers, list):
+        raise UsageError(f"layers: found {type(layers).__name__}; expected a list")
+    return {**document, "layers": {str(i): layer for i, layer in enumerate(layers)}}
 
 
 def _with_list(document):
