@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -222,7 +223,7 @@ class Connection : public std::enable_shared_from_this<Connection<Protocol>> {
 
   void start() {
     parser_.header_limit(most_header_bytes);
-    parser_.body_limit(boost::none);  // no body is read
+    parser_.body_limit(std::numeric_limits<std::uint64_t>::max());  // no body is read
     stream_.expires_after(longest_silence);
     http::async_read_header(stream_, buffer_, parser_, [self = this->shared_from_this()](Code error, std::size_t) {
       if (!error) self->answer_request();
