@@ -3,6 +3,7 @@
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "preprocess/import_mesh.h"
+#include "preprocess/source_file.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -54,6 +55,7 @@ NeutralMesh convert_mesh(const std::filesystem::path& input, const std::filesyst
   };
   show(concat("reading ", input.string()));
   NeutralMesh mesh = import_mesh(input, import);
+  require_not_read(output, mesh.sources);
   keep_fields(mesh, options.fields, input);
   add_source_cells(mesh);
   show(concat("writing ", output.string()));

@@ -65,8 +65,7 @@ std::string unsupported_type(const std::filesystem::path& path) {
   if (extension.empty()) return concat(path.string(), ": unknown file type");
   for (const ForeignFormat& format : foreign_formats())
     if (std::find(format.families.begin(), format.families.end(), extension_of(path)) != format.families.end())
-      return concat(path.string(), ": its content cannot be read as ", format.name, ", the format that \"", extension,
-                    "\" stands for");
+      return concat(path.string(), ": the content does not fit the file type \"", extension, "\"");
   return concat(path.string(), ": unsupported file type \"", extension, "\"");
 }
 

@@ -134,10 +134,14 @@ TEST(OpenAnyFile, replaces_no_file_that_reading_found) {
              R"({"data": {"b": {"file": "0.png.nhdr"}}, "layers": [{"data": "b", "type": "mip"}],
                  "camera": {"keyframes": [{"time": 0, "view": "front"}, {"time": 1, "view": "back"}]}})");
   std::filesystem::create_symlink("ball.raw", bench / "link.rho");
+  bench.make_box_vtu();
+  write_file(bench / "pieces.pvtu", R"(<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid>
+                                       <Piece Source="box.vtu"/></PUnstructuredGrid></VTKFile>)");
   const std::map<std::string, std::string> before = bench.contents();
-  for (const char* const line : {"pack ball.nhdr -o ball.raw", "pack ball.nhdr -o link.rho",
-                                 "export ball.npy.nhdr -o ball.npy", "render --no-cache ball.png.nhdr -o ball.png",
-                                 "render ball.png.nhdr -o ball.png", "render frames.json --frames 2 -o %d.png"})
+  for (const char* const line :
+       {"pack ball.nhdr -o ball.raw", "pack ball.nhdr -o link.rho", "export ball.npy.nhdr -o ball.npy",
+        "render --no-cache ball.png.nhdr -o ball.png", "render ball.png.nhdr -o ball.png",
+        "render frames.json --frames 2 -o %d.png", "import pieces.pvtu -o box.vtu"})
     for (int i = 0; i < 2; ++i) {  // packed, and by its packed copy
       const RunResult run = bench.shell(std::string("rhoray ") + line + " --force -q");
       EXPECT_EQ(run.exit_code, 2) << line << run.err;

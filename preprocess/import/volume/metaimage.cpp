@@ -185,7 +185,7 @@ void check_files(const Header& header, const ForeignFile& file, const std::vecto
                   "sizes that the data can fill");
 }
 
-/// Notes a scale that the header has for the stored numbers. ITK and VTK do not apply it either.
+/// Notes a scale that the header has for the stored numbers.
 void note_scale(const Header& header, std::vector<std::string>& notes) {
   const auto slope = header.number<double>("ElementToIntensityFunctionSlope", 1);
   const auto offset = header.number<double>("ElementToIntensityFunctionOffset", 0);

@@ -30,8 +30,7 @@ TEST(InputFile, that_is_not_what_its_name_says_is_refused_by_its_content) {
   tests::write_file(folder / "a.xyz", "a molecule\n");
   EXPECT_EQ(foreign_kind(folder / "a.xyz"), ForeignKind::unknown);
   EXPECT_EQ(unsupported_type(folder / "a.xyz"),
-            concat((folder / "a.xyz").string(),
-                   ": its content cannot be read as PLOT3D, the format that \".xyz\" stands for"));
+            concat((folder / "a.xyz").string(), ": the content does not fit the file type \".xyz\""));
   EXPECT_EQ(unsupported_type(folder / "a.cgns"),
             concat((folder / "a.cgns").string(), ": unsupported file type \".cgns\""));
 }
