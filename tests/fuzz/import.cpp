@@ -65,9 +65,7 @@ void use(const CellMesh& mesh) {
   for (const NeutralField& field : mesh.point_fields)
     RHORAY_CHECK(field.values.size() == mesh.points.size() * static_cast<std::size_t>(field.component_count));
   pass_on(mesh, receive_cell_mesh);
-  // In the process of the subcommand, not of the worker. Finer cuts run the same code for longer: a
-  // damaged cell of order 2 would take ten seconds under sanitizers.
-  (void)subdivide(mesh, {.finest = 1.0 / 4});
+  (void)subdivide(mesh, {});  // in the process of the subcommand, not of the worker
 }
 
 template <auto read>

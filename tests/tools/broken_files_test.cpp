@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "formats/base/text.h"
 #include "formats/packed_file.h"
 #include "formats/vdb_grid.h"
 #include "preprocess/input_file.h"
