@@ -137,7 +137,7 @@ void PackedFile::Mapping::add(const OutsideArray& outside) {
 }
 
 PackedFile PackedFile::open(const std::filesystem::path& path) {
-  // A VdbGrid, which only passes between processes: its readers follow a tree that nobody checked.
+  // The kind of VdbGrid, which only passes between processes: its readers follow an unchecked tree.
   constexpr std::string_view never_on_disk = "vdb";
   PackedFile file(std::make_shared<const Mapping>(open_regular_file(path), path.string()));
   if (file.description().kind == never_on_disk)

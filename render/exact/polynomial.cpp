@@ -232,11 +232,11 @@ Root SignChart::cut(const Root& root, const Rational& at) const {
 Enclosure SignChart::enclosing_root(int root, double width) const {
   if (root < 0) return enclosing(a_);
   Root around = roots_[static_cast<std::size_t>(root)];
-  const double largest = std::numeric_limits<double>::max();
-  for (Rational wanted = Rational(std::min(width, largest)) / 2;; wanted /= 16) {
-    // In steps, for only the enclosure tells when it is tight: `width` may be far below the distance
-    // of doubles there, or 0.
-    around = narrowed(around, std::max<Rational>(wanted, (around.hi - around.lo) * power_of_two(-64)));
+  // `width` may be 0, or far below the distance of neighbouring doubles: then in steps, for only the
+  // enclosure shows when it is tight.
+  const bool in_steps = width < 0x1p-100;
+  for (Rational wanted = Rational(std::min(width, std::numeric_limits<double>::max())) / 2;; wanted /= 16) {
+    around = narrowed(around, in_steps ? Rational((around.hi - around.lo) * power_of_two(-64)) : wanted);
     const Enclosure found = enclosing(around.lo, around.hi);
     if (found.width() <= width || is_tight(found)) return found;
     // A root that is itself a double has no tight enclosure but [root, root].

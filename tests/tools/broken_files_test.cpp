@@ -242,7 +242,7 @@ TEST(BrokenFiles, of_real_data_are_refused_in_our_words) {
   }
 }
 
-/// Results of damaged data would get a seal of their own, and nobody could tell any more.
+/// A file that is made from damaged data has a valid seal, which hides the damage.
 TEST(DamagedPackedFile, is_not_converted) {
   const Workbench bench;
   bench.make_box();
@@ -267,8 +267,8 @@ TEST(DamagedPackedFile, is_not_converted) {
   }
 }
 
-/// What cannot be checked is not called sound. The kind "vdb" only passes between processes: its
-/// readers follow a tree that nobody has checked.
+/// `verify` refuses a kind that it cannot check. The kind "vdb" only passes between processes: its
+/// readers follow a tree without checking it.
 TEST(PackedFile, of_a_kind_that_no_file_has_is_refused) {
   const Workbench bench;
   formats::VdbGridDescription grid;

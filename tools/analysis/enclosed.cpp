@@ -26,8 +26,8 @@ constexpr int most_halvings = 6;
 using Values4 = std::array<double, 4>;
 using Values8 = std::array<double, 8>;  ///< (i, j, k) at index i + 2 j + 4 k
 
-/// Scales the values of a cell and the isovalue by a power of two where sums of a few values would
-/// overflow. What a value below 2^-990 loses is far below the rounding of the largest.
+/// Scales the values of a cell and the isovalue by a power of two if sums of a few values would
+/// overflow. Values below 2^-990 lose bits, far below the rounding of the largest value.
 void keep_sums_finite(std::span<double> values, double& isovalue) {
   double largest = std::abs(isovalue);
   for (const double value : values) largest = std::max(largest, std::abs(value));

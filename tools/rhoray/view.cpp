@@ -100,8 +100,8 @@ std::vector<formats::PackedFile> files_of(const render::ResolvedScene& plan) {
   return files;
 }
 
-/// Serves until the token is told to stop. The files are read once meanwhile, for pictures need not
-/// wait for it: a damaged one ends the server, and is refused (ErrorCode::invalid).
+/// Serves until the token is told to stop. Meanwhile another thread checks the files. A damaged file
+/// ends the server and is refused (ErrorCode::invalid).
 /// @param serve  until its token is told to stop
 void serve_undamaged(const std::vector<formats::PackedFile>& files, const std::stop_token& interrupt,
                      const std::function<void(const std::stop_token&)>& serve) {

@@ -70,8 +70,8 @@ class Hdf5File {
   /// opens the file may follow all of them.
   void check_links() const;
 
-  /// Refuses a data set, or a part of it, of which numbers were never written, unless the file has
-  /// a value for these: HDF5 reads zeros there. Accepts a name without a data set.
+  /// Refuses a data set or a part of it if numbers were never written and the file has no fill
+  /// value for them: HDF5 reads zeros there. Accepts a name that no data set has.
   void check_written(const std::string& name, const Hyperslab* part = nullptr) const;
 
  private:

@@ -153,4 +153,10 @@ std::string in_quotes(std::string_view text);
 
 std::string in_capitals(std::string_view text);
 
+/// The text without spaces, tabs and line ends around it.
+std::string_view trimmed(std::string_view text);
+
+/// Takes the first word off a text, with the separators before it. Empty at the end.
+std::string_view take_word(std::string_view& text, std::string_view separators);
+
 }  // namespace rhoray::preprocess

@@ -38,7 +38,7 @@ struct DicomImage {
   std::vector<char> samples;
 };
 
-std::string trimmed(std::string text) {
+std::string unpadded(std::string text) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.pop_back();
   return text;
 }
@@ -115,7 +115,7 @@ void check_packed_samples(std::istream& stream, const std::string& name, std::st
   gdcm::StringFilter texts;
   texts.SetFile(head.GetFile());
   const auto number = [&](std::uint16_t element) {
-    return parse_number<std::uint64_t>(trimmed(texts.ToString(gdcm::Tag(0x0028, element)))).value_or(1);
+    return parse_number<std::uint64_t>(unpadded(texts.ToString(gdcm::Tag(0x0028, element)))).value_or(1);
   };
   constexpr std::uint16_t numbers_for_each = 0x02, frames = 0x08, rows = 0x10, columns = 0x11, bits = 0x100;
   const std::optional<std::uint64_t> expected =
@@ -143,7 +143,7 @@ std::optional<DicomImage> read_image(const std::string& name, std::string_view b
   gdcm::StringFilter texts;
   texts.SetFile(reader.GetFile());
   const auto text = [&](std::uint16_t group, std::uint16_t element) {
-    return trimmed(texts.ToString(gdcm::Tag(group, element)));
+    return unpadded(texts.ToString(gdcm::Tag(group, element)));
   };
   DicomImage result;
   result.name = name;

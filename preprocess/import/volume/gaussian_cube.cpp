@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -23,9 +22,7 @@ Vec3 three_numbers(WordReader& reader, std::string_view what) {
 
 /// Newer writers tell at the end of the line how many values each sample has.
 void check_value_count(WordReader& reader) {
-  const std::string_view rest = reader.line(), spaces = " \t";
-  const std::size_t begin = std::min(rest.find_first_not_of(spaces), rest.size());
-  const std::string_view word = rest.substr(begin, rest.find_last_not_of(spaces) + 1 - begin);
+  const std::string_view word = trimmed(reader.line());
   if (word.empty()) return;
   const std::optional<std::int64_t> count = parse_number<std::int64_t>(word);
   if (!count) reader.refuse(in_quotes(word), "a number of values for each sample, or nothing");

@@ -6,6 +6,7 @@
 #include "preprocess/import/reading/grid_arrays.h"
 #include "preprocess/import/reading/keyed_words.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -49,10 +50,9 @@ class Header : public KeyedWords {
     if (key.empty()) return;
     if (equals == std::string_view::npos || key.size() != 1)
       refuse_input(path(), "header", in_quotes(line), "lines of the form Key = value");
-    const std::string_view value = line.substr(equals + 1), spaces = " \t\r";
+    const std::string_view value = line.substr(equals + 1);
     set(key.front(), words_in(value));
-    const std::size_t begin = std::min(value.find_first_not_of(spaces), value.size());
-    if (key.front() == "ElementDataFile") data_file_ = value.substr(begin, value.find_last_not_of(spaces) + 1 - begin);
+    if (key.front() == "ElementDataFile") data_file_ = trimmed(value);
   }
 
   std::size_t data_position_ = 0;

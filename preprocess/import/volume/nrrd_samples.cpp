@@ -21,13 +21,9 @@ template <class T>
 void read_text(const std::filesystem::path& path, std::string_view text, std::span<std::byte> samples,
                std::vector<std::string>& notes) {
   constexpr std::string_view separators = " \t\r\n\v\f,";
-  const auto next = [&] {
-    text.remove_prefix(std::min(text.find_first_not_of(separators), text.size()));
-    return text.substr(0, text.find_first_of(separators));
-  };
   const std::size_t count = samples.size() / sizeof(T);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::string_view word = next();
+    const std::string_view word = take_word(text, separators);
     if (word.empty())
       refuse_input(path, concat("sample ", i), "the end of the data", count_text(count, "number", "numbers"));
     const std::optional<T> value = parse_number<T>(word);
@@ -35,10 +31,9 @@ void read_text(const std::filesystem::path& path, std::string_view text, std::sp
       refuse_input(path, concat("sample ", i), in_quotes(word),
                    concat("a number of ", formats::element_name(formats::element_type_of<T>())));
     std::memcpy(samples.data() + i * sizeof(T), &*value, sizeof(T));
-    text.remove_prefix(word.size());
   }
-  next();
-  note_rest(notes, path, text.substr(0, text.find_last_not_of(separators) + 1).size());
+  if (const std::size_t rest = text.find_first_not_of(separators); rest != text.npos)
+    note_rest(notes, path, text.find_last_not_of(separators) + 1 - rest);
 }
 
 /// Reads the samples of one file.

@@ -18,6 +18,7 @@
 #include "formats/base/parallel.h"
 #include "preprocess/import/reading/numbers.h"
 #include "preprocess/import/reading/samples.h"
+#include "preprocess/import/reading/text_reading.h"
 #include "preprocess/process/child_process.h"
 
 namespace rhoray::preprocess {
@@ -89,12 +90,6 @@ constexpr std::pair<std::string_view, ElementType> types[] = {
     {"Int64", ElementType::I64},   {"UInt64", ElementType::U64}, {"Float32", ElementType::F32},
     {"Float64", ElementType::F64},
 };
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(spaces), text.size());
-  const std::size_t end = text.find_last_not_of(spaces) + 1;
-  return text.substr(begin, end - std::min(begin, end));
-}
 
 std::string unit_of(const XmlElement& array) {
   for (const XmlElement& child : array.children)
@@ -437,20 +432,12 @@ void VtkXmlStream::for_each_packed_piece(const VtkXmlArray& array, Source source
 
 namespace {
 
-/// The first word of a text, which is removed from it; empty at its end.
-std::string_view next_word(std::string_view& text) {
-  text.remove_prefix(std::min(text.find_first_not_of(spaces), text.size()));
-  const std::string_view word = text.substr(0, text.find_first_of(spaces));
-  text.remove_prefix(word.size());
-  return word;
-}
-
 /// Calls take(number) for `count` numbers of a text, which are removed from it; returns how many
 /// were found.
 template <class T, class Take>
 std::uint64_t read_text(std::string_view& text, std::uint64_t count, const Take& take) {
   for (std::uint64_t found = 0; found < count; ++found) {
-    const std::optional<T> number = parse_number<T>(next_word(text));
+    const std::optional<T> number = parse_number<T>(take_word(text, spaces));
     if (!number) return found;
     take(found, *number);
   }
@@ -475,7 +462,7 @@ void VtkXmlStream::read(const VtkXmlArray& array, std::span<Number> numbers) con
       const std::uint64_t found = read_text<T>(text, count, put);
       if (found != count) refuse(array, concat(found, " numbers"), concat(count));
       std::uint64_t rest = 0;
-      while (!next_word(text).empty()) ++rest;
+      while (!take_word(text, spaces).empty()) ++rest;
       if (rest > 0)
         notes_->push_back(concat("array '", array.name, "': ", count_text(rest, "word", "words"), " after its numbers ",
                                  rest == 1 ? "was" : "were", " left out"));

@@ -236,8 +236,10 @@ def _telling(base, names):
             self._root._tell()
             return result
         return act
+
     def reduced(self):
         return base, (base(self),)  # copies and pickles are plain
+
     return type(f"_Telling{base.__name__.title()}", (base,),
                 {"_root": None, "__reduce__": reduced, **{name: method(name) for name in names}})
 
