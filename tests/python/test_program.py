@@ -311,8 +311,9 @@ def test_accuracy_of_a_scene(folder, temporary_folder, ball):
     assert any("would use" in note for note in found.notes)
     assert list(temporary_folder.iterdir()) == []
     pathlib.Path("scenes").mkdir()
-    pathlib.Path("scenes/scene.json").write_text(json.dumps({"data": {"head": {"file": "../ball.rho"}},
-                                                             "layers": [{"type": "isosurface", "isovalue": "hihg"}]}))
+    layer = {"type": "isosurface", "data": "head", "isovalue": "hihg"}
+    pathlib.Path("scenes/scene.json").write_text(
+        json.dumps({"data": {"head": {"file": "../ball.rho"}, "other": {"file": "../ball.rho"}}, "layers": [layer]}))
     for given in ({}, {"data": {"other": ball}}):
         with pytest.raises(rr.Error, match="/layers/0/isovalue: found \"hihg\""):
             rr.accuracy("scenes/scene.json", **given)

@@ -193,6 +193,8 @@ LAYER = {"data": "data", "type": "isosurface", "isovalue": 4}
     (lambda ball, path: rr.render({"data": {"data": {}}, "layers": "x"}, data={"data": ball}), "/layers"),
     (lambda ball, path: rr.render({"data": {"data": {}}, "layers": [LAYER]}, data=ball), "data: found Data"),
     (lambda ball, path: rr.render({"data": {"data": {}}, "layers": [LAYER]}, data={"data": 7}), "data: .*found int"),
+    (lambda ball, path: rr.render({"data": {"head": {"file": "f"}}, "layers": [LAYER]}, data={"haed": ball}),
+     "data: 'haed': .*expected 'f' or 'head'"),
     (lambda ball, path: rr.render(ball, iso=4, camera="front"), "/camera"),
     (lambda ball, path: rr.render(ball, iso=4, size=5), "/image/size"),
     (lambda ball, path: rr.render(ball, iso=4, range=5), "range"),

@@ -88,14 +88,19 @@ def read(what, data, options, where):
     specs = document.get("data", {})
     if not isinstance(specs, dict):
         return document, {}
-    known, specs = {}, dict(specs)
+    known, specs, names = {}, dict(specs), set(specs)
     for name, spec in specs.items():
         file = spec.get("file", name) if isinstance(spec, dict) else None
         if not isinstance(file, str):
             continue
+        names.add(file)
         known[name] = given.get(name, given.get(file, folder / file))
         field = known[name]._name if isinstance(known[name], Data) else ""
         specs[name] = {**({"field": field} if field else {}), **spec, "file": file}
+    for name in given:
+        if name not in names:
+            expected = " or ".join(sorted(map(repr, names))) or "none"
+            raise UsageError(f"data: {name!r}: is not in the scene; expected {expected}")
     return {**document, "data": specs}, known
 
 
