@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
+#include <utility>
 
 #include "preprocess/import/mesh/gmsh_elements.h"
 #include "preprocess/import/mesh/id_positions.h"
@@ -46,29 +48,62 @@ class MshReader {
   }
 
  private:
-  /// One $NodeData or $ElementData section: the values of a field at one time.
-  struct Data {
-    std::string name;
-    bool at_points = false;
-    double time = 0;
-    std::uint64_t step = 0;
-    int component_count = 1;
-    std::uint64_t count = 0;
-    std::size_t position = 0;  ///< byte offset of the first value in the file
-
-    bool is_of_field(const Data& other) const { return name == other.name && at_points == other.at_points; }
-  };
-
   /// A time, and the number of earlier steps that a field has at the same time. Times that are NaN
   /// count as equal.
   struct Step {
     double time = 0;
     std::size_t rank = 0;
 
-    bool has_time_of(const Data& data) const { return std::is_eq(std::weak_order(time, data.time)); }
+    bool has_time_of(const Step& other) const { return std::is_eq(std::weak_order(time, other.time)); }
     std::weak_ordering operator<=>(const Step& other) const {
       const std::weak_ordering order = std::weak_order(time, other.time);
       return std::is_eq(order) ? rank <=> other.rank : order;
+    }
+    bool operator==(const Step& other) const { return std::is_eq(*this <=> other); }
+  };
+
+  /// One $NodeData or $ElementData section: the values of a field at one time.
+  struct Section {
+    Step step;                 ///< its rank is counted when all sections are known
+    std::uint64_t number = 0;  ///< of the step, as the file says it
+    int component_count = 1;
+    std::uint64_t count = 0;
+    std::size_t position = 0;  ///< byte offset of the first value in the file
+  };
+
+  struct Field {
+    std::string name;
+    bool at_points = false;
+    /// Several of one step are parts of it, as Gmsh writes them of partitioned meshes.
+    std::vector<Section> sections;
+
+    /// Orders the sections by their steps.
+    void count_steps() {
+      std::stable_sort(sections.begin(), sections.end(), [](const Section& a, const Section& b) {
+        const std::weak_ordering order = std::weak_order(a.step.time, b.step.time);
+        return std::is_eq(order) ? a.number < b.number : std::is_lt(order);
+      });
+      for (std::size_t i = 1; i < sections.size(); ++i) {
+        const Section& last = sections[i - 1];
+        if (last.step.has_time_of(sections[i].step))
+          sections[i].step.rank = last.step.rank + (last.number != sections[i].number);
+      }
+    }
+
+    /// The sections to read: those of the chosen step. A field that has one step, ever or at the
+    /// chosen time, shows that one.
+    std::span<const Section> at(const Step& chosen) const {
+      if (sections.front().step == sections.back().step) return sections;
+      const std::span<const Section> then =
+          between({chosen.time, 0}, {chosen.time, std::numeric_limits<std::size_t>::max()});
+      return then.empty() || then.front().step == then.back().step ? then : between(chosen, chosen);
+    }
+
+    std::span<const Section> between(const Step& first, const Step& last) const {
+      return {std::lower_bound(sections.begin(), sections.end(), first,
+                               [](const Section& section, const Step& step) { return section.step < step; }),
+              std::upper_bound(sections.begin(), sections.end(), last,
+                               [](const Step& step, const Section& section) { return step < section.step; })};
     }
   };
 
@@ -313,34 +348,37 @@ class MshReader {
 
   /// Reads the strings, real numbers and integers that describe a section of values. The values are
   /// read later, when the time step is chosen.
-  void read_data_header(const std::string& name) {
-    Data data;
-    data.at_points = name == "NodeData";
+  void read_data_header(const std::string& section_name) {
+    std::string name;
+    Section section;
     auto count = in_.words.number<std::uint64_t>("a number of texts");
     in_.words.line();
     for (std::uint64_t k = 0; k < count; ++k) {
       const std::string text = quoted();
-      if (k == 0) data.name = text;
+      if (k == 0) name = text;
     }
-    if (data.name.empty()) data.name = name;
+    if (name.empty()) name = section_name;
     count = in_.words.number<std::uint64_t>("a number of real numbers");
     for (std::uint64_t k = 0; k < count; ++k) {
       const double value = in_.words.number<double>("a real number");
-      if (k == 0) data.time = value;
+      if (k == 0) section.step.time = value;
     }
     count = in_.words.number<std::uint64_t>("a number of integers");
     if (count < 3) in_.words.refuse(concat(count, " integers"), "at least 3: step, components, count");
     for (std::uint64_t k = 0; k < count; ++k) {
       const auto value = in_.words.number<std::uint64_t>("an integer");
-      if (k == 0) data.step = value;
+      if (k == 0) section.number = value;
       if (k == 1 && (value < 1 || value > 9)) in_.words.refuse(concat(value, " components"), "1 to 9");
-      if (k == 1) data.component_count = static_cast<int>(value);
-      if (k == 2) data.count = value;
+      if (k == 1) section.component_count = static_cast<int>(value);
+      if (k == 2) section.count = value;
     }
     in_.words.line();
-    data.position = in_.words.position();
-    data_.push_back(std::move(data));
-    skip_section(name);
+    section.position = in_.words.position();
+    const bool at_points = section_name == "NodeData";
+    const auto [place, is_new] = field_places_.try_emplace({at_points, name}, fields_.size());
+    if (is_new) fields_.push_back({.name = name, .at_points = at_points, .sections = {}});
+    fields_[place->second].sections.push_back(section);
+    skip_section(section_name);
   }
 
   /// Replaces node numbers by node indices.
@@ -370,67 +408,61 @@ class MshReader {
   void read_fields() {
     for (const std::string& name : left_out_)
       mesh_.notes.push_back(concat("section ", name, " left out: its values differ from cell to cell at a node"));
-    if (data_.empty()) return refuse_time_step(time_, path_);
-    const std::vector<Step> steps = steps_of_data();
+    if (fields_.empty()) return refuse_time_step(time_, path_);
+    std::vector<Step> steps;
+    for (Field& field : fields_) {
+      field.count_steps();
+      for (const Section& section : field.sections) steps.push_back(section.step);
+    }
+    std::sort(steps.begin(), steps.end());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
     std::vector<double> times;
     for (const Step& step : steps) times.push_back(step.time);
     const Step chosen = steps[choose_time_step(times, time_, path_, mesh_.notes)];
     const IdPositions nodes(node_ids_), elements(element_ids_);
-    for (const Data& data : data_) {
-      const Step step = step_of(data);
-      bool is_only = true, is_only_then = true;
-      for (const Data& other : data_) {
-        if (!other.is_of_field(data) || &other == &data) continue;
-        is_only = false;
-        is_only_then = is_only_then && !step.has_time_of(other);
-      }
-      if (is_only || (chosen.has_time_of(data) && (is_only_then || step.rank == chosen.rank)))
-        read_field(data, data.at_points ? nodes : elements);
-    }
-  }
-
-  /// The step of a section: fields may count their steps differently, and all steps may have the
-  /// same time.
-  Step step_of(const Data& data) const {
-    std::set<std::uint64_t> before;
-    for (const Data& other : data_)
-      if (other.is_of_field(data) && Step{data.time}.has_time_of(other) && other.step < data.step)
-        before.insert(other.step);
-    return {data.time, before.size()};
-  }
-
-  /// The steps of all sections, each once, in their order.
-  std::vector<Step> steps_of_data() const {
-    std::vector<Step> steps;
-    for (const Data& data : data_) steps.push_back(step_of(data));
-    std::sort(steps.begin(), steps.end());
-    steps.erase(
-        std::unique(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return std::is_eq(a <=> b); }),
-        steps.end());
-    return steps;
+    for (const Field& field : fields_)
+      if (const std::span<const Section> sections = field.at(chosen); !sections.empty())
+        read_field(field, sections, field.at_points ? nodes : elements);
   }
 
   /// Points and cells without a value have no data: NaN.
-  void read_field(const Data& data, const IdPositions& owners) {
-    if (const auto twice = owners.repeated(); twice && !data.at_points)
-      refuse_input(path_, concat("field '", data.name, "'"), concat("two elements numbered ", *twice),
+  void read_field(const Field& field, std::span<const Section> sections, const IdPositions& owners) {
+    if (const auto twice = owners.repeated(); twice && !field.at_points)
+      refuse_input(path_, concat("field '", field.name, "'"), concat("two elements numbered ", *twice),
                    "each number once, to know which one a value is for");
-    const auto width = static_cast<std::size_t>(data.component_count);
-    Array<double> numbers((data.at_points ? node_ids_ : element_ids_).size() * width,
+    const int component_count = sections.front().component_count;
+    const auto width = static_cast<std::size_t>(component_count);
+    Array<double> numbers((field.at_points ? node_ids_ : element_ids_).size() * width,
                           std::numeric_limits<double>::quiet_NaN());
-    MshNumbers values(file_, data.position);
-    values.is_binary = in_.is_binary;
-    values.is_big_endian = in_.is_big_endian;
-    for (std::uint64_t i = 0; i < data.count; ++i) {
-      const std::int32_t id = values.integer("a number of a node or element");
-      const std::optional<std::uint64_t> owner = owners.find(static_cast<std::uint64_t>(id));
-      if (!owner) values.words.refuse(concat(data.at_points ? "node " : "element ", id), "one that is there");
-      for (std::size_t c = 0; c < width; ++c) numbers[*owner * width + c] = values.real("a value");
+    std::uint64_t repeated = 0;  // numbers that another section, of another partition or field, gave before
+    for (const Section& section : sections) {
+      MshNumbers values(file_, section.position);
+      if (section.component_count != component_count)
+        values.words.refuse(concat(section.component_count, " components"),
+                            concat(component_count, ", as in another section of field '", field.name, "'"));
+      values.is_binary = in_.is_binary;
+      values.is_big_endian = in_.is_big_endian;
+      for (std::uint64_t i = 0; i < section.count; ++i) {
+        const std::int32_t id = values.integer("a number of a node or element");
+        const std::optional<std::uint64_t> owner = owners.find(static_cast<std::uint64_t>(id));
+        if (!owner) values.words.refuse(concat(field.at_points ? "node " : "element ", id), "one that is there");
+        for (std::size_t c = 0; c < width; ++c) {
+          const double value = values.real("a value");
+          double& number = numbers[*owner * width + c];
+          if (std::isnan(number))
+            number = value;
+          else if (number != value)
+            ++repeated;
+        }
+      }
+      const std::string end = field.at_points ? "$EndNodeData" : "$EndElementData";
+      if (const std::string_view word = values.words.word(end); word != end) values.words.refuse(word, end);
     }
-    const std::string end = data.at_points ? "$EndNodeData" : "$EndElementData";
-    if (const std::string_view word = values.words.word(end); word != end) values.words.refuse(word, end);
-    (data.at_points ? mesh_.point_fields : mesh_.cell_fields)
-        .push_back(field_of(data.name, std::move(numbers), data.component_count));
+    if (repeated > 0)
+      mesh_.notes.push_back(concat("field '", field.name, "': ", count_text(repeated, "value", "values"),
+                                   " left out: the file has another one at the same place and step"));
+    (field.at_points ? mesh_.point_fields : mesh_.cell_fields)
+        .push_back(field_of(field.name, std::move(numbers), component_count));
   }
 
   std::filesystem::path path_;
@@ -450,7 +482,8 @@ class MshReader {
   std::uint64_t volumes_in_several_groups_ = 0;
   /// sections that a file may contain once, with their content
   std::map<std::string, std::string_view> sections_;
-  std::vector<Data> data_;
+  std::vector<Field> fields_;                                         ///< in the file's order
+  std::map<std::pair<bool, std::string>, std::size_t> field_places_;  ///< in fields_, by at_points and name
   std::set<std::string> left_out_;
 };
 

@@ -1,15 +1,11 @@
 #include <netcdf.h>
-#include <vtkCellData.h>
 #include <vtkCompositeDataIterator.h>
-#include <vtkDataArray.h>
 #include <vtkExodusIIReader.h>
 #include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
-#include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 
-#include <map>
 #include <numeric>
 
 #include "preprocess/import/readers.h"

@@ -1,4 +1,5 @@
 #include <limits>
+#include <map>
 
 #include "preprocess/import/readers.h"
 #include "tests/preprocess/import/support.h"
@@ -174,6 +175,33 @@ TEST(Gmsh, tells_steps_of_the_same_time_apart) {
   EXPECT_EQ(value("v", {}), 5);
   EXPECT_THAT(read_cells(folder / "a.msh", {}).notes,
               testing::Contains(testing::HasSubstr("the last of 3 time steps")));
+}
+
+/// Gmsh writes one section for each partition. Nodes between partitions may stand in several.
+TEST(Gmsh, joins_the_values_of_partitions) {
+  TemporaryFolder folder;
+  const auto section = [](int step, int partition, const std::string& values) {
+    return concat("$NodeData\n1\n\"u\"\n1\n", step, "\n4\n", step, "\n1\n3\n", partition, "\n", values,
+                  "$EndNodeData\n");
+  };
+  const std::string both_steps = section(0, 1, "1 10\n2 20\n3 30\n") + section(1, 1, "1 11\n2 21\n3 31\n") +
+                                 section(0, 2, "3 30\n4 40\n9 90\n") + section(1, 2, "3 31\n4 41\n9 91\n");
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements_2 + both_steps);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int step : {0, 1}) {
+    const CellMesh mesh = read_cells(folder / "a.msh", {.time = concat("#", step)});
+    ASSERT_EQ(mesh.point_fields.size(), 1u);
+    std::map<std::array<double, 3>, double> value_at;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) value_at[mesh.points[i]] = mesh.point_fields[0].values[i];
+    EXPECT_THAT((std::vector{value_at[{0, 0, 0}], value_at[{0, 1, 0}], value_at[{0, 0, 1}]}),
+                testing::ElementsAre(10 + step, 30 + step, 40 + step));
+    EXPECT_THAT(value_at[(std::array{2.0, 2.0, 2.0})], testing::NanSensitiveDoubleEq(nan)) << "in no partition";
+    EXPECT_THAT(mesh.notes, testing::Not(testing::Contains(testing::HasSubstr("field 'u'"))));
+  }
+  write_file(folder / "a.msh", format_2 + nodes_2 + elements_2 + both_steps + section(1, 3, "1 12\n2 21\n9 92\n"));
+  const CellMesh mesh = read_cells(folder / "a.msh", {});
+  EXPECT_EQ(mesh.point_fields[0].values[0], 11) << "the first value stays";
+  EXPECT_THAT(mesh.notes, testing::Contains(testing::HasSubstr("field 'u': 2 values left out")));
 }
 
 TEST(Gmsh, keeps_elements_that_share_a_number) {
