@@ -32,6 +32,11 @@ double percentile(const FieldSummary& field, double share) {
   return field.range.hi;
 }
 
+double percentile_error(const FieldSummary& field) {
+  const auto bin_count = static_cast<double>(std::max<std::size_t>(field.histogram.size(), 1));
+  return field.range.hi / bin_count - field.range.lo / bin_count;
+}
+
 std::optional<double> otsu_threshold(const FieldSummary& field) {
   if (field.range.is_empty()) return std::nullopt;
   double total = 0, moment = 0;

@@ -40,6 +40,9 @@ std::size_t histogram_bin(const Interval<double>& range, std::size_t bin_count, 
 /// @param share in [0, 1]
 double percentile(const FieldSummary& field, double share);
 
+/// How far `percentile` may be off: the width of a bin.
+double percentile_error(const FieldSummary& field);
+
 /// The threshold that splits the histogram into two classes with the largest between-class variance
 /// (Otsu, IEEE Trans. SMC 9, 1979); nothing when all values are equal or none is finite.
 std::optional<double> otsu_threshold(const FieldSummary& field);

@@ -13,6 +13,7 @@ struct ExportOptions {
   std::string field{};  ///< name; empty = the first, or all where the format holds several
   bool replace_existing = false;
   std::uint64_t memory_limit_bytes = 0;  ///< of the writing process; 0 = none
+  std::string source_name{};             ///< of the packed file in messages; empty: its path
 };
 
 struct ExportReport {
@@ -42,14 +43,16 @@ ExportReport export_npy(const std::filesystem::path& packed, const std::filesyst
                         const ExportOptions& options = {}, const Progress& progress = {});
 
 /// Writes NIfTI-1 (.nii, little-endian): the samples of one field in the grid's type. The sform
-/// holds the geometry in RAS, rounded to single precision.
+/// holds the geometry in RAS, rounded to single precision. Refuses a geometry that single precision
+/// cannot hold (ErrorCode::unsupported).
 ExportReport export_nifti(const std::filesystem::path& packed, const std::filesystem::path& output,
                           const ExportOptions& options = {}, const Progress& progress = {});
 
 /// Writes the isosurface as triangles in world axes (binary .stl). Inside each cell these are the
 /// polygons of marching cubes (vtkFlyingEdges3D). Vertices lie on edges of the grid, where the
 /// field takes the isovalue. Cells without data have no triangles. Seen from lower values, the
-/// corners run counter-clockwise.
+/// corners run counter-clockwise. Refuses a surface that single precision cannot hold
+/// (ErrorCode::unsupported).
 ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalue, const std::filesystem::path& output,
                              const ExportOptions& options = {});
 

@@ -19,6 +19,8 @@ ExportReport export_vtu(const std::filesystem::path& packed, const std::filesyst
 ///
 /// Without an isovalue: the mesh's boundary, that is the faces that belong to one cell. Fronts face
 /// outwards.
+///
+/// Refuses a surface that single precision cannot hold (ErrorCode::unsupported).
 ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<double> isovalue,
                              const std::filesystem::path& output, const ExportOptions& options = {});
 

@@ -57,12 +57,15 @@ class PackCache {
   /// recently used entries until all fit the limit. The new copy can be used even if it is among
   /// them.
   ///
+  /// If another process has kept a copy with this key meanwhile, that copy is returned, and the
+  /// new one is removed. So the folder holds one copy for each key.
+  ///
   /// A copy is not kept if one of its sources changed while packing, or less than 50 ms before.
   /// File systems have coarse clocks, so a second change could get the same time as the first.
   Copy add(const Key& key, const std::function<PackReport(const formats::Destination&)>& write) const;
 
   std::vector<Entry> entries() const;  ///< last used first
-  void clear() const;                  ///< removes all entries
+  std::vector<Entry> clear() const;    ///< removes all entries; returns those that it removed
 
   const std::filesystem::path& folder() const { return folder_; }
   std::uint64_t limit_bytes() const { return limit_bytes_; }

@@ -54,13 +54,14 @@ struct RepairedSurface {
   RepairReport report;
 };
 
-/// Mends a surface (CGAL's polygon mesh processing, in a worker process with limits). It merges
-/// duplicate points and facets, drops facets without area, separates sheets at edges of more than
-/// two facets, orients, stitches and fills holes. It replaces facets that cross and unites closed
-/// parts that cross each other. Seeds of holes and regions are kept; target sizes are not. Solids
-/// may still touch in edges and points. A repair that moves the surface farther than `max_move` is
-/// refused. Success is not promised: `find_faults` (inspect_surface.h) finds the remaining faults,
-/// and `tetrahedralize` refuses them.
+/// Mends a surface (CGAL's polygon mesh processing, in a worker process with limits). It cuts
+/// facets of more than three corners, and faces with openings, into triangles. It merges duplicate
+/// points and facets, drops facets without area, separates sheets at edges of more than two facets,
+/// orients, stitches and fills holes. It replaces facets that cross and unites closed parts that
+/// cross each other. Seeds of holes and regions are kept; target sizes are not. Solids may still
+/// touch in edges and points. A repair that moves the surface farther than `max_move` is refused.
+/// Success is not promised: `find_faults` (inspect_surface.h) finds the remaining faults, and
+/// `tetrahedralize` refuses them.
 RepairedSurface repair_surface(const NeutralSurface& surface, const RepairOptions& options = {});
 
 }  // namespace rhoray::preprocess

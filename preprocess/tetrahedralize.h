@@ -14,7 +14,7 @@ namespace rhoray::preprocess {
 
 /// Target edge length by the distance d to a surface: `near` + `growth` d, at most `far`.
 struct SizeByDistance {
-  NeutralSurface surface;  ///< triangles
+  NeutralSurface surface;
   double near = 0;
   double far = 0;
   double growth = 0;

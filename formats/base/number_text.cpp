@@ -61,6 +61,13 @@ int digits_for(double number, double error) {
   return digits;
 }
 
+std::string rounded_within(double extent, double number, int digits) {
+  const int needed = extent > 0 ? digits_for(number, 16e-4 * extent) : digits;
+  if (needed <= digits) return rounded(number, digits);
+  const int whole = static_cast<int>(std::floor(std::log10(std::abs(number)))) + 1;
+  return rounded(number, whole <= 15 ? std::max(needed, whole) : needed);  // without a power of ten
+}
+
 std::string text_with_error(double number, double error, const std::string& unit) {
   const std::string text = rounded(number, digits_for(number, error)), after = unit.empty() ? "" : " " + unit;
   const double of_text = std::abs(value_of(text) - number);

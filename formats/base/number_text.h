@@ -13,6 +13,8 @@ std::string rounded(double number, int digits = 4);  ///< that many significant 
 std::string rounded_up(double number, int digits);   ///< to such a number that is not smaller
 /// How many digits, at least four, keep the rounding of a number's text below its error.
 int digits_for(double number, double error);
+/// At least so many digits, and as many as tell the number to within 1/10,000 of an extent above 0.
+std::string rounded_within(double extent, double number, int digits = 4);
 /// "12.30067 mm, error at most 1.2e-05 mm". The error includes the rounding of the text.
 std::string text_with_error(double number, double error, const std::string& unit);
 

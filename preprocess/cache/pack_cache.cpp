@@ -1,6 +1,7 @@
 #include "preprocess/pack_cache.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -167,6 +168,16 @@ std::optional<std::vector<SourceFile>> settled(const SourceFile& input, std::vec
   return sources;
 }
 
+/// Waits until no other process changes the entries of the folder. Returns what holds the lock. On
+/// a file system without locks, two processes may keep copies of one file; the older one goes after
+/// longest_writing.
+Descriptor lock_entries(const fs::path& folder) {
+  Descriptor lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  while (lock.number() >= 0 && ::flock(lock.number(), LOCK_EX) != 0 && errno == EINTR) {
+  }
+  return lock;
+}
+
 /// An entry of the cache, and its two files.
 struct Held {
   fs::path record, packed;
@@ -242,7 +253,10 @@ PackCache::Copy PackCache::add(const Key& key,
   const std::string packed = concat(name, '-', ns_of(start), '-', ::getpid(), '-', ++count, packed_extension);
   const PackReport report = write(formats::Destination(folder_ / packed));
   std::optional<formats::PackedFile> file = open_copy(folder_ / packed, key.input.string());
-  if (!file) throw Error(ErrorCode::resource, concat((folder_ / packed).string(), ": was removed at once"));
+  if (!file) {  // another process has just cleared the cache
+    if (std::optional<Copy> other = find(key)) return *std::move(other);
+    throw Error(ErrorCode::resource, concat((folder_ / packed).string(), ": was removed at once"));
+  }
   Copy copy{.file = *std::move(file), .path = folder_ / packed, .notes = report.notes, .sources = report.sources};
   std::error_code ignored;
   const auto drop = [&](const std::string& reason) {
@@ -253,6 +267,12 @@ PackCache::Copy PackCache::add(const Key& key,
   };
   const auto sources = settled(source, report.sources, ns_of(start));
   if (!sources) return drop("its files were changing");
+  const Descriptor lock = lock_entries(folder_);
+  if (std::optional<Copy> other = find(key)) {
+    fs::remove(copy.path, ignored);
+    return *std::move(other);
+  }
+  if (!fs::exists(copy.path, ignored)) return drop("another process has removed it");
   const fs::path record_path = folder_ / (name + record_extension);
   const std::optional<Record> old = read_record(record_path);
   const Record record{.input = source.path,
@@ -278,10 +298,15 @@ std::vector<PackCache::Entry> PackCache::entries() const {
   return entries;
 }
 
-void PackCache::clear() const {
+std::vector<PackCache::Entry> PackCache::clear() const {
   std::error_code ignored;
+  const Descriptor lock = lock_entries(folder_);
+  std::vector<Entry> removed;
+  for (const Held& held : held_in(folder_))
+    if (fs::remove(held.packed, ignored)) removed.push_back(held.entry);
   for (const char* extension : {record_extension, packed_extension})
     for (const fs::path& path : files_with(folder_, extension)) fs::remove(path, ignored);
+  return removed;
 }
 
 void PackCache::shrink() const {

@@ -3,6 +3,8 @@
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/lost_facts.h"
+#include "preprocess/export/stl_file.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/process/counts.h"
 #include "preprocess/process/run_writer.h"
@@ -14,9 +16,9 @@ ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalu
                              const ExportOptions& options) {
   if (!std::isfinite(isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", isovalue, "; expected a finite number"));
-  const OpenedGrid opened = open_grid(packed, options.field);
+  const OpenedGrid opened = open_grid(packed, options.field, options.source_name);
   // here rather than in the worker process
-  require_even_steps(opened, packed, "the surface of a grid");
+  require_even_steps(opened, "the surface of a grid");
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;
   request.program = import_worker;
@@ -26,9 +28,13 @@ ExportReport export_grid_stl(const std::filesystem::path& packed, double isovalu
   const auto samples = static_cast<std::uint64_t>(volume(opened.description().layout.sample_count));
   request.output_bytes = most_triangles_in_cell * triangle_bytes * samples;
   ExportReport report;
-  report.triangle_count = take_counts(run_writer(std::move(request), file), 1).front();
+  const std::vector<std::uint64_t> counts = take_counts(run_writer(std::move(request), file), 2);
+  const StlCounts triangles{.written = counts[0], .vanished = counts[1]};
   file.publish();
+  report.triangle_count = triangles.written;
   report.file_bytes = std::filesystem::file_size(output);
+  note_vanished(triangles, report.notes);
+  note_lost_facts(opened, options.field, stl_facts, report.notes);
   return report;
 }
 

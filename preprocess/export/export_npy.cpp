@@ -1,6 +1,7 @@
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/lost_facts.h"
 #include "preprocess/export_grid.h"
 
 namespace rhoray::preprocess {
@@ -30,12 +31,21 @@ std::string header_of(ElementType type, const Index3& count) {
   return header + dictionary;
 }
 
+/// Says where the samples are.
+std::string geometry_note(const formats::GridDescription& grid) {
+  if (grid.is_rectilinear())
+    return "a .npy file stores no geometry; the positions are arrays axis.0 to axis.2 of the packed file";
+  const Affine& map = grid.world_from_grid;
+  const auto text = [](const Vec3& v) { return concat("(", v.x, ", ", v.y, ", ", v.z, ")"); };
+  return concat("a .npy file stores no geometry; sample [k, j, i] is at ", text(map.origin), " + i ", text(map.x_axis),
+                " + j ", text(map.y_axis), " + k ", text(map.z_axis));
+}
+
 }  // namespace
 
 ExportReport export_npy(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options, const Progress& progress) {
-  const OpenedGrid opened = open_grid(packed, options.field);
-  const formats::GridDescription& description = opened.description();
+  const OpenedGrid opened = open_grid(packed, options.field, options.source_name);
   PendingFile file(output, {.replace_existing = options.replace_existing});
   ExportReport report;
   with_samples(opened, [&]<class T>(const GridSamples<T>& samples) {
@@ -46,16 +56,8 @@ ExportReport export_npy(const std::filesystem::path& packed, const std::filesyst
     write_rows(samples, file, header.size(), progress);
   });
   file.publish();
-  if (description.is_rectilinear()) {
-    report.notes.push_back(
-        "a .npy file stores no geometry; the positions are arrays axis.0 to axis.2 of the packed file");
-    return report;
-  }
-  const Affine& map = description.world_from_grid;
-  const auto text = [](const Vec3& v) { return concat("(", v.x, ", ", v.y, ", ", v.z, ")"); };
-  report.notes.push_back(concat("a .npy file stores no geometry; sample [k, j, i] is at ", text(map.origin), " + i ",
-                                text(map.x_axis), " + j ", text(map.y_axis), " + k ", text(map.z_axis),
-                                description.length_unit.empty() ? "" : " ", description.length_unit));
+  report.notes.push_back(geometry_note(opened.description()));
+  note_lost_facts(opened, options.field, npy_facts, report.notes);
   return report;
 }
 

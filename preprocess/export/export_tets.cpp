@@ -9,6 +9,7 @@
 #include "formats/base/pending_file.h"
 #include "formats/mesh_boundary.h"
 #include "formats/tet_mesh.h"
+#include "preprocess/export/lost_facts.h"
 #include "preprocess/export/stl_file.h"
 #include "preprocess/import_mesh.h"
 #include "preprocess/unpack_mesh.h"
@@ -106,13 +107,15 @@ void write_boundary(StlFile& file, const TetMesh& mesh) {
 
 ExportReport export_vtu(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options) {
-  NeutralMesh mesh = unpack_mesh(TetMesh(formats::PackedFile::open(packed)));
+  const TetMesh tets(open_packed(packed, options.source_name));
+  NeutralMesh mesh = unpack_mesh(tets);
   NeutralField ids{.name = "cell_id", .unit = {}, .component_count = 1, .was_single_precision = false, .values = {}};
   ids.values.assign(mesh.cell_ids.begin(), mesh.cell_ids.end());
   mesh.cell_fields.push_back(std::move(ids));
   export_mesh(mesh, output, options.replace_existing);
   ExportReport report;
   report.file_bytes = std::filesystem::file_size(output);
+  note_lost_facts(tets.description(), vtu_facts, report.notes);
   return report;
 }
 
@@ -121,7 +124,7 @@ ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<
   const DefaultFloatingPoint default_floating_point;
   if (isovalue && !std::isfinite(*isovalue))
     throw Error(ErrorCode::usage, concat("isovalue ", *isovalue, "; expected a finite number"));
-  const TetMesh mesh(formats::PackedFile::open(packed));
+  const TetMesh mesh(open_packed(packed, options.source_name));
   const std::size_t field = field_position(mesh, options.field);
   PendingFile pending(output, {.replace_existing = options.replace_existing});
   StlFile file(pending.open_name(), output.string());
@@ -130,9 +133,12 @@ ExportReport export_tets_stl(const std::filesystem::path& packed, std::optional<
   else
     write_boundary(file, mesh);
   ExportReport report;
-  report.triangle_count = file.finish();
+  const StlCounts triangles = file.finish();
   pending.publish();
+  report.triangle_count = triangles.written;
   report.file_bytes = std::filesystem::file_size(output);
+  note_vanished(triangles, report.notes);
+  note_lost_facts(mesh.description(), stl_facts, report.notes);
   return report;
 }
 

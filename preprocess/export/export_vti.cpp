@@ -3,6 +3,7 @@
 #include "formats/base/error.h"
 #include "formats/base/pending_file.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/lost_facts.h"
 #include "preprocess/export_grid.h"
 
 namespace rhoray::preprocess {
@@ -75,32 +76,18 @@ std::string head_of(const formats::GridDescription& grid, const std::vector<std:
       "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_");
 }
 
-std::vector<std::string> notes_on(const formats::GridDescription& grid, const std::vector<std::size_t>& fields) {
-  std::vector<std::string> notes;
-  const auto lost = [&](const std::string& unit, const std::string& of) {
-    if (!unit.empty()) notes.push_back(concat("the unit ", unit, " of ", of, " cannot be stored in the file"));
-  };
-  lost(grid.length_unit, "lengths");
-  for (const std::size_t f : fields) {
-    lost(grid.fields[f].unit, concat("field '", grid.fields[f].name, "'"));
-    if (!grid.fields[f].label_names.empty())
-      notes.push_back(
-          concat("the names of the labels of field '", grid.fields[f].name, "' cannot be stored in the file"));
-  }
-  return notes;
-}
-
 }  // namespace
 
 ExportReport export_vti(const std::filesystem::path& packed, const std::filesystem::path& output,
                         const ExportOptions& options, const Progress& progress) {
-  OpenedGrid opened = open_grid(packed, options.field);
-  require_even_steps(opened, packed, ".vti");
+  OpenedGrid opened = open_grid(packed, options.field, options.source_name);
+  require_even_steps(opened, ".vti");
   const std::vector<std::size_t> fields = fields_of(opened, options.field);
   PendingFile file(output, {.replace_existing = options.replace_existing});
   const std::string head = head_of(opened.description(), fields);
   constexpr std::string_view tail = "\n</AppendedData>\n</VTKFile>\n";
   ExportReport report;
+  note_lost_facts(opened, options.field, vti_facts, report.notes);
   report.file_bytes = head.size() + tail.size();
   for (const std::size_t f : fields) report.file_bytes += sizeof(std::uint64_t) + bytes_of(opened.description(), f);
   file.reserve(report.file_bytes);
@@ -116,7 +103,6 @@ ExportReport export_vti(const std::filesystem::path& packed, const std::filesyst
   }
   file.write(at, std::as_bytes(std::span(tail)));
   file.publish();
-  report.notes = notes_on(opened.description(), fields);
   return report;
 }
 

@@ -50,18 +50,24 @@ struct OpenedGrid {
   formats::BrickGrid grid;
   std::size_t field = 0;
 
+  const std::string& name() const { return grid.file().name(); }
   const formats::GridDescription& description() const { return grid.description(); }
   const formats::FieldSummary& summary() const { return grid.description().fields[field]; }
 };
 
+/// Opens a packed file.
+/// @param name  for messages; empty: the path
+formats::PackedFile open_packed(const std::filesystem::path& path, const std::string& name);
+
 /// Opens a packed grid. Refuses a file of another kind and a field that it does not have
 /// (ErrorCode::usage).
 /// @param field  empty = the first
-OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field);
+/// @param name   for messages; empty: the path
+OpenedGrid open_grid(const std::filesystem::path& path, const std::string& field, const std::string& name = {});
 
 /// Refuses a grid with uneven sample steps (ErrorCode::unsupported), for formats that support only
 /// even ones.
-void require_even_steps(const OpenedGrid& opened, const std::filesystem::path& path, std::string_view format);
+void require_even_steps(const OpenedGrid& opened, std::string_view format);
 
 /// Calls act(GridSamples<T>) with the field's type; returns what act returns.
 template <class Act>

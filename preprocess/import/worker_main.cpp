@@ -51,6 +51,11 @@ Read with_sources(Read read) {
   return read;
 }
 
+void write_stl(const std::vector<std::string>& arguments, int output) {
+  const StlCounts triangles = write_grid_surface(arguments[1], arguments[2], isovalue_of(arguments[3]), arguments[4]);
+  hand_over_counts({triangles.written, triangles.vanished}, output);
+}
+
 void act(const std::vector<std::string>& arguments, int input, int output) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
   if ((verb == "volume" || verb == "colors") && arguments.size() >= 4)
@@ -62,7 +67,7 @@ void act(const std::vector<std::string>& arguments, int input, int output) {
   else if (verb == "write-vtu" && arguments.size() == 2 && input >= 0)
     send(write_and_read_back(receive_mesh(formats::PackedFile::from_descriptor(input, "input")), arguments[1]), output);
   else if (verb == "write-stl" && arguments.size() == 5)
-    hand_over_counts({write_grid_surface(arguments[1], arguments[2], isovalue_of(arguments[3]), arguments[4])}, output);
+    write_stl(arguments, output);
   else
     throw Error(ErrorCode::usage,
                 "found arguments that no verb has; expected those of preprocess/process/worker_names.h");

@@ -118,14 +118,28 @@ class TriangleTree {
   std::vector<Node> nodes_;
 };
 
+/// The power of two next above all coordinates of the triangles' corners; 0 when all are 0.
+int exponent_of(std::span<const std::array<std::uint64_t, 3>> triangles,
+                std::span<const std::array<double, 3>> points) {
+  double largest = 0;
+  for (const auto& t : triangles)
+    for (const std::uint64_t corner : t)
+      for (const double x : points[corner]) largest = std::max(largest, std::abs(x));
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  return exponent;
+}
+
 }  // namespace
 
 Array<double> distances_to(std::span<const std::array<std::uint64_t, 3>> triangles,
                            std::span<const std::array<double, 3>> points) {
   const DefaultFloatingPoint default_floating_point;
+  // Products of four lengths must neither overflow nor underflow. A power of two changes no digit.
+  const int exponent = exponent_of(triangles, points);
   const auto place = [&](std::uint64_t point) {
     const auto& p = points[point];
-    return Vec3(p[0], p[1], p[2]);
+    return Vec3(std::ldexp(p[0], -exponent), std::ldexp(p[1], -exponent), std::ldexp(p[2], -exponent));
   };
   Array<double> distances(points.size(), -1);
   std::vector<Triangle> placed;
@@ -137,7 +151,7 @@ Array<double> distances_to(std::span<const std::array<std::uint64_t, 3>> triangl
   const TriangleTree tree(std::move(placed));
   for_each_range(points.size(), 1000, 0, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t p = first; p < last; ++p)
-      if (distances[p] != 0) distances[p] = std::sqrt(tree.squared_distance_to(place(p)));
+      if (distances[p] != 0) distances[p] = std::ldexp(std::sqrt(tree.squared_distance_to(place(p))), exponent);
   });
   return distances;
 }

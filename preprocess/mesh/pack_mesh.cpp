@@ -49,12 +49,6 @@ Array<std::uint32_t> cell_ids(const NeutralMesh& mesh, const CleanMesh& clean, c
   return ids;
 }
 
-void note_no_data(const formats::FieldSummary& field, std::vector<std::string>& notes) {
-  if (field.no_data_count == 0) return;
-  notes.push_back(concat("field \"", field.name, "\" has no data at ", field.no_data_count,
-                         field.no_data_count == 1 ? " point" : " points", "; adjacent cells are not drawn"));
-}
-
 formats::FieldSummary summary_of(const ScalarField& field) {
   formats::FieldSummary summary = std::visit(
       [&]<class T>(const Array<T>& values) { return summarize(std::span<const T>(values), field.name, field.unit); },
@@ -200,7 +194,8 @@ PackMeshReport write_mesh(const NeutralMesh& mesh, const formats::Destination& d
   const Array<std::uint32_t> ids = cell_ids(mesh, clean, source_name);
   formats::TetMeshDescription& packed = report.description;
   packed = description_of(mesh, clean, fields, options);
-  for (const formats::FieldSummary& field : packed.fields) note_no_data(field, report.notes);
+  for (const formats::FieldSummary& field : packed.fields)
+    note_no_data(field.name, field.no_data_count, "are not drawn", report.notes);
   inspecting.add(1);
 
   const Structure structure = build_structure(clean, options, progress, packed);

@@ -331,13 +331,24 @@ std::optional<ErrorCode> error_code_of(int exit_code) {
                             : "the input is damaged, or the library that reads it has a defect");
 }
 
+/// Fills the worker's input. That file has no name, so a failure is that of the whole act.
+void write_input(const WorkerRequest& request, const Descriptor& input) {
+  try {
+    request.write_input(input.number());
+  } catch (const Error& error) {
+    const std::string nameless = concat("descriptor ", input.number()), fact = error.what();
+    if (!fact.starts_with(nameless)) throw;
+    throw Error(error.code(), request.doing + fact.substr(nameless.size()), error.hint());
+  }
+}
+
 }  // namespace
 
 formats::PackedFile run_worker(const WorkerRequest& request) {
   Descriptor input;
   if (request.write_input) {
     input = anonymous_file(request, "rhoray-input");
-    request.write_input(input.number());
+    write_input(request, input);
     if (::lseek(input.number(), 0, SEEK_SET) < 0) refuse_by_system(request.doing, "lseek");
   }
   const Descriptor output = anonymous_file(request, "rhoray-output");

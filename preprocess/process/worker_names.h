@@ -14,7 +14,8 @@ namespace rhoray::preprocess {
 ///     write-vtu PATH
 ///         receives a neutral mesh and sends what it reads again
 ///     write-stl PACKED FIELD ISOVALUE PATH
-///         writes the isosurface of a packed grid; sends the number of triangles
+///         writes the isosurface of a packed grid; sends the numbers of
+///         triangles written and left out (export/stl_file.h)
 inline constexpr const char* import_worker = "rhoray-import-worker";
 
 /// Accepts only `volume` and `colors`, for pictures.

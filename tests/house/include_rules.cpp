@@ -99,8 +99,9 @@ const Layer layers[] = {
     {"preprocess/import",
      {"formats", "preprocess", "preprocess/process", "preprocess/import/reading", "preprocess/import/mesh",
       "preprocess/import/volume", "preprocess/import/vtk"}},
-    {"preprocess/workers/repair", {"formats", "preprocess", "preprocess/process"}},
-    {"preprocess/workers/tetgen", {"formats", "preprocess", "preprocess/process"}},
+    {"preprocess/workers/faces", {"formats", "preprocess", "preprocess/mesh/inspect/cut_polygon.h"}},
+    {"preprocess/workers/repair", {"formats", "preprocess", "preprocess/process", "preprocess/workers/faces"}},
+    {"preprocess/workers/tetgen", {"formats", "preprocess", "preprocess/process", "preprocess/workers/faces"}},
     {"preprocess/workers/vdb",
      {"formats", "preprocess", "preprocess/process", "preprocess/export", "preprocess/import/reading/numbers.h"}}};
 

@@ -77,6 +77,40 @@ TEST(ExportCommand, refuses_what_a_format_cannot_hold_and_says_what_can) {
   EXPECT_EQ(bench.contents(), before);
 }
 
+TEST(ExportCommand, names_the_remedy_for_a_field_of_cells_as_measure_does) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = box_mesh({});
+  add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
+  mesh.cell_fields.push_back({.name = "load", .unit = {}, .values = {}});
+  for (const auto& cell : mesh.cells) mesh.cell_fields[0].values.push_back(mesh.points[cell[0]][2]);
+  preprocess::export_mesh(mesh, bench / "cells.vtu", false);
+  ASSERT_EQ(bench.rhoray({"pack", "cells.vtu", "-q"}).exit_code, 0);
+  for (const std::string words : {"measure FILE --field load", "export FILE --iso 0.5 --field load -o x.stl --force"}) {
+    const auto run_on = [&](const std::string& file) {
+      return bench.shell("rhoray " + std::string(words).replace(words.find("FILE"), 4, file));
+    };
+    const RunResult refused = run_on("cells.rho");
+    EXPECT_EQ(refused.exit_code, 2) << words;
+    EXPECT_THAT(refused.err, HasSubstr("no field 'load'"));
+    EXPECT_THAT(refused.err, HasSubstr("hint: it is a field of cells; `rhoray pack --cell-data`"));
+    ASSERT_EQ(bench.rhoray({"pack", "cells.vtu", "--cell-data", "-o", "points.rho", "--force", "-q"}).exit_code, 0);
+    const RunResult remedied = run_on("points.rho");
+    EXPECT_EQ(remedied.exit_code, 0) << remedied.err;
+  }
+}
+
+TEST(ExportCommand, names_the_file_that_a_limit_of_size_stops) {
+  const Workbench bench;
+  bench.make_box();
+  bench.make_ball();
+  for (const std::string line : {"box.rho -o limited.vtu", "ball.rho -o limited.vti"}) {
+    const RunResult run = bench.shell("ulimit -f 8; rhoray export " + line);
+    EXPECT_EQ(run.exit_code, 5);
+    EXPECT_THAT(run.err, HasSubstr("limited.vt"));
+    EXPECT_THAT(run.err, testing::Not(HasSubstr("descriptor")));
+  }
+}
+
 TEST(VdbFiles, are_packed_drawn_and_described_like_their_packed_copy) {
   const Workbench bench;
   bench.make_ball();

@@ -41,6 +41,18 @@ TEST(OpenAnyFile, draws_what_the_packed_file_shows) {
   }
 }
 
+TEST(OpenAnyFile, says_of_pictures_that_hold_no_scene_which_ones_do) {
+  const Workbench bench;
+  bench.make_ball();
+  for (const std::string name : {"p.tif", "p.jpg"}) {
+    ASSERT_EQ(bench.rhoray({"render", "ball.rho", "--iso", "100", "--size", "32x32", "-o", name}).exit_code, 0);
+    const RunResult refused = bench.rhoray({"render", name, "-o", "q.png"});
+    EXPECT_EQ(refused.exit_code, 7) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("`rhoray render` takes scenes from PNG and EXR pictures only"));
+  }
+  EXPECT_THAT(bench.rhoray({"render", "--help"}).out, HasSubstr("(.png, .exr)"));
+}
+
 TEST(OpenAnyFile, packs_once_and_says_so_in_one_line) {
   const Workbench bench;
   make_ball_nrrd(bench);
@@ -162,10 +174,13 @@ TEST(OpenAnyFile, names_a_damaged_packed_copy_and_its_remedy) {
       bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
       write_file(entry.path(), bytes);
     }
-  const RunResult damaged = bench.rhoray({"render", "ball.nrrd", "--size", "16x16", "-o", "x.png"});
-  EXPECT_EQ(damaged.exit_code, 4);
-  EXPECT_THAT(damaged.err, HasSubstr("the packed copy of ball.nrrd: bytes "));
-  EXPECT_THAT(damaged.err, HasSubstr("`rhoray cache --clear` removes it"));
+  for (const char* const line :
+       {"render ball.nrrd --size 16x16 -o x.png", "export ball.nrrd -o x.vti", "measure ball.nrrd"}) {
+    const RunResult damaged = bench.shell(std::string("rhoray ") + line);
+    EXPECT_EQ(damaged.exit_code, 4) << line;
+    EXPECT_THAT(damaged.err, HasSubstr("the packed copy of ball.nrrd: bytes ")) << line;
+    EXPECT_THAT(damaged.err, HasSubstr("`rhoray cache --clear` removes it")) << line;
+  }
   ASSERT_EQ(bench.rhoray({"cache", "--clear"}).exit_code, 0);
   EXPECT_EQ(bench.rhoray({"render", "ball.nrrd", "--size", "16x16", "-o", "x.png"}).exit_code, 0);
 }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/workbench.h"
@@ -71,6 +72,23 @@ TEST(ResampleCommand, keeps_a_grid_that_misses_the_error_and_exits_with_6) {
   const nlohmann::json info = nlohmann::json::parse(bench.rhoray({"info", "grid.rho", "--json"}).out);
   EXPECT_FALSE(info["fields"][0]["certificate"]["meets_request"]);
   EXPECT_EQ(info["fields"][0]["certificate"]["coverage"], 1.0);
+}
+
+TEST(ResampleCommand, counts_only_the_part_of_the_mesh_with_data) {
+  const Workbench bench;
+  preprocess::NeutralMesh mesh = box_mesh({});
+  add_point_field(mesh, "length", [](const Vec3& p) { return p.length(); });
+  mesh.point_fields[0].values[0] = std::numeric_limits<double>::quiet_NaN();
+  preprocess::export_mesh(mesh, bench / "holed.vtu", false);
+  const RunResult result = bench.rhoray({"resample", "holed.vtu", "--size", "9", "-o", "grid.rho"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: field \"length\" has no data at 1 point; adjacent cells"));
+  EXPECT_THAT(result.err,
+              HasSubstr("coverage of length: 100 % of the mesh's volume where it has data lies in grid cells"));
+  const RunResult missed = bench.rhoray(
+      {"resample", "holed.vtu", "--max-error", "0.0001%", "--memory", "8M", "--size", "40", "-o", "x.rho"});
+  EXPECT_EQ(missed.exit_code, 6) << missed.err;
+  EXPECT_THAT(missed.err, HasSubstr(" % of the mesh where it has data; "));
 }
 
 TEST(ResampleCommand, writes_openvdb_with_the_same_samples) {

@@ -123,6 +123,65 @@ TEST(TetrahedralizeCommand, fills_a_hole_however_wide_and_says_so) {
   EXPECT_NEAR(mesh_volume(preprocess::import_mesh(bench / "closed.vtu")), 1, 1e-9);
 }
 
+/// A prism over an L, beginning at a corner from which no fan covers it; volume 3.
+std::string l_prism(bool as_poly) {
+  const char* outline[] = {"2 0", "2 1", "1 1", "1 2", "0 2", "0 0"};
+  std::string text = as_poly ? "12 3 0 0\n" : "OFF\n12 8 0\n";
+  for (int i = 0; i < 12; ++i) text += concat(as_poly ? concat(i, " ") : "", outline[i % 6], i < 6 ? " 0\n" : " 1\n");
+  const char* facets[] = {"6 5 4 3 2 1 0", "6 6 7 8 9 10 11", "4 0 1 7 6",   "4 1 2 8 7",
+                          "4 2 3 9 8",     "4 3 4 10 9",      "4 4 5 11 10", "4 5 0 6 11"};
+  if (as_poly) text += "8 0\n";
+  for (const char* facet : facets) text += concat(as_poly ? "1 0\n" : "", facet, "\n");
+  return text;
+}
+
+/// A box of 3 x 3 x 1 with a tunnel through faces with openings; volume 8.
+constexpr const char* tunnel_poly =
+    "16 3 0 0\n0 0 0 0\n1 3 0 0\n2 3 3 0\n3 0 3 0\n4 1 1 0\n5 2 1 0\n6 2 2 0\n7 1 2 0\n"
+    "8 0 0 1\n9 3 0 1\n10 3 3 1\n11 0 3 1\n12 1 1 1\n13 2 1 1\n14 2 2 1\n15 1 2 1\n"
+    "10 0\n2 1\n4 0 1 2 3\n4 4 5 6 7\n1 1.5 1.5 0\n2 1\n4 8 9 10 11\n4 12 13 14 15\n1 1.5 1.5 1\n"
+    "1\n4 0 1 9 8\n1\n4 1 2 10 9\n1\n4 2 3 11 10\n1\n4 3 0 8 11\n"
+    "1\n4 4 5 13 12\n1\n4 5 6 14 13\n1\n4 6 7 15 14\n1\n4 7 4 12 15\n";
+
+TEST(TetrahedralizeCommand, repairs_polygons_and_openings_without_changing_them) {
+  Workbench bench;
+  write_file(bench / "l.off", l_prism(false));
+  write_file(bench / "l.poly", l_prism(true));
+  write_file(bench / "tunnel.poly", tunnel_poly);
+  for (const auto& [surface, volume] : {std::pair{"l.off", 3.0}, {"l.poly", 3.0}, {"tunnel.poly", 8.0}}) {
+    const RunResult run =
+        bench.rhoray({"tetrahedralize", surface, "--repair", "-o", "filled.vtu", "--force", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << surface << run.err;
+    const nlohmann::json repair = nlohmann::json::parse(run.out)["repair"];
+    EXPECT_EQ(repair["crossing_pairs"], 0) << surface;
+    EXPECT_EQ(repair["farthest_new_from_old"], 0) << surface;
+    EXPECT_EQ(repair["farthest_old_from_new"], 0) << surface;
+    EXPECT_NEAR(mesh_volume(preprocess::import_mesh(bench / "filled.vtu")), volume, 1e-9) << surface;
+  }
+}
+
+TEST(TetrahedralizeCommand, notes_that_a_repair_does_not_use_the_sizes_beside_the_surface) {
+  Workbench bench;
+  with_boxes(bench);
+  write_file(bench / "outer.mtr", "8 1\n1\n1\n1\n1\n1\n1\n1\n1\n");
+  const auto cell_count = [&](const std::vector<std::string>& options, const char* note) {
+    std::vector<std::string> words{"tetrahedralize", "outer.off", "-o", "filled.vtu", "--force", "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const RunResult run = bench.rhoray(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err.find("(.mtr) are not used") != run.err.npos, note != std::string()) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(note));
+    return nlohmann::json::parse(run.out).at("cells").get<std::size_t>();
+  };
+  const std::size_t sized = cell_count({}, "");
+  const std::size_t repaired = cell_count({"--repair"}, "(.mtr) are not used: --repair changes the points");
+  const std::size_t wrapped = cell_count({"--wrap", "0.3"}, "(.mtr) are not used: --wrap changes the points");
+  std::filesystem::remove(bench / "outer.mtr");
+  EXPECT_EQ(repaired, cell_count({"--repair"}, ""));
+  EXPECT_EQ(wrapped, cell_count({"--wrap", "0.3"}, ""));
+  EXPECT_GT(sized, cell_count({}, "")) << "do the sizes still make a difference?";
+}
+
 TEST(TetrahedralizeCommand, refuses_before_it_begins_what_makes_no_sense) {
   Workbench bench;
   with_boxes(bench);
@@ -153,6 +212,8 @@ TEST(TetrahedralizeCommand, refuses_before_it_begins_what_makes_no_sense) {
   refused("--largest-part", 2, "--largest-part: needs --repair");
   refused("--time-limit 0", 2, "--time-limit");
   refused("inner.off --sizes outer.off", 2, "found several");
+  refused("--repair --sizes inner.off", 2, "--sizes: cannot be combined with --repair");
+  refused("--wrap 0.1 --sizes inner.off", 2, "--sizes: cannot be combined with --wrap");
   refused("ball.raw", 7, "ball.raw: is not a surface");
   refused("-o x.msh", 2, "expected .vtu");
 }

@@ -52,17 +52,17 @@ Json json_of(const preprocess::PackCache& cache, const std::vector<preprocess::P
 
 int run(const CacheCommand& command) {
   const preprocess::PackCache cache = open_cache();
-  const std::vector<preprocess::PackCache::Entry> entries = cache.entries();
   if (command.clear) {
-    cache.clear();
-    say(command.common, concat("removed ", counted(entries.size(), "packed copy", "packed copies"), ", ",
-                               bytes_text(bytes_of(entries)), ", from ", cache.folder().string()));
+    const std::vector<preprocess::PackCache::Entry> removed = cache.clear();
+    say(command.common, concat("removed ", counted(removed.size(), "packed copy", "packed copies"), ", ",
+                               bytes_text(bytes_of(removed)), ", from ", cache.folder().string()));
     if (!command.common.json) return 0;
     Json json = json_of(cache, cache.entries());
-    json["removed"] = json_of(entries);
+    json["removed"] = json_of(removed);
     std::puts(dump(json).c_str());
     return 0;
   }
+  const std::vector<preprocess::PackCache::Entry> entries = cache.entries();
   if (command.common.json) {
     std::puts(dump(json_of(cache, entries)).c_str());
     return 0;

@@ -161,8 +161,12 @@ DataAccess access_for(const CommonOptions& common, ProgressDisplay& display, con
           .opened = std::make_shared<DataAccess::Opened>()};
 }
 
-render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access,
-                           const std::vector<std::string>& others, formats::Space world) {
+namespace {
+
+/// @param cell_hint  of the refusal of a field of cells
+render::Dataset load_with_hint(const std::filesystem::path& path, const std::string& field, const DataAccess& access,
+                               const std::vector<std::string>& others, formats::Space world,
+                               const std::string& cell_hint) {
   const formats::PackedFile file = open(path, names_of(field, others), access).file;
   if (file.description().kind == "vdb") return render::Dataset::load(file);
   if (field.empty()) return load_field_that_varies(file, world);
@@ -171,14 +175,21 @@ render::Dataset load_shown(const std::filesystem::path& path, const std::string&
   } catch (const Error& error) {
     if (error.code() != ErrorCode::usage) throw;
     const render::Dataset other = render::Dataset::load(file);
-    const std::string hint = other.field(field) ? concat("it is a field of cells: --color-by ", field, " shows it")
-                                                : did_you_mean(field, other.field_names());
+    const std::string hint = other.field(field) ? cell_hint : did_you_mean(field, other.field_names());
     throw Error(error.code(), error.what(), hint.empty() ? error.hint() : hint);
   }
 }
 
+}  // namespace
+
+render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access,
+                           const std::vector<std::string>& others, formats::Space world) {
+  return load_with_hint(path, field, access, others, world,
+                        concat("it is a field of cells: --color-by ", field, " shows it"));
+}
+
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field, const DataAccess& access) {
-  const render::Dataset dataset = load_shown(path, field, access);
+  const render::Dataset dataset = load_with_hint(path, field, access, {}, formats::Space::unknown, cell_field_hint);
   if (dataset.is_surface()) refuse_surface(path);
   return dataset;
 }

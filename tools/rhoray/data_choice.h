@@ -54,7 +54,12 @@ DataAccess access_for(const CommonOptions& common, ProgressDisplay& display, con
 render::Dataset load_shown(const std::filesystem::path& path, const std::string& field, const DataAccess& access = {},
                            const std::vector<std::string>& others = {}, formats::Space world = formats::Space::unknown);
 
-/// As above; refuses a surface, which has no fields (ErrorCode::unsupported).
+/// Says of a field of cells how commands that need values at points can use it.
+inline constexpr const char* cell_field_hint =
+    "it is a field of cells; `rhoray pack --cell-data` also stores it averaged to the points";
+
+/// As above, for commands without colours; refuses a surface, which has no fields
+/// (ErrorCode::unsupported).
 render::Dataset load_dataset(const std::filesystem::path& path, const std::string& field,
                              const DataAccess& access = {});
 

@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cstdio>
 
+#include "formats/base/descriptor.h"
 #include "formats/base/error.h"
 #include "formats/base/nearest_name.h"
 #include "formats/base/number_text.h"
+#include "formats/base/regular_file.h"
 #include "formats/base/word_list.h"
 #include "formats/brick_grid.h"
 #include "formats/color_grid.h"
@@ -43,19 +46,24 @@ const ExportFormat& format_of(const std::filesystem::path& output) {
               did_you_mean(extension, known));
 }
 
-/// The summaries of a packed file's fields, and whether they stand on a mesh.
+/// The summaries of a packed file's fields, at points and in cells, and whether it is a mesh.
 struct Content {
   bool is_mesh = false;
-  std::vector<formats::FieldSummary> fields;
+  std::vector<formats::FieldSummary> fields, cell_fields{};
 };
 
 Content content_in(const ExportCommand& command) {
-  const formats::PackedFile file = formats::PackedFile::open(command.packed);
+  // under the name of the input, also if it is its packed copy
+  const Descriptor opened(open_regular_file(command.packed));
+  const formats::PackedFile file = formats::PackedFile::from_descriptor(opened.number(), command.input.string());
   refuse_damage(file, command.common.threads);
   if (file.description().kind == formats::TriangleMesh::kind)
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds a surface; expected a grid or a mesh"),
                 "numpy reads its points and triangles from the packed file: see formats/SPEC.md");
-  if (file.description().kind == "tets") return {true, formats::TetMesh(file).description().fields};
+  if (file.description().kind == "tets") {
+    const formats::TetMesh mesh(file);
+    return {true, mesh.description().fields, mesh.description().cell_fields};
+  }
   if (file.description().kind == formats::ColorGrid::kind)
     throw Error(ErrorCode::unsupported, concat(command.input.string(), ": holds colours; expected a grid or a mesh"));
   return {false, formats::BrickGrid(file).description().fields};
@@ -75,6 +83,13 @@ void check(const ExportCommand& command, const ExportFormat& format, const Conte
                 "--iso 500, --iso p95 or --iso auto");
   if (content.is_mesh && !is_stl && !command.field.empty())
     throw Error(ErrorCode::usage, concat("--field: not allowed, because ", format.extension, " holds all fields"));
+  const auto holds_it = [&](const std::vector<formats::FieldSummary>& fields) {
+    return std::any_of(fields.begin(), fields.end(), [&](const auto& field) { return field.name == command.field; });
+  };
+  if (!holds_it(content.fields) && holds_it(content.cell_fields))
+    throw Error(ErrorCode::usage,
+                concat(command.input.string(), ": no field '", command.field, "' at points; an .stl needs one"),
+                cell_field_hint);
 }
 
 std::optional<double> chosen_isovalue(const ExportCommand& command, const Content& content) {
@@ -95,7 +110,8 @@ preprocess::ExportReport write(const ExportCommand& command, const Content& cont
   display.show(concat("writing ", output.string()));
   const preprocess::ExportOptions options{.field = command.field,
                                           .replace_existing = command.common.force,
-                                          .memory_limit_bytes = command.common.memory.bytes};
+                                          .memory_limit_bytes = command.common.memory.bytes,
+                                          .source_name = command.input.string()};
   const std::string extension = output.extension().string();
   if (extension == ".vti") return preprocess::export_vti(command.packed, output, options, display.progress());
   if (extension == ".npy") return preprocess::export_npy(command.packed, output, options, display.progress());

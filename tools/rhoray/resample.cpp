@@ -110,9 +110,6 @@ preprocess::ResampleReport resample_to(const std::filesystem::path& output, cons
   report.file_bytes = written.file_bytes;
   report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
   report.notes.push_back("an OpenVDB file cannot store the error; a .rho file stores it for each brick");
-  if (report.description.fields.size() > 1)
-    report.notes.push_back(concat("field '", report.description.fields.front().name,
-                                  "' is written; choose another with --field (a .rho file holds all fields)"));
   return report;
 }
 
@@ -149,7 +146,7 @@ Json report_json(const preprocess::ResampleReport& report) {
 void say_errors(const CommonOptions& common, const preprocess::ResampleReport& report) {
   for (const auto& error : report.errors)
     say(common, concat("coverage of ", error.name, ": ", rounded(100 * error.coverage, 6),
-                       " % of the mesh's volume lies in cells with a value"));
+                       " % of the mesh's volume where it has data lies in grid cells with values"));
   for (const auto& error : report.errors) {
     const std::string unit = [&] {
       for (const formats::FieldSummary& field : report.description.fields)
@@ -168,8 +165,8 @@ void refuse_missed_error(const preprocess::ResampleReport& report, const std::fi
   const auto& error = report.errors.front();
   throw Error(ErrorCode::outside_limit,
               concat(output.string(), ": the error of ", error.name, " is at most ", rounded(error.max_error), " in ",
-                     rounded(100 * error.coverage, 6), " % of the mesh; ", rounded(*report.requested_error),
-                     " was requested (", report.why_not_reached, ")"),
+                     rounded(100 * error.coverage, 6), " % of the mesh where it has data; ",
+                     rounded(*report.requested_error), " was requested (", report.why_not_reached, ")"),
               "the file was written; allow a larger error or more memory, or start from a finer grid with --size");
 }
 
@@ -237,8 +234,8 @@ Subcommand resample_subcommand() {
                                  "them. The grid therefore extends beyond the mesh, by at most one and a half cells "
                                  "per axis."},
                                 {"",
-                                 "Coverage is the share of the mesh's volume in cells with values. The error bound "
-                                 "holds there."}},
+                                 "Coverage counts the part of the mesh where the field has data. It is the share of "
+                                 "that volume in grid cells with values. The error bound holds there."}},
                     .is_expert = true}},
       .options = all_options(
           {{file_option("MESH", "Mesh of volume cells, or packed tetrahedra", command->input)},
@@ -247,8 +244,8 @@ Subcommand resample_subcommand() {
            {value_option("--size", "N|NxNxN", "Samples on the longest axis, or on each axis", command->size),
             value_option("--spacing", "H|X,Y,Z", "Sample spacing, in the mesh's unit", command->spacing),
             with_details(value_option("--max-error", "E|E%",
-                                      "Refine until the first field's error is at most E, or E % of its range, in the "
-                                      "whole mesh",
+                                      "Refine until the first field's error is at most E, or E % of its range, "
+                                      "wherever it has data",
                                       command->max_error),
                          "--size or --spacing gives the first grid. Exit code 6 if this is not reached; the best grid "
                          "is still written"),

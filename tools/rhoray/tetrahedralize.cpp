@@ -80,12 +80,21 @@ void require_surface(const std::filesystem::path& input) {
                                                        : std::string{});
 }
 
+/// The option that replaces the surface by another one; empty = the surface stays as it is.
+std::string remaking_option(const TetrahedralizeCommand& command) {
+  if (command.repair.wrap > 0) return "--wrap";
+  return command.mend ? "--repair" : "";
+}
+
 void check(const TetrahedralizeCommand& command, const std::filesystem::path& output) {
   for (const auto& input : command.inputs) {
     require_surface(input);
     require_writable(command.common, output, input);
   }
   if (!command.sizes.empty()) {
+    if (const std::string remake = remaking_option(command); !remake.empty())
+      throw Error(ErrorCode::usage, concat("--sizes: cannot be combined with ", remake, ", which changes the points"),
+                  "--size-field gives sizes in space");
     preprocess::require_input(command.sizes);
     if (command.inputs.size() > 1)
       throw Error(ErrorCode::usage, "--sizes: needs exactly one surface; found several",
@@ -267,7 +276,7 @@ void write_fault_file(const std::filesystem::path& path, const preprocess::Neutr
     write_fault_file(file, surface, faults, command.common.force);
     where = concat("; the faulty facets are in ", file.string());
   }
-  const bool repaired = command.mend || command.repair.wrap > 0;
+  const bool repaired = !remaking_option(command).empty();
   std::string hint = refusal.hint();
   hint += concat(hint.empty() ? "" : ", or ", repaired ? "--wrap 0.01 wraps it in a new closed surface"
                                               : faults.empty()
@@ -336,7 +345,10 @@ int run(TetrahedralizeCommand& command) {
       command.fill.size_field = std::make_shared<const preprocess::SizeField>(read_size_field(command));
       note_sources(command, sources_of(*command.fill.size_field), output);
     }
-    if (command.mend || command.repair.wrap > 0) {
+    if (const std::string remake = remaking_option(command); !remake.empty()) {
+      if (!surface.point_sizes.empty())
+        notes.push_back(concat("the target sizes at the points (.mtr) are not used: ", remake,
+                               " changes the points; --size-field gives sizes in space"));
       display.show(command.repair.wrap > 0 ? "wrapping the surface (CGAL)" : "repairing the surface (CGAL)");
       auto repaired = with_names(command, [&] { return preprocess::repair_surface(surface, command.repair); });
       surface = std::move(repaired.surface);
@@ -421,8 +433,10 @@ Subcommand tetrahedralize_subcommand() {
                              "Target edge lengths: a volume FILE, a mesh FILE:FIELD, or "
                              "distance:SURFACE:NEAR:FAR:GROWTH",
                              command->size_field),
-                value_option("--sizes", "FILE",
-                             "Target sizes at the points (.mtr); default the .mtr beside the surface", command->sizes),
+                with_details(value_option("--sizes", "FILE",
+                                          "Target sizes at the points (.mtr); default the .mtr beside the surface",
+                                          command->sizes),
+                             "Not with --repair or --wrap, which change the points"),
                 flag_option("--cavities", "Leave every second one of nested surfaces empty inside",
                             command->fill.empty_cavities),
                 for_experts({Option::Kind::flag, "--regions", "",

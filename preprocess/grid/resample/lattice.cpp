@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "formats/base/error.h"
@@ -9,7 +10,11 @@
 namespace rhoray::preprocess {
 namespace {
 
-constexpr double on_the_side = 1e-9;  // of a step: rounding error of a division by the spacing
+/// A bound of the rounding errors of a sample's place: of a difference of numbers of this size, a
+/// quotient, a product and a sum, together seven half units.
+double rounding(const Box3& box, int axis) {
+  return 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
+}
 
 void check_count(double samples, int axis) {
   if (samples >= 2 && samples <= static_cast<double>(SampleLattice::largest_axis)) return;
@@ -29,7 +34,7 @@ void step(SampleLattice& lattice, const Box3& box, int axis, double spacing) {
   if (!(spacing > 0 && std::isfinite(spacing)))
     throw Error(ErrorCode::usage, concat("spacing: found ", spacing, "; expected a number above 0"));
   const double steps = (box.max[axis] - box.min[axis]) / spacing;
-  const double samples = std::max(2.0, std::ceil(steps * (1 - on_the_side)) + 1);
+  const double samples = std::max(2.0, std::ceil(steps - rounding(box, axis) / spacing) + 1);
   check_count(samples, axis);
   lattice.count[axis] = static_cast<std::int64_t>(samples);
   lattice.spacing[axis] = spacing;
@@ -41,8 +46,8 @@ void place(SampleLattice& lattice, const Box3& box, int axis) {
   for (std::size_t i = 0; i < places.size(); ++i)
     places[i] = lattice.low[axis] + static_cast<double>(i) * lattice.spacing[axis];
   const double beyond = places.back() - box.max[axis];
-  if (std::abs(beyond) <= 2 * on_the_side * static_cast<double>(places.size()) * lattice.spacing[axis])
-    places.back() = box.max[axis];
+  // More than rounding would be a place that the file does not say.
+  if (std::abs(beyond) <= 2 * rounding(box, axis)) places.back() = box.max[axis];
 }
 
 }  // namespace

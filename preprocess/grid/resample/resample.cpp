@@ -57,6 +57,8 @@ class Resampling {
     inspecting.add(1);
     fields_ =
         choose_fields(mesh, mesh_, options.fields, options.cells_to_points, source_name_, report_.notes).of_points;
+    for (const ScalarField& field : fields_)
+      note_no_data(field.name, no_data_count(field), "give the grid no values", report_.notes);
     inspecting.add(1);
     neighbors_ = match_faces(mesh_.points, mesh_.cells);
     inspecting.add(1);

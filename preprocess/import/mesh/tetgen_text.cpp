@@ -24,10 +24,12 @@ bool is_tetgen_binary(const LineReader& lines) {
   return lines.words().back() == "BIN";
 }
 
-std::uint64_t tetgen_count(const LineReader& lines, std::string_view what) {
+std::uint64_t tetgen_count(const LineReader& lines, std::string_view what, RecordPlace place) {
   const auto count = lines.number<std::uint64_t>(0, what);
-  if (count > lines.bytes_left() / 2 + 1)  // a record has at least a digit and an end of line
-    lines.refuse(concat(count, " records in ", lines.bytes_left(), " bytes"), what);
+  std::uint64_t bytes = lines.bytes_left();
+  if (place == RecordPlace::from_this_line && lines.words().size() > 1) bytes += lines.text_from(1).size() + 1;
+  if (count > bytes / 2 + 1)  // a record has at least a digit and an end of line or a blank
+    lines.refuse(concat(count, " records in ", bytes, " bytes"), what);
   return count;
 }
 

@@ -54,8 +54,12 @@ std::uint64_t tetgen_corner(const LineReader& lines, std::size_t i, const Tetgen
 /// The same for a number from a binary record.
 std::uint64_t tetgen_corner(const LineReader& lines, std::uint32_t number, const TetgenPoints& points);
 
+/// Where the records that a number counts begin.
+enum class RecordPlace { on_next_line, from_this_line };
+
 /// The current line's first word: the number of records that follow. Refuses more than the rest of
 /// the file can hold.
-std::uint64_t tetgen_count(const LineReader& lines, std::string_view what);
+std::uint64_t tetgen_count(const LineReader& lines, std::string_view what,
+                           RecordPlace place = RecordPlace::on_next_line);
 
 }  // namespace rhoray::preprocess

@@ -27,7 +27,7 @@ class RecordWords {
 /// number.
 void read_polygon(LineReader& lines, const TetgenPoints& points, std::uint64_t fewest_corners,
                   NeutralSurface& surface) {
-  const std::uint64_t corners = tetgen_count(lines, "a number of corners");
+  const std::uint64_t corners = tetgen_count(lines, "a number of corners", RecordPlace::from_this_line);
   if (corners < fewest_corners)
     lines.refuse(concat("a polygon with ", corners, " corners"), concat("at least ", fewest_corners),
                  ErrorCode::unsupported);

@@ -76,7 +76,8 @@ std::vector<Slice> slices_of(const fs::path& path, std::size_t least) {
   if (slices.size() < least)
     throw Error(ErrorCode::unsupported,
                 concat(path.string(), ": found ", slices.size(), " slice; expected at least ", least),
-                "name the folder that holds the slices of the volume");
+                "name the folder that holds the slices of the volume; `rhoray render` takes scenes from PNG and EXR "
+                "pictures only");
   return slices;
 }
 

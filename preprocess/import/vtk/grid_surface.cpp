@@ -14,7 +14,6 @@
 
 #include "formats/base/error.h"
 #include "preprocess/export/grid_samples.h"
-#include "preprocess/export/stl_file.h"
 #include "preprocess/import/vtk/vtk_errors.h"
 
 namespace rhoray::preprocess {
@@ -56,8 +55,8 @@ bool has_data_around(const GridSamples<T>& samples, const Vec3& p) {
 }
 
 template <class T>
-std::uint64_t write_triangles(const GridSamples<T>& samples, const Affine& world_from_grid, vtkPolyData& surface,
-                              const std::filesystem::path& output) {
+StlCounts write_triangles(const GridSamples<T>& samples, const Affine& world_from_grid, vtkPolyData& surface,
+                          const std::filesystem::path& output) {
   // In a right-handed frame, the front of VTK's triangles faces lower values.
   const bool mirrored = world_from_grid.determinant() < 0;
   StlFile file(output);
@@ -77,8 +76,8 @@ std::uint64_t write_triangles(const GridSamples<T>& samples, const Affine& world
 
 }  // namespace
 
-std::uint64_t write_grid_surface(const std::filesystem::path& packed, const std::string& field, double isovalue,
-                                 const std::filesystem::path& output) {
+StlCounts write_grid_surface(const std::filesystem::path& packed, const std::string& field, double isovalue,
+                             const std::filesystem::path& output) {
   const OpenedGrid grid = open_grid(packed, field);
   return with_samples(grid, [&]<class T>(const GridSamples<T>& samples) {
     const VtkErrors errors;

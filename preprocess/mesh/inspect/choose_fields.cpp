@@ -299,6 +299,22 @@ void note_magnitude(const std::vector<SourceField>& sources, const ChosenFields&
 
 }  // namespace
 
+std::uint64_t no_data_count(const ScalarField& field) {
+  return std::visit(
+      [](const auto& values) {
+        return static_cast<std::uint64_t>(
+            std::count_if(values.begin(), values.end(), [](auto value) { return !has_data(value); }));
+      },
+      field.values);
+}
+
+void note_no_data(const std::string& field, std::uint64_t count, std::string_view consequence,
+                  std::vector<std::string>& notes) {
+  if (count == 0) return;
+  notes.push_back(concat("field \"", field, "\" has no data at ", count_text(count, "point", "points"),
+                         "; adjacent cells ", consequence));
+}
+
 ChosenFields choose_fields(const NeutralMesh& mesh, const CleanMesh& clean, const std::vector<std::string>& wanted,
                            bool cells_to_points, const std::string& source_name, std::vector<std::string>& notes) {
   const std::vector<SourceField> sources = source_fields(mesh, source_name, notes);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -16,6 +18,14 @@ struct ScalarField {
   std::variant<Array<float>, Array<double>> values;
   formats::LabelNames label_names{};
 };
+
+/// The number of values that are NaN or infinite.
+std::uint64_t no_data_count(const ScalarField& field);
+
+/// Adds a note on a point field without data at `count` points, if there are some.
+/// @param consequence  for the adjacent cells: "are not drawn"
+void note_no_data(const std::string& field, std::uint64_t count, std::string_view consequence,
+                  std::vector<std::string>& notes);
 
 struct ChosenFields {
   std::vector<ScalarField> of_points;

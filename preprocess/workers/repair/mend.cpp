@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "formats/base/error.h"
+#include "preprocess/workers/repair/apart.h"
 #include "preprocess/workers/repair/report.h"
 #include "preprocess/workers/repair/steps.h"
 
@@ -38,7 +39,7 @@ double resolve_crossings(TriangleMesh& part, RepairReport& report) {
   for (const Way way : {Way{"replacing intersecting facets", with_facets_replaced},
                         Way{"cutting intersecting facets", with_facets_cut}}) {
     announce(way.step);
-    std::optional<TriangleMesh> candidate = way.without_crossings(part);
+    std::optional<TriangleMesh> candidate = run_apart(part, way.without_crossings);
     if (!candidate || candidate->number_of_faces() == 0) continue;
     fill_holes(*candidate, report);
     if (count_crossings(*candidate) > 0) continue;

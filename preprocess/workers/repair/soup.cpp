@@ -2,10 +2,10 @@
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "formats/base/error.h"
+#include "preprocess/workers/faces/cut_faces.h"
 #include "preprocess/workers/repair/steps.h"
 
 namespace rhoray::preprocess::repair {
@@ -24,16 +24,9 @@ Soup soup_of(const NeutralSurface& surface, RepairReport& report) {
   Soup soup;
   for (const auto& p : surface.points)
     soup.points.push_back(is_finite(p) ? Point(p[0], p[1], p[2]) : Point(0, 0, 0));  // the latter is then unused
-  for (std::size_t f = 0; f + 1 < surface.facet_offsets.size(); ++f) {
-    const auto corners =
-        std::span(surface.facet_corners)
-            .subspan(surface.facet_offsets[f], surface.facet_offsets[f + 1] - surface.facet_offsets[f]);
-    if (!std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_finite(surface.points[c]); })) {
-      ++report.dropped_not_finite;
-      continue;
-    }
-    for (std::size_t i = 2; i < corners.size(); ++i) soup.facets.push_back({corners[0], corners[i - 1], corners[i]});
-  }
+  const CutFaces cut = cut_faces(surface);
+  report.dropped_not_finite += cut.not_finite;
+  for (const auto& triangle : cut.triangles) soup.facets.emplace_back(triangle.begin(), triangle.end());
   pmp::remove_isolated_points_in_polygon_soup(soup.points, soup.facets);
   return soup;
 }

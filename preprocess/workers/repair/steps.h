@@ -11,7 +11,7 @@ namespace rhoray::preprocess::repair {
 
 /// One CGAL algorithm stands behind each of these, in a file of its own.
 
-/// Facets with finite corners; those with more than three are cut into triangles.
+/// Facets with finite corners, cut into triangles (faces/cut_faces.h).
 Soup soup_of(const NeutralSurface& surface, RepairReport& report);
 
 /// Merges points and drops facets that are there twice or have no area.

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "formats/base/error.h"
+#include "preprocess/workers/faces/cut_faces.h"
 #include "preprocess/workers/tetgen/sizes.h"
 
 namespace rhoray::preprocess {
@@ -21,15 +22,14 @@ using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 Triangles triangles_of(const NeutralSurface& s) {
   Triangles triangles;
-  const auto point = [&](std::uint64_t corner) {
-    const auto& p = s.points[s.facet_corners[corner]];
+  const auto point = [&](std::uint64_t index) {
+    const auto& p = s.points[index];
     return Kernel::Point_3(p[0], p[1], p[2]);
   };
-  for (std::size_t f = 0; f + 1 < s.facet_offsets.size(); ++f)
-    for (std::uint64_t i = s.facet_offsets[f] + 2; i < s.facet_offsets[f + 1]; ++i) {
-      const Kernel::Triangle_3 t(point(s.facet_offsets[f]), point(i - 1), point(i));
-      if (!t.is_degenerate()) triangles.push_back(t);
-    }
+  for (const auto& corners : cut_faces(s).triangles) {
+    const Kernel::Triangle_3 t(point(corners[0]), point(corners[1]), point(corners[2]));
+    if (!t.is_degenerate()) triangles.push_back(t);
+  }
   if (triangles.empty()) throw Error(ErrorCode::invalid, "size field: the surface has no facet with an area");
   return triangles;
 }

@@ -15,7 +15,7 @@ using SizeAt = std::function<std::optional<double>(const std::array<double, 3>&)
 /// a mesh by barycentric interpolation in the tetrahedron that holds the point.
 SizeAt size_at(const SizeField& field);
 
-/// By the exact nearest point of a surface of triangles (rounded to doubles).
+/// By the exact nearest point of a surface (rounded to doubles).
 SizeAt size_by_distance(const SizeByDistance& distance);
 
 }  // namespace rhoray::preprocess

@@ -1,5 +1,6 @@
 #include "formats/base/error.h"
 #include "preprocess/export/grid_samples.h"
+#include "preprocess/export/lost_facts.h"
 #include "preprocess/export_grid.h"
 #include "preprocess/process/counts.h"
 #include "preprocess/process/foreign_file.h"
@@ -9,17 +10,15 @@
 namespace rhoray::preprocess {
 namespace {
 
-/// What an OpenVDB grid says differently.
-std::vector<std::string> notes_on(const formats::FieldSummary& field) {
+/// Adds notes on values that an OpenVDB grid represents differently.
+void note_values(const formats::FieldSummary& field, std::vector<std::string>& notes) {
   using formats::ElementType;
-  std::vector<std::string> notes;
   const bool needs_doubles =
       field.type == ElementType::F64 || field.type == ElementType::I32 || field.type == ElementType::U32;
   if (needs_doubles)
     notes.push_back(concat("field '", field.name, "' is written as a grid of doubles, which some programs refuse"));
   if (field.no_data_count != 0)
     notes.push_back(concat(count_text(field.no_data_count, "sample", "samples"), " without data written as inactive"));
-  return notes;
 }
 
 }  // namespace
@@ -30,11 +29,11 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
   if (extension != ".vdb" && extension != ".nvdb")
     throw Error(ErrorCode::usage,
                 concat(output.string(), ": found extension '", extension, "'; expected .vdb or .nvdb"));
-  const OpenedGrid opened = open_grid(packed, options.field);
-  require_even_steps(opened, packed, extension);
+  const OpenedGrid opened = open_grid(packed, options.field, options.source_name);
+  require_even_steps(opened, extension);
   const formats::FieldSummary& field = opened.summary();
   if (field.range.is_empty())
-    throw Error(ErrorCode::invalid, concat(packed.string(), ": field '", field.name, "' holds no finite value"));
+    throw Error(ErrorCode::invalid, concat(opened.name(), ": field '", field.name, "' holds no finite value"));
 
   PendingFile file(output, {.replace_existing = options.replace_existing});
   WorkerRequest request;
@@ -47,7 +46,8 @@ ExportReport export_vdb(const std::filesystem::path& packed, const std::filesyst
   ExportReport report;
   report.file_bytes = take_counts(run_writer(std::move(request), file), 1).front();
   file.publish();
-  report.notes = notes_on(field);
+  note_values(field, report.notes);
+  note_lost_facts(opened, options.field, extension == ".vdb" ? vdb_facts : nvdb_facts, report.notes);
   return report;
 }
 

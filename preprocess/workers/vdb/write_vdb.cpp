@@ -55,18 +55,27 @@ typename GridFor<T>::Ptr tree_of(const GridSamples<T>& samples) {
   return grid;
 }
 
-void set_frame(openvdb::GridBase& grid, const Affine& map) {
+/// Refuses axes that OpenVDB cannot invert (ErrorCode::unsupported).
+void set_frame(openvdb::GridBase& grid, const Affine& map, const std::filesystem::path& output) {
   const Vec3 rows[] = {map.x_axis, map.y_axis, map.z_axis, map.origin};
   openvdb::Mat4R matrix = openvdb::Mat4R::identity();  // row vectors: p' = p m
   for (int r = 0; r < 4; ++r)
     for (int c = 0; c < 3; ++c) matrix(r, c) = rows[r][c];
-  grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  try {
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  } catch (const openvdb::ArithmeticError& error) {
+    note_library_text(error.what());
+    throw Error(ErrorCode::unsupported,
+                concat(output.string(), ": the axes are too short, or too near to one plane, for OpenVDB"),
+                "a .vti file stores them");
+  }
 }
 
 template <class T>
-typename GridFor<T>::Ptr grid_of(const GridSamples<T>& samples, const formats::GridDescription& description) {
+typename GridFor<T>::Ptr grid_of(const GridSamples<T>& samples, const formats::GridDescription& description,
+                                 const std::filesystem::path& output) {
   const auto grid = tree_of(samples);
-  set_frame(*grid, description.world_from_grid);
+  set_frame(*grid, description.world_from_grid, output);
   grid->setName(samples.field().name);
   grid->setCreator("rhoray");
   const Index3& n = samples.sample_count();
@@ -162,7 +171,7 @@ std::uint64_t write_vdb(const std::filesystem::path& packed, const std::string& 
   openvdb::initialize();
   const OpenedGrid opened = open_grid(packed, field);
   with_samples(opened, [&]<class T>(const GridSamples<T>& samples) {
-    const auto grid = grid_of(samples, opened.description());
+    const auto grid = grid_of(samples, opened.description(), output);
     if (as_nanovdb)
       write_nanovdb<T>(grid, output);
     else

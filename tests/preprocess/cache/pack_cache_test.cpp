@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <barrier>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -47,8 +48,13 @@ class PackCacheTest : public testing::Test {
     std::this_thread::sleep_for(std::chrono::milliseconds(60));  // younger files are not kept
   }
 
-  static double largest(const OpenedData& opened) {
-    return formats::BrickGrid(opened.file).description().fields.front().range.hi;
+  static double largest(const formats::PackedFile& file) {
+    return formats::BrickGrid(file).description().fields.front().range.hi;
+  }
+  static double largest(const OpenedData& opened) { return largest(opened.file); }
+
+  preprocess::PackReport pack_a(const formats::Destination& destination) const {
+    return preprocess::pack(data("a.mhd"), destination);
   }
 
   std::size_t file_count() const {
@@ -217,13 +223,74 @@ TEST_F(PackCacheTest, serves_several_at_once) {
   EXPECT_FALSE(preprocess::open_data(data("a.mhd")).was_packed);
 }
 
+/// Each has packed before the first one keeps its copy.
+TEST_F(PackCacheTest, keeps_one_copy_of_a_file_that_several_pack_at_once) {
+  const PackCache cache(PackCache::default_folder());
+  constexpr int count = 4;
+  std::barrier all_packed(count);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < count; ++i)
+    threads.emplace_back([&] {
+      const PackCache::Copy copy = cache.add({.input = data("a.mhd"), .options = {}, .program = "1"},
+                                             [&](const formats::Destination& destination) {
+                                               const preprocess::PackReport report = pack_a(destination);
+                                               all_packed.arrive_and_wait();
+                                               return report;
+                                             });
+      EXPECT_EQ(largest(copy.file), 'a');
+      EXPECT_TRUE(fs::exists(copy.path));
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(cache.entries().size(), 1U);
+  EXPECT_EQ(file_count(), 2U) << "one copy and its record";
+}
+
+TEST_F(PackCacheTest, takes_the_copy_that_another_process_kept_meanwhile) {
+  const PackCache cache(PackCache::default_folder());
+  const PackCache::Key key{.input = data("a.mhd"), .options = {}, .program = "1"};
+  for (const bool other_is_first : {true, false}) {
+    std::optional<PackCache::Copy> other;
+    const auto add_other = [&] {
+      other = cache.add(key, [&](const auto& destination) { return pack_a(destination); });
+    };
+    const PackCache::Copy copy = cache.add(key, [&](const formats::Destination& destination) {
+      if (other_is_first) add_other();
+      const preprocess::PackReport report = pack_a(destination);
+      if (!other_is_first) add_other();
+      return report;
+    });
+    EXPECT_EQ(copy.path, other->path);
+    EXPECT_EQ(copy.not_kept, "");
+    EXPECT_TRUE(fs::exists(copy.path));
+    EXPECT_EQ(largest(copy.file), 'a');
+    EXPECT_EQ(file_count(), 2U);
+    EXPECT_EQ(cache.clear().size(), 1U);
+  }
+}
+
+TEST_F(PackCacheTest, does_not_keep_a_copy_that_another_process_removes) {
+  const PackCache cache(PackCache::default_folder());
+  const PackCache::Copy copy =
+      cache.add({.input = data("a.mhd"), .options = {}, .program = "1"}, [&](const formats::Destination& destination) {
+        EXPECT_EQ(cache.clear().size(), 0U) << "a file that is being written has no name";
+        return pack_a(destination);
+      });
+  EXPECT_TRUE(fs::exists(copy.path));
+  fs::remove(copy.path);
+  EXPECT_EQ(cache.clear().size(), 0U) << "it was not removed here";
+  EXPECT_EQ(file_count(), 0U);
+}
+
 TEST_F(PackCacheTest, lists_and_clears) {
   preprocess::open_data(data("a.mhd"));
   const PackCache cache(PackCache::default_folder());
   ASSERT_EQ(cache.entries().size(), 1U);
   EXPECT_EQ(cache.entries().front().input, fs::canonical(data("a.mhd")));
-  cache.clear();
+  const std::vector<PackCache::Entry> removed = cache.clear();
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_EQ(removed.front().input, fs::canonical(data("a.mhd")));
   EXPECT_TRUE(cache.entries().empty());
+  EXPECT_TRUE(cache.clear().empty());
   EXPECT_EQ(file_count(), 0U);
 }
 

@@ -124,6 +124,36 @@ TEST_F(ExportStl, of_integers_takes_isovalues_between_them) {
   for (const auto& p : surface.points) EXPECT_EQ(p[0], 1.25);
 }
 
+/// 20^3 samples around a sphere of radius 5.3 steps.
+NeutralVolume sphere_at(const Vec3& origin, double spacing) {
+  const auto distance = [](const Index3& s) {
+    const auto from_middle = [](std::int64_t i) { return static_cast<double>(i) - 9.5; };
+    return static_cast<float>(Vec3(from_middle(s.x), from_middle(s.y), from_middle(s.z)).length());
+  };
+  return volume_of<float>({20, 20, 20}, distance, axis_parallel_map({spacing, spacing, spacing}, origin));
+}
+
+/// Single precision has steps of 8 at 1e8, and of 64 at 1e9.
+TEST_F(ExportStl, says_how_many_triangles_single_precision_loses_and_refuses_to_lose_all) {
+  const auto exported = [&](const Vec3& origin, double spacing) {
+    pack_volume(sphere_at(origin, spacing), folder_ / "a.rho", {.replace_existing = true});
+    return export_grid_stl(folder_ / "a.rho", 5.3, folder_ / "a.stl", {.replace_existing = true});
+  };
+  const ExportReport whole = exported({0, 0, 0}, 1), cracked = exported({1e8, 0, 0}, 1);
+  EXPECT_THAT(whole.notes, testing::IsEmpty());
+  EXPECT_LT(cracked.triangle_count, whole.triangle_count);
+  EXPECT_THAT(cracked.notes, testing::ElementsAre(testing::HasSubstr(
+                                 concat(whole.triangle_count - cracked.triangle_count, " of ", whole.triangle_count,
+                                        " triangles are too small for single precision"))));
+  std::filesystem::remove(folder_ / "a.stl");
+  expect_refusal([&] { exported({1e9, 1e9, 1e9}, 1); }, ErrorCode::unsupported, {"a.stl: no triangle is left"});
+  expect_refusal([&] { exported({0, 0, 0}, 1e39); }, ErrorCode::unsupported, {"a.stl: found the coordinate "});
+  pack_mesh(box_mesh({.box = Box3({1e9, 1e9, 1e9}, {1e9 + 1, 1e9 + 1, 1e9 + 1})}, ball_field()), folder_ / "m.rho");
+  expect_refusal([&] { export_tets_stl(folder_ / "m.rho", std::nullopt, folder_ / "a.stl"); }, ErrorCode::unsupported,
+                 {"a.stl: no triangle is left"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.stl"));
+}
+
 TEST_F(ExportStl, of_tetrahedra_is_closed_and_its_corners_lie_on_edges_where_the_field_takes_the_isovalue) {
   const NeutralMesh mesh =
       box_mesh({.cells = {16, 16, 16}, .box = Box3({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}), .jitter = 0.1}, ball_field());

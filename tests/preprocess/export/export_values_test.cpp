@@ -112,14 +112,15 @@ TEST_F(Export, writes_npy_that_numpy_reads_in_the_order_z_y_x) {
   expect_read(float{}, "float32");
   expect_read(double{}, "float64");
   const ExportReport report = export_npy(folder_ / "a.rho", folder_ / "b.npy");
-  EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("no geometry")));
+  EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("no geometry"), testing::HasSubstr("HU")));
 }
 
 TEST_F(Export, writes_nifti_that_comes_back) {
   const auto round_trip = [&]<class T>(T) {
     const std::vector<double> expected = pack<T>(turned);
     const ExportReport report = export_nifti(folder_ / "a.rho", folder_ / "a.nii", {.replace_existing = true});
-    EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("RAS")));
+    EXPECT_THAT(report.notes, testing::ElementsAre(testing::HasSubstr("RAS"), testing::HasSubstr("of a step"),
+                                                   testing::HasSubstr("HU")));
     EXPECT_EQ(report.file_bytes, std::filesystem::file_size(folder_ / "a.nii"));
     const NeutralVolume volume = import_volume(folder_ / "a.nii");
     EXPECT_EQ(formats::element_name(volume.type), formats::element_name(formats::element_type_of<T>()));
@@ -143,6 +144,103 @@ TEST_F(Export, writes_nifti_in_ras) {
   EXPECT_EQ(back.space, formats::Space::ras);
   EXPECT_EQ(back.length_unit, "mm");
   EXPECT_EQ(back.world_from_grid, (Affine{{-0.5, 0, 0}, {0, -0.25, 0}, {0, 0, 2}, {-8, -4, -2}}));
+}
+
+TEST_F(Export, says_when_nifti_moves_the_grid_and_refuses_what_no_reader_could_use) {
+  const auto exported = [&](double spacing, double origin) {
+    pack<float>(axis_parallel_map({spacing, spacing, spacing}, {origin, 0, 0}));
+    return export_nifti(folder_ / "a.rho", folder_ / "a.nii", {.replace_existing = true});
+  };
+  EXPECT_THAT(exported(1, 0.3).notes, testing::Not(testing::Contains(testing::HasSubstr("of a step"))));
+  EXPECT_THAT(exported(1, 100000000.3).notes, testing::Contains(testing::HasSubstr("by up to 0.3 of a step")));
+  EXPECT_EQ(import_volume(folder_ / "a.nii").world_from_grid.origin.x, 1e8);
+  std::filesystem::remove(folder_ / "a.nii");
+  expect_refusal([&] { exported(1e-60, 0); }, ErrorCode::unsupported, {"a.rho: the axes span no volume"});
+  expect_refusal([&] { exported(1e50, 0); }, ErrorCode::unsupported, {"a.rho: found a vector of length 1e+50"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.nii"));
+}
+
+/// The facts that a format may lose.
+struct Facts {
+  bool length_unit, space, field_unit, label_names;
+  friend bool operator==(const Facts&, const Facts&) = default;
+};
+
+Facts facts_in(const std::vector<std::string>& notes) {
+  const auto is_noted = [&](const std::string& fact) {
+    return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+      return note.find("does not store " + fact) != std::string::npos;
+    });
+  };
+  return {is_noted("the unit mm of lengths"), is_noted("the space LPS"), is_noted("the unit HU of field 'organ'"),
+          is_noted("the names of the labels of field 'organ'")};
+}
+
+TEST_F(Export, says_which_facts_a_format_loses) {
+  NeutralVolume volume = volume_of<std::uint8_t>(
+      {4, 5, 6}, [](const Index3& s) { return static_cast<std::uint8_t>(s.x / 2); },
+      axis_parallel_map({1, 2, 3}, {0, 0, 0}));
+  volume.length_unit = "mm";
+  volume.space = formats::Space::lps;
+  volume.field_name = "organ";
+  volume.field_unit = "HU";
+  volume.label_names = {{1, "liver"}};
+  pack_volume(volume, folder_ / "a.rho");
+  const auto exported = [&](const std::string& extension) {
+    const std::filesystem::path output = folder_ / ("a" + extension);
+    if (extension == ".vti") return export_vti(folder_ / "a.rho", output);
+    if (extension == ".nii") return export_nifti(folder_ / "a.rho", output);
+    if (extension == ".npy") return export_npy(folder_ / "a.rho", output);
+    if (extension == ".stl") return export_grid_stl(folder_ / "a.rho", 0.5, output);
+    return export_vdb(folder_ / "a.rho", output);
+  };
+  struct Row {
+    const char* extension;
+    Facts lost;
+    bool is_read;  // by our importers as a volume
+  };
+  const Row rows[] = {{".vti", {true, true, true, true}, true},   {".nii", {false, false, true, true}, true},
+                      {".npy", {true, true, true, true}, true},   {".vdb", {false, true, false, true}, true},
+                      {".nvdb", {true, true, true, true}, false}, {".stl", {true, true, false, false}, false}};
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.extension);
+    EXPECT_EQ(facts_in(exported(row.extension).notes), row.lost);
+    if (!row.is_read) continue;
+    const NeutralVolume back = import_volume(folder_ / (std::string("a") + row.extension));
+    EXPECT_EQ((Facts{back.length_unit != "mm", back.space == formats::Space::unknown, back.field_unit != "HU",
+                     back.label_names.empty()}),
+              row.lost);
+  }
+}
+
+TEST_F(Export, says_which_facts_of_a_mesh_vtu_loses) {
+  NeutralMesh mesh = box_mesh({}, [](const Vec3& p) { return p.x; });
+  mesh.length_unit = "mm";
+  mesh.point_fields[0].unit = "mV";
+  NeutralField organ{.name = "organ", .unit = "HU", .values = {}, .label_names = {{1, "liver"}}};
+  organ.values.assign(mesh.cells.size(), 1);
+  mesh.cell_fields.push_back(organ);
+  pack_mesh(mesh, folder_ / "m.rho");
+  const ExportReport report = export_vtu(folder_ / "m.rho", folder_ / "m.vtu");
+  EXPECT_EQ(facts_in(report.notes), (Facts{true, false, true, true}));
+  EXPECT_THAT(report.notes, testing::Contains(testing::HasSubstr("does not store the unit mV of field 'value'")));
+  const NeutralMesh back = import_mesh(folder_ / "m.vtu");
+  EXPECT_EQ(back.length_unit + back.point_fields[0].unit + back.cell_fields[0].unit, "");
+  EXPECT_TRUE(back.cell_fields[0].label_names.empty());
+}
+
+TEST_F(Export, says_which_of_several_fields_it_wrote) {
+  std::vector<NeutralVolume> fields;
+  for (const char* name : {"first", "second"}) {
+    fields.push_back(volume_of<float>({3, 3, 3}, [](const Index3& s) { return static_cast<float>(s.x); }));
+    fields.back().field_name = name;
+  }
+  pack_grid(fields, folder_ / "a.rho", {});
+  const auto is_choice = testing::HasSubstr("'first' is written; choose another with --field");
+  EXPECT_THAT(export_npy(folder_ / "a.rho", folder_ / "a.npy").notes, testing::Contains(is_choice));
+  EXPECT_THAT(export_npy(folder_ / "a.rho", folder_ / "b.npy", {.field = "first"}).notes,
+              testing::Not(testing::Contains(is_choice)));
+  EXPECT_THAT(export_vti(folder_ / "a.rho", folder_ / "a.vti").notes, testing::IsEmpty());
 }
 
 TEST_F(Export, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused) {

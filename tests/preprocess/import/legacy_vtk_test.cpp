@@ -4,12 +4,15 @@
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPolyData.h>
+#include <vtkPolyDataWriter.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridWriter.h>
 
 #include <numeric>
 
 #include "preprocess/import/readers.h"
 #include "preprocess/input_file.h"
+#include "tests/preprocess/import/legacy_writer.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/import/vtk_lattice.h"
 
@@ -166,12 +169,7 @@ TEST(LegacyVtkMesh, reads_what_vtk_writes) {
   grid->GetCellData()->AddArray(tissue);
   for (const int version : {42, 51})
     for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
-      vtkNew<vtkDataSetWriter> writer;
-      writer->SetInputData(grid);
-      writer->SetFileVersion(version);
-      writer->SetFileType(file_type);
-      writer->SetFileName((folder / "a.vtk").c_str());
-      ASSERT_EQ(writer->Write(), 1);
+      write_legacy_vtk<vtkUnstructuredGridWriter>(grid, folder / "a.vtk", file_type, version);
       const NeutralMesh mesh = read_mesh(folder / "a.vtk");
       ASSERT_EQ(mesh.cells.size(), 2U);
       EXPECT_EQ(mesh.cells[1], (std::array<std::uint64_t, 4>{0, 2, 1, 4}));
@@ -241,12 +239,7 @@ TEST(LegacyVtkSurface, takes_polygons_and_strips_that_vtk_writes) {
   data->GetPointData()->AddArray(v);
   for (const int version : {42, 51})
     for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
-      vtkNew<vtkDataSetWriter> writer;
-      writer->SetInputData(data);
-      writer->SetFileVersion(version);
-      writer->SetFileType(file_type);
-      writer->SetFileName((folder / "a.vtk").c_str());
-      ASSERT_EQ(writer->Write(), 1);
+      write_legacy_vtk<vtkPolyDataWriter>(data, folder / "a.vtk", file_type, version);
       const NeutralSurface surface = read_surface(folder / "a.vtk");
       EXPECT_THAT(surface.facet_offsets, testing::ElementsAre(0, 3, 7, 10, 13, 16));
       EXPECT_THAT(surface.facet_corners, testing::ElementsAre(0, 1, 2, 0, 1, 3, 2, 0, 1, 2, 1, 3, 2, 2, 3, 4));

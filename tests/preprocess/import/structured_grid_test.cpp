@@ -1,11 +1,12 @@
 // Structured grids, VTS and legacy VTK, as hexahedra; written by VTK itself.
 
-#include <vtkDataSetWriter.h>
 #include <vtkNew.h>
 #include <vtkStructuredGrid.h>
+#include <vtkStructuredGridWriter.h>
 #include <vtkXMLStructuredGridWriter.h>
 
 #include "preprocess/import/readers.h"
+#include "tests/preprocess/import/legacy_writer.h"
 #include "tests/preprocess/import/vtk_cells.h"
 
 namespace rhoray::preprocess {
@@ -74,15 +75,6 @@ void write_vts(vtkStructuredGrid* grid, const std::filesystem::path& path, int m
   ASSERT_EQ(writer->Write(), 1);
 }
 
-void write_legacy(vtkStructuredGrid* grid, const std::filesystem::path& path, int file_type, int version) {
-  vtkNew<vtkDataSetWriter> writer;
-  writer->SetInputData(grid);
-  writer->SetFileType(file_type);
-  writer->SetFileVersion(version);
-  writer->SetFileName(path.c_str());
-  ASSERT_EQ(writer->Write(), 1);
-}
-
 TEST(StructuredGrid, becomes_the_hexahedra_that_vtk_sees) {
   TemporaryFolder folder;
   const auto grid = bent_lattice();
@@ -95,7 +87,7 @@ TEST(StructuredGrid, becomes_the_hexahedra_that_vtk_sees) {
   }
   for (const int version : {42, 51})
     for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
-      write_legacy(grid, folder / "a.vtk", file_type, version);
+      write_legacy_vtk<vtkStructuredGridWriter>(grid, folder / "a.vtk", file_type, version);
       expect_cells_of(read_cells(folder / "a.vtk", {}), *grid);
     }
 }
@@ -107,7 +99,7 @@ TEST(StructuredGrid, goes_without_cells_that_are_hidden_or_touch_a_hidden_point)
   grid->BlankCell(23);
   grid->BlankPoint(0);  // cell 0 alone has it
   write_vts(grid, folder / "a.vts");
-  write_legacy(grid, folder / "a.vtk", VTK_BINARY, 51);
+  write_legacy_vtk<vtkStructuredGridWriter>(grid, folder / "a.vtk", VTK_BINARY, 51);
   for (const char* name : {"a.vts", "a.vtk"}) {
     SCOPED_TRACE(name);
     const CellMesh mesh = read_cells(folder / name, {});
@@ -207,7 +199,7 @@ TEST(StructuredGrid, refuses_every_beginning_of_a_file) {
   const std::string appended = read_file(folder / "a.vts");
   EXPECT_TRUE(is_complete(folder / "a.vts"));
   check_every_beginning(folder / "a.vts", appended, [&] { return is_complete(folder / "a.vts"); }, {.stride = 17});
-  write_legacy(grid, folder / "a.vtk", VTK_BINARY, 42);
+  write_legacy_vtk<vtkStructuredGridWriter>(grid, folder / "a.vtk", VTK_BINARY, 42);
   const std::string legacy = read_file(folder / "a.vtk");
   EXPECT_TRUE(is_complete(folder / "a.vtk"));
   check_every_beginning(

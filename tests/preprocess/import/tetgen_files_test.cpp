@@ -217,6 +217,29 @@ TEST(TetgenSurface, reads_facets_with_openings_holes_and_regions) {
   EXPECT_EQ(surface.regions[1].max_volume, 0);
 }
 
+// The corners of a polygon begin on the line of their number. They were looked for behind it only,
+// so that the last polygons of a file were refused unless enough bytes followed.
+TEST(TetgenSurface, reads_polygons_on_the_last_lines_of_a_file) {
+  TemporaryFolder folder;
+  const std::string corners = "8 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 0 0 1\n6 1 0 1\n7 0 1 1\n8 1 1 1\n";
+  const std::string quads =
+      "6 0\n1 0\n4 1 3 4 2\n1 0\n4 5 6 8 7\n1 0\n4 1 2 6 5\n1 0\n4 3 7 8 4\n"
+      "1 0\n4 1 5 7 3\n1 0\n4 2 4 8 6";
+  for (const char* end : {"\n0\n0\n", "\n0\n", "\n", "", " # the last\n"}) {
+    write_file(folder / "q.poly", corners + quads + end);
+    EXPECT_EQ(read_surface(folder / "q.poly").facet_offsets.size(), 7U) << end;
+  }
+  const std::string tetrahedron = "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n";
+  for (const char* end : {"\n0\n0\n", "\n", ""}) {
+    write_file(folder / "t.poly", tetrahedron + "4 0\n1\n3 0 2 1\n1\n3 0 1 3\n1\n3 1 2 3\n1\n3 2 0 3" + end);
+    EXPECT_EQ(read_surface(folder / "t.poly").facet_offsets.size(), 5U) << end;
+    write_file(folder / "t.smesh", tetrahedron + "4 0\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3" + end);
+    EXPECT_EQ(read_surface(folder / "t.smesh").facet_offsets.size(), 5U) << end;
+  }
+  write_file(folder / "t.smesh", tetrahedron + "1 0\n9 0 2 1");
+  expect_refusal([&] { read_surface(folder / "t.smesh"); }, ErrorCode::invalid, {"t.smesh, line 7", "9 records"});
+}
+
 TEST(TetgenSurface, keeps_lines_that_lie_in_a_facet) {
   TemporaryFolder folder;
   std::string text = poly;

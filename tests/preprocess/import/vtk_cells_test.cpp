@@ -1,14 +1,15 @@
 // Cells of every kind through VTU and legacy VTK files, written by VTK itself, and what is refused
 // in them.
 
-#include <vtkDataSetWriter.h>
 #include <vtkNew.h>
+#include <vtkUnstructuredGridWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <map>
 
 #include "preprocess/import/mesh/mesh_cells.h"
 #include "preprocess/import/readers.h"
+#include "tests/preprocess/import/legacy_writer.h"
 #include "tests/preprocess/import/vtk_cells.h"
 
 namespace rhoray::preprocess {
@@ -90,14 +91,9 @@ TEST(LegacyVtkCells, come_back_from_every_version_that_vtk_writes) {
   for (const int version : {42, 51})
     for (const int file_type : {VTK_ASCII, VTK_BINARY}) {
       SCOPED_TRACE(concat("version ", version, " type ", file_type));
-      vtkNew<vtkDataSetWriter> writer;
-      writer->SetInputData(all.grid);
-      writer->SetFileVersion(version);
-      writer->SetFileType(file_type);
-      writer->SetFileName((folder / "a.vtk").c_str());
-      ASSERT_EQ(writer->Write(), 1);
+      write_legacy_vtk<vtkUnstructuredGridWriter>(all.grid, folder / "a.vtk", file_type, version);
       CellMesh mesh = read_cells(folder / "a.vtk", {});
-      if (read_file(folder / "a.vtk").starts_with("# vtk DataFile Version 4")) {
+      if (version == 42) {
         // Before 5.1 the last two upright edges of a Lagrange hexahedron are the other way round.
         const auto hexahedron = std::find(all.kinds.begin(), all.kinds.end(), CellKind::lagrange_hexahedron);
         const std::size_t cell = static_cast<std::size_t>(hexahedron - all.kinds.begin());

@@ -111,6 +111,28 @@ TEST(PositionFields, a_triangle_without_area_is_as_far_as_its_edges) {
   EXPECT_NEAR(distances[4], 5, 1e-14);
 }
 
+// Products of four lengths overflowed or underflowed, and another region of the triangle was
+// taken for the nearest.
+TEST(PositionFields, the_distance_to_triangles_scales_with_the_mesh_without_changing_a_digit) {
+  const NeutralMesh mesh = tests::box_mesh({.cells = {4, 4, 4}, .jitter = 0.1});
+  const auto scaled = [&](int exponent) {
+    NeutralMesh copy = mesh;
+    for (auto& p : copy.points)
+      for (double& x : p) x = std::ldexp(x, exponent);
+    add_position_fields(copy);
+    return copy;
+  };
+  const NeutralMesh usual = scaled(0);
+  for (const int exponent : {-1000, -280, -20, 20, 280, 1000}) {
+    const NeutralMesh other = scaled(exponent);
+    ASSERT_EQ(other.points.size(), usual.points.size());
+    for (std::size_t p = 0; p < usual.points.size(); ++p) {
+      EXPECT_EQ(other.point_fields[0].values[p], std::ldexp(usual.point_fields[0].values[p], exponent)) << exponent;
+      EXPECT_EQ(other.point_fields[1].values[p], usual.point_fields[1].values[p]) << exponent;
+    }
+  }
+}
+
 TEST(PositionFields, come_before_fields_that_do_not_vary) {
   NeutralMesh mesh = tests::box_mesh({.cells = {1, 1, 1}});
   EXPECT_FALSE(has_varying_field(mesh));

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "tests/support/expect_error.h"
 
 namespace rhoray::preprocess {
@@ -34,6 +37,21 @@ TEST(SampleLattice, keeps_a_spacing_and_ends_at_or_beyond_the_far_side) {
   EXPECT_EQ(lattice.places[0].back(), box.max.x) << "0.1 divides the side but for rounding: no sample beside it";
   EXPECT_GT(lattice.places[1].back(), box.max.y);
   EXPECT_EQ(lattice.places[2].back(), 10);
+}
+
+/// Readers of a file calculate places by its spacing: a sample moved by more than rounding would
+/// have a value of another place.
+TEST(SampleLattice, has_every_sample_where_the_spacing_says) {
+  for (const double low : {0.0, -1e6 / 3, 1e8})
+    for (const double excess : {-1e-8, -0.9e-9, 0.0, 0.9e-9, 1e-8}) {
+      const Box3 long_box({low, 0, 0}, {low + 1000 * (1 + excess), 1, 1});
+      const SampleLattice lattice = choose_samples(long_box, {.spacing = {0.01, 0.5, 0.5}});
+      const std::vector<double>& places = lattice.places[0];
+      EXPECT_GE(places.back(), long_box.max.x);
+      EXPECT_LT(places.back(), long_box.max.x + 0.01);
+      const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::max(std::abs(low), long_box.max.x);
+      EXPECT_NEAR(places.back(), low + static_cast<double>(places.size() - 1) * 0.01, rounding) << low << " " << excess;
+    }
 }
 
 TEST(SampleLattice, refuses_what_makes_no_lattice) {

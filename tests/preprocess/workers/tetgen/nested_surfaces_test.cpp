@@ -93,6 +93,29 @@ TEST(SizeFields, by_distance_are_followed) {
   EXPECT_LT(ratio, 1.2);
 }
 
+// The triangles of a fan filled the corner that the facets leave free.
+TEST(SizeFields, by_distance_to_facets_that_are_not_convex_are_followed) {
+  preprocess::SizeByDistance sizes{.surface = prism(l_outline(2)), .near = 0.02, .far = 0.5, .growth = 0.1};
+  const NeutralMesh mesh =
+      tetrahedralize(box({1.3, 1.3, 0}, {1.6, 1.6, 0.3}),
+                     {.size_field = std::make_shared<const preprocess::SizeField>(std::move(sizes))});
+  const double ratio = median_ratio(mesh, [](const Point& p) { return 0.02 + 0.1 * std::min(p[0] - 1, p[1] - 1); });
+  EXPECT_GT(ratio, 0.7);
+  EXPECT_LT(ratio, 1.2);
+}
+
+TEST(SizeFields, by_distance_to_a_face_with_an_opening_are_followed) {
+  preprocess::SizeByDistance sizes{.surface = tunnel(), .near = 0.02, .far = 0.5, .growth = 0.1};
+  const NeutralMesh mesh =
+      tetrahedralize(box({1.3, 1.3, 0}, {1.7, 1.7, 0.2}),
+                     {.size_field = std::make_shared<const preprocess::SizeField>(std::move(sizes))});
+  const double ratio = median_ratio(mesh, [](const Point& p) {
+    return 0.02 + 0.1 * std::min(std::min(p[0] - 1, 2 - p[0]), std::min(p[1] - 1, 2 - p[1]));
+  });
+  EXPECT_GT(ratio, 0.7);
+  EXPECT_LT(ratio, 1.2);
+}
+
 double rising(const Point& p) {
   return 0.1 + 0.1 * p[0];
 }

@@ -87,6 +87,63 @@ TEST(RepairSurface, fills_holes_that_touch_in_a_point) {
   EXPECT_GT(tried, 5u);
 }
 
+// Facets of more than three corners were cut as fans, which overlap where a facet is not convex.
+TEST(RepairSurface, keeps_facets_that_are_not_convex_as_they_are) {
+  for (std::ptrdiff_t first = 0; first < 6; ++first) {
+    const auto repaired = repair_surface(prism(l_outline(first)));
+    EXPECT_EQ(repaired.report.crossing_pairs, 0u) << first;
+    EXPECT_LE(repaired.report.farthest_new_from_old, repaired.report.distance_error) << first;
+    EXPECT_LE(repaired.report.farthest_old_from_new, repaired.report.distance_error) << first;
+    EXPECT_NEAR(filled_volume(repaired.surface), 3, 1e-9) << first;
+  }
+  const NeutralSurface u = prism({{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}});
+  EXPECT_NEAR(filled_volume(repair_surface(u).surface), 7, 1e-9);
+}
+
+// Every outline became a wall of its own, and the tunnel was closed.
+TEST(RepairSurface, keeps_the_openings_of_faces_open) {
+  const auto repaired = repair_surface(tunnel());
+  EXPECT_EQ(repaired.report.crossing_pairs, 0u);
+  EXPECT_NEAR(filled_volume(repaired.surface), 8, 1e-9);
+  EXPECT_TRUE(preprocess::find_faults(repaired.surface).empty());
+  const double wrapped = filled_volume(repair_surface(tunnel(), {.wrap = 0.05}).surface);
+  EXPECT_GT(wrapped, 8);
+  EXPECT_LT(wrapped, 8.8);
+}
+
+TEST(RepairSurface, keeps_an_outline_without_an_opening_closed) {
+  NeutralSurface plates = tunnel();
+  plates.openings.clear();
+  plates.facet_corners.resize(16);  // bottom and top, of two outlines each
+  plates.facet_offsets.resize(5);
+  plates.facet_faces.resize(4);
+  for (std::uint64_t i = 0; i < 4; ++i) {  // the sides of the box, not those of the tunnel
+    add_facet(plates, {i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i});
+    plates.facet_faces.push_back(2 + i);
+  }
+  EXPECT_NEAR(filled_volume(repair_surface(plates).surface), 9, 1e-9);
+}
+
+TEST(RepairSurface, refuses_a_face_whose_outlines_cross) {
+  NeutralSurface crossing = tunnel();
+  crossing.points[8] = {-1, 1, 0};  // a corner of the tunnel, now outside of the box
+  try {
+    repair_surface(crossing);
+    ADD_FAILURE() << "was repaired";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::invalid);
+    EXPECT_THAT(error.what(), HasSubstr("the outlines of facet 0 and of others in the same face cross"));
+  }
+}
+
+// CGAL crashed where it cuts facets along their crossings: two of them met in a point of a third.
+TEST(RepairSurface, lives_through_facets_that_overlap_and_meet_in_points) {
+  std::uint64_t crossing_pairs = 0;
+  for (std::ptrdiff_t first = 0; first < 6; ++first)
+    crossing_pairs += repair_surface(as_fans(prism(l_outline(first))), {.max_move = 1}).report.crossing_pairs;
+  EXPECT_GT(crossing_pairs, 6u) << "do the fans still cross?";
+}
+
 TEST(RepairSurface, joins_edges_that_lie_on_each_other) {
   NeutralSurface sphere;
   add_sphere(sphere, 1, 1);

@@ -40,6 +40,65 @@ inline NeutralSurface box(const Point& lo, const Point& hi) {
   return surface;
 }
 
+/// Prisms of height 1: their bottom and top are one facet each, of as many corners as the outline.
+inline NeutralSurface prism(const std::vector<std::array<double, 2>>& outline) {
+  NeutralSurface surface;
+  const std::uint64_t n = outline.size();
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : outline) surface.points.push_back({x, y, z});
+  for (std::uint64_t i = 0; i < n; ++i) surface.facet_corners.push_back(n - 1 - i);
+  surface.facet_offsets.push_back(n);
+  for (std::uint64_t i = 0; i < n; ++i) surface.facet_corners.push_back(n + i);
+  surface.facet_offsets.push_back(2 * n);
+  for (std::uint64_t i = 0; i < n; ++i) add_facet(surface, {i, (i + 1) % n, n + (i + 1) % n, n + i});
+  return surface;
+}
+
+/// A square of side 2 without a quarter, beginning at one of its six corners; volume 3 as a prism.
+inline std::vector<std::array<double, 2>> l_outline(std::ptrdiff_t first) {
+  std::vector<std::array<double, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  std::rotate(outline.begin(), outline.begin() + first, outline.end());
+  return outline;
+}
+
+/// Every facet cut into triangles that meet in its first corner, right or not.
+inline NeutralSurface as_fans(const NeutralSurface& surface) {
+  NeutralSurface fans;
+  fans.points = surface.points;
+  for (std::size_t f = 0; f + 1 < surface.facet_offsets.size(); ++f)
+    for (std::uint64_t i = surface.facet_offsets[f] + 2; i < surface.facet_offsets[f + 1]; ++i)
+      add_facet(fans, {surface.facet_corners[surface.facet_offsets[f]], surface.facet_corners[i - 1],
+                       surface.facet_corners[i]});
+  return fans;
+}
+
+/// A box of 3 x 3 x 1 with a tunnel of 1 x 1 through its middle: bottom and top are faces of two
+/// outlines, of which the inner one is open. Its volume is 8.
+inline NeutralSurface tunnel() {
+  NeutralSurface surface = prism({{0, 0}, {3, 0}, {3, 3}, {0, 3}});
+  const NeutralSurface inner = prism({{1, 1}, {2, 1}, {2, 2}, {1, 2}});
+  NeutralSurface all;
+  all.points = surface.points;
+  all.points.insert(all.points.end(), inner.points.begin(), inner.points.end());
+  const auto add = [&](const NeutralSurface& from, std::size_t facet, std::uint64_t first_point, std::uint64_t face) {
+    for (std::uint64_t i = from.facet_offsets[facet]; i < from.facet_offsets[facet + 1]; ++i)
+      all.facet_corners.push_back(first_point + from.facet_corners[i]);
+    all.facet_offsets.push_back(all.facet_corners.size());
+    all.facet_faces.push_back(face);
+  };
+  std::uint64_t face = 0;
+  for (std::size_t facet = 0; facet < 2; ++facet, ++face) {
+    add(surface, facet, 0, face);
+    add(inner, facet, surface.points.size(), face);
+    all.openings.push_back({face, {1.5, 1.5, static_cast<double>(facet)}});
+  }
+  for (std::size_t facet = 2; facet < 6; ++facet) {
+    add(surface, facet, 0, face++);
+    add(inner, facet, surface.points.size(), face++);
+  }
+  return all;
+}
+
 /// An octahedron whose triangles are quartered `rounds` times, its points on the sphere.
 inline void add_sphere(NeutralSurface& surface, double radius, int rounds, const Point& centre = {0, 0, 0}) {
   std::vector<Point> points{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};

@@ -119,8 +119,14 @@ TEST_F(VdbExport, replaces_nothing_and_leaves_nothing_behind_when_it_is_refused)
   pack_volume(volume_of<float>({2, 2, 2}, [](const Index3&) { return no_data; }), folder_ / "empty.rho");
   expect_refusal([&] { export_vdb(folder_ / "empty.rho", folder_ / "b.vdb"); }, ErrorCode::invalid,
                  {"no finite value"});
+  const Affine tiny{{1e-60, 0, 0}, {0, 1e-60, 0}, {0, 0, 1e-60}, {0, 0, 0}};
+  pack_volume(volume_of<float>(
+                  {2, 2, 2}, [](const Index3& s) { return static_cast<float>(s.x); }, tiny),
+              folder_ / "tiny.rho");
+  expect_refusal([&] { export_vdb(folder_ / "tiny.rho", folder_ / "b.vdb"); }, ErrorCode::unsupported,
+                 {"b.vdb: the axes"});
   EXPECT_EQ(read_file(folder_ / "a.vdb"), "precious");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4);
 }
 
 }  // namespace
