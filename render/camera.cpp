@@ -220,8 +220,8 @@ Camera fit_camera_to(std::span<const Vec3> points_world, const View& view, doubl
   }
   const bool is_free = !view.target;
   const double whole = std::tan(view.vertical_fov_deg / 2 * radians_per_degree);  // half the height at distance 1
-  const double share = is_free ? 1 - view.free_left - view.free_right : 1;
-  const double shift = is_free ? (view.free_right - view.free_left) * aspect / view.zoom : 0;
+  const double share = 1 - view.free_left - view.free_right;
+  const double shift = (view.free_right - view.free_left) * aspect / view.zoom;
   const Fit flat = fit_orthographic(points, aspect * share, is_free);
   Fit fit = flat;
   if (view.orthographic) {

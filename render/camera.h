@@ -59,11 +59,10 @@ struct View {
   double vertical_fov_deg = 30;
   bool orthographic = false;
   ViewAxes axes{};
-  /// The camera's target. Nothing: such that what is seen lies in the middle of the picture, or of
-  /// what is left of it.
+  /// The point in the middle of the picture less its free sides. Nothing: such that what is seen
+  /// lies in the middle.
   std::optional<Vec3> target{};
-  /// Shares of the picture's width that stay free at its sides. They have no effect on a camera
-  /// with a given target.
+  /// Shares of the picture's width that stay free at its sides.
   double free_left = 0, free_right = 0;
 };
 
@@ -76,9 +75,9 @@ inline constexpr double fitted_share = 0.9;
 
 /// Returns a camera that looks at points from `view`. At zoom 1 the points' bounding rectangle has
 /// 90 % of the width or height of the picture less its free sides, and at most that of the other.
-/// Without a given target it lies in the middle, up to rounding; with one, no point lies farther
-/// from the middle than 45 % of either. The up direction of the axes is up in the picture; for a
-/// view straight along it, their direction ahead is.
+/// Without a given target it lies in the middle of these, up to rounding; with one, no point lies
+/// farther from the middle than 45 % of either. The up direction of the axes is up in the picture;
+/// for a view straight along it, their direction ahead is.
 ///
 /// Where the nearest point alone sets the distance (a line of points, a tip), the eye keeps a tenth
 /// of the depth from it. Refuses no points, or numbers out of range (ErrorCode::usage).

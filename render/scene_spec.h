@@ -215,6 +215,7 @@ inline constexpr Interval<int> pixel_samples{1, 64};
 inline constexpr Interval<int> frames{1, 100000};
 inline constexpr Interval<double> angular_diameter_deg{0, 180};
 inline constexpr Interval<int> light_samples{1, 4096};
+inline constexpr Interval<std::size_t> drawn_text{1, 2000};  ///< characters of a text in the picture
 }  // namespace limits
 
 }  // namespace rhoray::render

@@ -36,8 +36,8 @@ extern template class Track<Vec3>;
 /// times from the first key to the last. What no key names stays as the document says.
 ///
 /// A camera of angles goes round the middle of what is shown at one distance, the nearest at which
-/// every frame fits it at zoom 1 (fit_camera). One of places is where they say. Zoom and the height
-/// of an orthographic picture follow their logarithms.
+/// every frame fits it at zoom 1, beside colour bar and legend (fit_camera). One of places is where
+/// they say. Zoom and the height of an orthographic picture follow their logarithms.
 class Sweep {
  public:
   /// Refuses fewer than 2 keys, times that do not rise, angles and places side by side, fields of
@@ -60,6 +60,7 @@ class Sweep {
   void check_isovalues(const ResolvedScene& plan) const;
   void set_isovalue(double isovalue, ResolvedScene& plan) const;
   void find_reach(ResolvedScene& plan);
+  void place_around(SceneSpec& scene_spec, ResolvedScene& plan) const;
 
   SceneSpec scene_spec_;
   std::vector<KeyframeSpec> keys_;

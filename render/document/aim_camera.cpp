@@ -16,7 +16,6 @@ namespace rhoray::render {
 
 namespace {
 
-constexpr double zoom_with_box = 0.9;  // numbers stand around it
 /// Width of a colour bar with numbers of five digits, or of a legend with a short word, as a share
 /// of the picture's height. Annotations of narrow pictures shrink: the height counts as at most 1.2
 /// times the width.
@@ -62,8 +61,7 @@ View view_of(const SceneSpec& scene_spec, const ResolvedScene& plan) {
   View view = named_view(spec.view.value_or("iso"), view_axes(scene_spec, plan));
   view.azimuth_deg = spec.azimuth_deg.value_or(view.azimuth_deg);
   view.elevation_deg = spec.elevation_deg.value_or(view.elevation_deg);
-  const bool has_box = plan.annotations.box.value_or(false);
-  view.zoom = spec.zoom.value_or(has_box && !spec.position ? zoom_with_box : view.zoom);
+  view.zoom = spec.zoom.value_or(spec.position ? view.zoom : default_zoom(plan));
   view.vertical_fov_deg = spec.fov_deg.value_or(view.vertical_fov_deg);
   view.orthographic = spec.orthographic_height ? true : spec.orthographic.value_or(false);
   return view;
@@ -103,6 +101,11 @@ ViewAxes view_axes(const SceneSpec& scene_spec, const ResolvedScene& plan) {
                                                                                    : ViewFrame::engineering_y_up);
 }
 
+double default_zoom(const ResolvedScene& plan) {
+  constexpr double zoom_with_box = 0.9;
+  return plan.annotations.box.value_or(false) ? zoom_with_box : View{}.zoom;
+}
+
 Shown what_is_shown(const ResolvedScene& plan, const Watch& watch) {
   Shown shown;
   for (const Layer& layer : plan.scene.layers) {
@@ -117,13 +120,13 @@ Shown what_is_shown(const ResolvedScene& plan, const Watch& watch) {
   return shown;
 }
 
-void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, const std::optional<Vec3>& target,
+void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, const std::optional<Vec3>& middle,
                   ResolvedScene& plan) {
   const CameraSpec& spec = scene_spec.camera;
   const bool is_document = !scene_spec.document.empty();
   at_place(root(scene_spec).at("camera"), [&] {
     View view = view_of(scene_spec, plan);
-    view.target = target;
+    view.target = middle;
 
     const double aspect = static_cast<double>(plan.frame.width) / plan.frame.height;
     keep_sides_free(plan.annotations, aspect, view);
@@ -137,7 +140,11 @@ void place_camera(const SceneSpec& scene_spec, const FindShown& find_shown, cons
     camera.target = spec.target.value_or(camera.target);
     camera.up = spec.up.value_or(camera.up);
     camera.orthographic_height = spec.orthographic_height.value_or(camera.orthographic_height);
+    if (spec.orthographic_height && spec.zoom)
+      plan.notes.push_back("zoom has no effect: the orthographic height is given");
     const Vec3 forward = camera.target - camera.position;
+    if (!std::isfinite(forward.length()))
+      throw Error(ErrorCode::usage, "the camera is too far from its target; expected a distance below 1e154");
     if (!(forward.cross(camera.up).length() > 0))
       throw Error(ErrorCode::usage, "the camera has no direction: position, target and up lie on one line",
                   is_document ? "give another \"up\" or \"target\"" : "give another --camera-up or --camera-target");
@@ -153,6 +160,11 @@ void place_lights(const SceneSpec& scene_spec, const FindShown& find_shown, Reso
   scene.occlusion = choose_occlusion(scene_spec, shown);
   scene.fog = choose_fog(scene_spec.effects.fog, scene.camera, scene.background, shown);
   for (const std::string& note : light_notes(scene, plan.datasets)) plan.notes.push_back(note);
+  const bool has_surface = std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) {
+    return layer.mode != Mode::mip && layer.mode != Mode::slice;
+  });
+  if (!has_surface && (scene_spec.lights || scene_spec.effects.occlusion))
+    plan.notes.push_back("lights and occlusion have no effect: no layer is a surface");
 }
 
 /// Rays of an eye inside data start on the side that the field has there.

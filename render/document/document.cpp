@@ -1,6 +1,7 @@
 #include "render/document.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -63,9 +64,9 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
 
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool key(string_t& name) override {
-    if (open_.back()->contains(name))
+    if (!open_.back().keys.insert(name).second)
       throw Error(ErrorCode::invalid, concat(here().at(name).text(), ": duplicate key"));
-    keys_.back() = name;
+    open_.back().key = name;
     return true;
   }
   bool end_object() override { return close(); }
@@ -80,24 +81,34 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   }
 
  private:
+  /// An object or an array that has not ended.
+  struct Level {
+    Json* value;
+    std::string key{};             ///< of an object: the last one
+    std::set<std::string> keys{};  ///< all so far: Json looks for a key among all others of its object
+  };
+
   /// Returns the place of the innermost object or array that has not ended.
   Place here() const {
     Place place{name_, {}};
-    for (std::size_t level = 0; level + 1 < open_.size(); ++level)
-      place = open_[level]->is_array() ? place.at(open_[level]->size() - 1) : place.at(keys_[level]);
+    for (std::size_t level = 0; level + 1 < open_.size(); ++level) {
+      const auto& [value, key, keys] = open_[level];
+      place = value->is_array() ? place.at(value->size() - 1) : place.at(key);
+    }
     return place;
   }
   /// Returns the place of the next value.
   Place next() const {
     if (open_.empty()) return {name_, {}};
-    return open_.back()->is_array() ? here().at(open_.back()->size()) : here().at(keys_.back());
+    const auto& [value, key, keys] = open_.back();
+    return value->is_array() ? here().at(value->size()) : here().at(key);
   }
 
   Json& add(Json value) {
     if (open_.empty()) return root_ = std::move(value);
-    if (!open_.back()->is_array()) return (*open_.back())[keys_.back()] = std::move(value);
-    open_.back()->push_back(std::move(value));
-    return open_.back()->back();
+    Json& parent = *open_.back().value;
+    if (parent.is_array()) return parent.emplace_back(std::move(value));
+    return parent.get_ref<Json::object_t&>().emplace_back(open_.back().key, std::move(value)).second;
   }
   bool put(Json value) {
     add(std::move(value));
@@ -106,21 +117,17 @@ class TreeMaker final : public nlohmann::json_sax<Json> {
   bool open(Json value) {
     if (open_.size() == most_levels)
       throw Error(ErrorCode::invalid, concat(next().text(), ": nested deeper than ", most_levels, " levels"));
-    Json& added = add(std::move(value));
-    open_.push_back(&added);
-    keys_.emplace_back();
+    open_.push_back({&add(std::move(value))});
     return true;
   }
   bool close() {
     open_.pop_back();
-    keys_.pop_back();
     return true;
   }
 
   const std::string& name_;
   Json root_;
-  std::vector<Json*> open_;  ///< outermost first; what is open is not moved
-  std::vector<std::string> keys_;
+  std::vector<Level> open_;  ///< outermost first; what is open is not moved
 };
 
 /// JSON of at most 16 levels, in which no object has a key twice and every number is finite.

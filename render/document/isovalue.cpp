@@ -32,6 +32,14 @@ std::string alternatives_text(const formats::AutomaticIsovalue& chosen) {
   return concat(text, text.empty() ? "" : "; ", "Otsu's threshold ", rounded(chosen.otsu_threshold, digits));
 }
 
+/// "to within 40, a bin of the histogram", where one bin has more than 5 % of the values around a
+/// percentile; else empty.
+std::string coarse_text(const formats::FieldSummary& field, double share) {
+  const double error = formats::percentile_error(field);
+  const double width = formats::percentile(field, share + 0.025) - formats::percentile(field, share - 0.025);
+  return width < error ? concat("to within ", rounded(error, 2), ", a bin of the histogram") : std::string();
+}
+
 }  // namespace
 
 Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& field) {
@@ -58,7 +66,7 @@ Isovalue choose_isovalue(const std::string& text, const formats::FieldSummary& f
   if (is_percentile) {
     if (!(value >= 0 && value <= 100))
       throw Error(ErrorCode::usage, concat("--iso ", text, ": percentiles run from 0 to 100"));
-    return {formats::percentile(field, value / 100), concat("percentile ", value)};
+    return {formats::percentile(field, value / 100), concat("percentile ", value), coarse_text(field, value / 100)};
   }
   if (!field.range.contains(value))
     throw Error(ErrorCode::usage, concat("isovalue ", value, " is outside the range ", range_text(field)),

@@ -71,6 +71,10 @@ void plan_annotations(const SceneSpec& scene_spec, ResolvedScene& plan) {
       throw Error(ErrorCode::usage, scene_spec.document.empty() ? concat("--", key, ": ", fact) : fact);
     });
   };
+  // Documents were checked when they were read.
+  const std::size_t characters = character_count(plan.annotations.caption);
+  if (characters > limits::drawn_text.hi)
+    refuse("caption", concat("found ", characters, " characters; expected at most ", limits::drawn_text.hi));
   if (plan.annotations.color_bar && !shows_values(plan)) refuse("colorbar", "nothing here is coloured by a field");
   const bool can_have_legend = !plan.page && std::any_of(layers.begin(), layers.end(), [&](const Layer& layer) {
     return has_own_color(plan, layer);

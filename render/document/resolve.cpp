@@ -1,9 +1,11 @@
 #include "render/document/resolve.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "formats/base/error.h"
+#include "formats/base/number_text.h"
 #include "render/document/clip.h"
 #include "render/document/feature_edges.h"
 #include "render/document/layer_data.h"
@@ -217,18 +219,32 @@ class LayerPlanner {
     plan_.origins.back().is_context = true;
   }
 
+  /// An isovalue that equals an earlier one is left out: two surfaces at one place would be blended
+  /// twice.
   void add_isosurfaces(std::size_t index, const Layer& layer) {
     const std::vector<std::string>& isovalues = scene_spec_.layers[index].isovalues;
+    if (isovalues.size() > most_layers) refuse_many_layers();
     const Dataset& dataset = plan_.datasets[layer.dataset];
+    std::set<double> taken;
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
       if (is_outside(isovalues[i], dataset.field())) {
         outside_.push_back({index, i, layer.dataset});
         continue;
       }
       const Isovalue isovalue = chosen(index, i, dataset);
+      if (!taken.insert(isovalue.value).second) {
+        note_equal_isovalue(index, i, isovalue);
+        continue;
+      }
       put(index, layer, isovalue);
       plan_.scene.layers.back().isovalue = isovalue.value;
     }
+  }
+
+  void note_equal_isovalue(std::size_t index, std::size_t i, const Isovalue& isovalue) {
+    const std::string where = scene_spec_.document.empty() ? "--iso" : isovalue_place(index, i).text();
+    plan_.notes.push_back(concat(where, ": isovalue ", isovalue.value, " (", isovalue.from,
+                                 ") equals an earlier one; the layer is left out"));
   }
 
   void add_projection(std::size_t index, const Layer& layer) {
@@ -244,6 +260,17 @@ class LayerPlanner {
       if (spec.colormap == named.name) projection.map = named.map;
     projection.scale = color_scale(spec);
     projection.window = color_range(spec, field, projected_window(field), layer_place(scene_spec_, index));
+    if (!spec.range) note_coarse_range(projection.window, field);
+  }
+
+  /// Where a few values are far away, nearly all lie in one bin of the histogram.
+  void note_coarse_range(const Interval<double>& range, const formats::FieldSummary& field) {
+    const double error = formats::percentile_error(field), width = range.hi - range.lo;
+    if (!(width > 0 && width < 2 * error) || range == field.range) return;
+    plan_.notes.push_back(concat("field '", field.name, "': most values lie in one bin of the histogram; the range ",
+                                 rounded_within(width, range.lo), " to ", rounded_within(width, range.hi),
+                                 " is known to within ", rounded(error, 2), " only; ",
+                                 scene_spec_.document.empty() ? "--range" : "\"range\"", " sets another"));
   }
 
   void put(std::size_t index, const Layer& layer, const Isovalue& isovalue) {
@@ -253,9 +280,14 @@ class LayerPlanner {
                              .isovalue_from = isovalue.from,
                              .is_context = false,
                              .isovalue_alternatives = isovalue.alternatives});
-    if (plan_.origins.size() > most_layers)
-      at_place(root(scene_spec_).at("layers"),
-               [] { throw Error(ErrorCode::usage, concat("more than ", most_layers, " layers and isovalues")); });
+    if (plan_.origins.size() > most_layers) refuse_many_layers();
+  }
+
+  [[noreturn]] void refuse_many_layers() const {
+    const Place place = root(scene_spec_).at("layers");
+    throw Error(scene_spec_.document.empty() ? ErrorCode::usage : ErrorCode::invalid,
+                concat(scene_spec_.document.empty() ? "" : place.text() + ": ", "more than ", most_layers,
+                       " layers and isovalues"));
   }
 
   Place isovalue_place(std::size_t index, std::size_t i) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "formats/base/error.h"
 #include "formats/base/text.h"
@@ -60,6 +61,13 @@ const char* angle_in(const KeyframeSpec& key) {
 }
 const char* place_in(const KeyframeSpec& key) {
   return key.position ? "position" : key.target ? "target" : key.up ? "up" : nullptr;
+}
+
+/// Lets the height of an orthographic picture be fitted, and returns the one that was given.
+std::optional<double> take_height(CameraSpec& camera) {
+  const std::optional<double> height = std::exchange(camera.orthographic_height, std::nullopt);
+  if (height) camera.orthographic = true;
+  return height;
 }
 
 Place keys_place(const SceneSpec& scene_spec) {
@@ -222,6 +230,7 @@ void Sweep::find_reach(ResolvedScene& plan) {
   for (int frame = 0; frame < frame_count_; frame += step) {
     SceneSpec scene_spec = spec_at(time_of(frame));
     scene_spec.camera.zoom = 1;
+    take_height(scene_spec.camera);
     place_camera(
         scene_spec, [&]() -> const Shown& { return *shown_; }, shown_->box.center(), plan);
     const Camera& camera = plan.scene.camera;
@@ -239,17 +248,32 @@ void Sweep::plan_frame(int frame, ResolvedScene& plan) {
   SceneSpec scene_spec = spec_at(time);
   if (!isovalue_.is_empty()) set_isovalue(isovalue_.at(time), plan);
   const FindShown find_shown = [&]() -> const Shown& { return *shown_; };
-  CameraSpec& said = scene_spec.camera;
-  if (!said.position && !said.target && !said.up) {
-    place_camera(scene_spec, find_shown, shown_->box.center(), plan);
-    const Camera& camera = plan.scene.camera;
-    said.position = camera.target + (camera.position - camera.target).normalized() * distance_;
-    said.target = camera.target;
-    said.up = camera.up;
-    if (camera.orthographic && !said.orthographic_height)
-      said.orthographic_height = orthographic_height_ / said.zoom.value_or(1);
-  }
+  const CameraSpec& camera = scene_spec.camera;
+  if (!camera.position && !camera.target && !camera.up) place_around(scene_spec, plan);
   aim_camera(scene_spec, find_shown, plan);
+}
+
+/// Gives a camera of angles its position: the direction and the free sides of one that is fitted to
+/// this frame, at the distance of all frames.
+void Sweep::place_around(SceneSpec& scene_spec, ResolvedScene& plan) const {
+  CameraSpec& said = scene_spec.camera;
+  const std::optional<double> height = take_height(said), zoom = said.zoom;
+  said.zoom = zoom.value_or(default_zoom(plan));
+  const Vec3 middle = shown_->box.center();
+  place_camera(
+      scene_spec, [&]() -> const Shown& { return *shown_; }, middle, plan);
+  const Camera& fitted = plan.scene.camera;
+  const Vec3 to_eye = fitted.position - fitted.target;
+  // The middle is beside the target by a share of the picture's width there.
+  double scale = distance_ / to_eye.length();
+  if (fitted.orthographic) {
+    said.orthographic_height = height.value_or(orthographic_height_ / *said.zoom);
+    scale = *said.orthographic_height / fitted.orthographic_height;
+    said.zoom = height ? zoom : std::nullopt;
+  }
+  said.target = middle + (fitted.target - middle) * scale;
+  said.position = *said.target + to_eye.normalized() * distance_;
+  said.up = fitted.up;
 }
 
 std::optional<std::filesystem::path> numbered(const std::filesystem::path& pattern, int number) {

@@ -413,7 +413,7 @@ const std::vector<Row<AxesSpec>>& axes_rows() {
 
 const std::vector<Row<ColorBarSpec>>& color_bar_rows() {
   static const std::vector<Row<ColorBarSpec>> rows{
-      row("title", &ColorBarSpec::title, text_value(),
+      row("title", &ColorBarSpec::title, drawn_text_value(),
           "Title of every bar; default the field's name and unit, or the quantity of the heat map"),
       row("position", &ColorBarSpec::position, word_value({"left", "right"}),
           "Side of the picture; default \"right\"")};
@@ -433,8 +433,9 @@ const std::vector<Row<AnnotationsSpec>>& annotation_rows() {
       row("legend", &AnnotationsSpec::legend, yes_or_no(),
           "Colours and values or labels of the surfaces; default true with labels, and if a layer with several "
           "isovalues names no colour"),
-      row("caption", &AnnotationsSpec::caption, text_value(),
-          "Caption below the picture, in lines of the picture's width")};
+      row("caption", &AnnotationsSpec::caption, drawn_text_value(),
+          "Caption below the picture, in lines of the picture's width; if they do not fit, the last one ends in "
+          "\"...\"")};
   return rows;
 }
 

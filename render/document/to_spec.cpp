@@ -61,7 +61,7 @@ SceneSpec to_spec(const ResolvedScene& plan) {
       spec.type = LayerType::mip;
       spec.colormap = word_of(layer.map);
       say_scale(layer.scale, spec);
-      spec.range = layer.window;
+      if (layer.window.lo < layer.window.hi) spec.range = layer.window;  // else that of a constant field, as without
     } else {
       if (layer.mode == Mode::isosurface)
         spec.isovalues = {concat(layer.isovalue)};

@@ -136,6 +136,11 @@ void read_value(const std::string& text, Background& out) {
   if (text != "none") read_value(text, out.color.emplace());
 }
 
+std::size_t character_count(std::string_view text) {
+  const auto is_first_byte = [](char byte) { return (static_cast<unsigned char>(byte) & 0xc0) != 0x80; };
+  return static_cast<std::size_t>(std::ranges::count_if(text, is_first_byte));
+}
+
 Place Place::at(std::string_view key) const {
   Place place = *this;
   place.pointer += '/';
@@ -217,6 +222,20 @@ ValueKind<std::string> text_value() {
         return json.get<std::string>();
       },
       [](const std::string& text) { return text.empty() ? Json() : Json(text); });
+}
+
+ValueKind<std::string> drawn_text_value() {
+  const ValueKind<std::string> text = text_value();
+  Json schema = text.schema();
+  schema["maxLength"] = limits::drawn_text.hi;
+  return parsed<std::string>(
+      concat("a string of ", limits::drawn_text.lo, " to ", limits::drawn_text.hi, " characters"), std::move(schema),
+      [](const Json& json) -> std::optional<std::string> {
+        if (!json.is_string()) return std::nullopt;
+        const std::string found = json.get<std::string>();
+        return limits::drawn_text.contains(character_count(found)) ? std::optional(found) : std::nullopt;
+      },
+      text.write);
 }
 
 ValueKind<Vec3> vector_value() {
@@ -302,6 +321,9 @@ ValueKind<std::filesystem::path> file_value() {
           .read =
               [](const Json& json, const Reading& at) {
                 if (!json.is_string() || json.get<std::string>().empty()) at.place.refuse(json, "a file name");
+                // The system would end the name there and open another file.
+                if (json.get_ref<const std::string&>().find('\0') != std::string::npos)
+                  at.place.refuse(json, "a file name without the character NUL");
                 const std::filesystem::path name = json.get<std::string>();
                 if (at.files == FileNames::for_caller) return name;
                 const std::filesystem::path file = name.is_absolute() || at.folder.empty() ? name : at.folder / name;

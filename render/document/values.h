@@ -53,6 +53,9 @@ auto at_place(const Place& place, const Act& act) {
 /// A value as messages show it: short, and on one line.
 std::string found_text(const Json& value);
 
+/// Counts the code points of a UTF-8 text.
+std::size_t character_count(std::string_view text);
+
 /// A document being read: where we are, and what goes on beside.
 struct Reading {
   Place place;
@@ -82,6 +85,8 @@ ValueKind<double> number_from_zero();
 ValueKind<int> whole_number_within(const Interval<int>& limits);
 ValueKind<bool> yes_or_no();
 ValueKind<std::string> text_value();
+/// A text that is drawn in the picture, of limits::drawn_text characters.
+ValueKind<std::string> drawn_text_value();
 ValueKind<Vec3> vector_value();
 /// A vector that is not 0.
 ValueKind<Vec3> direction_value();
@@ -120,10 +125,12 @@ Row<Object> row(std::string key, Member Object::*member, ValueKind<T> kind, std:
           .read = [member, read = kind.read](const Json& json, const Reading& at,
                                              Object& out) { out.*member = read(json, at); },
           .write = [member, write = kind.write](const Object& object) -> Json {
-            if constexpr (std::is_same_v<Member, T>)
-              return write(object.*member);
-            else
-              return object.*member ? write(*(object.*member)) : Json();
+            if constexpr (std::is_same_v<Member, T>) {
+              Json json = write(object.*member);
+              return json.is_object() && json.empty() ? Json() : json;
+            } else {
+              return object.*member ? write(*(object.*member)) : Json();  // {} may ask for an effect
+            }
           }};
 }
 
@@ -193,10 +200,7 @@ ValueKind<Object> object_value(const std::vector<Row<Object>>& rows) {
   return {.expected = "an object",
           .schema = [&rows] { return schema_of(rows); },
           .read = [&rows](const Json& json, const Reading& at) { return read_object(json, at, rows); },
-          .write = [&rows](const Object& object) -> Json {
-            Json json = write_object(object, rows);
-            return json.empty() ? Json() : json;
-          }};
+          .write = [&rows](const Object& object) { return write_object(object, rows); }};
 }
 
 /// Objects of one kind. Where there must be some, a list without any is not written.

@@ -116,6 +116,23 @@ TEST(FitCamera, shows_all_around_a_given_target) {
     }
 }
 
+TEST(FitCamera, shows_a_given_target_in_the_middle_of_what_its_free_sides_leave) {
+  const std::array<Vec3, 4> points{Vec3(0, 0, 0), {5, 1, 0}, {0, 2, 1}, {1, 1, 4}};
+  for (const bool orthographic : {false, true})
+    for (const double right : {0.0, 0.2}) {
+      const Vec3 target(1, 1, 1);
+      const View view{.orthographic = orthographic, .target = target, .free_left = 0.1, .free_right = right};
+      const Camera camera = fit_camera_to(points, view, 1.5);
+      // In a picture of 2 by 2, what is left begins at -0.8 and ends at 1 - 2 * right.
+      const double half = 0.9 - right, middle = -0.8 + half;
+      const auto [x, y] = place_in_picture(camera, 1.5, target);
+      EXPECT_NEAR(x, middle, 1e-9);
+      EXPECT_NEAR(y, 0, 1e-9);
+      const Box3 seen = rectangle_around(camera, 1.5, points);
+      EXPECT_NEAR(std::max({(seen.max.x - x) / half, (x - seen.min.x) / half, seen.max.y, -seen.min.y}), 0.9, 1e-9);
+    }
+}
+
 TEST(FitCamera, zooms_by_the_given_factor) {
   const Box3 box({0, 0, 0}, {2, 3, 4});
   for (const bool orthographic : {false, true}) {

@@ -58,6 +58,30 @@ TEST(Ticks, are_in_the_range_evenly_and_never_too_many) {
       }
 }
 
+TEST(Ticks, have_labels_that_tell_them_apart) {
+  EXPECT_THAT(texts(ticks_of({0, 2e5}, 5)), ElementsAre("0", "5.0e+04", "1.0e+05", "1.5e+05", "2.0e+05"));
+  EXPECT_THAT(texts(ticks_of({1e6, 1000023.5}, 2)), ElementsAre("1.00000e+06", "1.00002e+06"));
+  for (const double lo : {0.0, -1.0, 10.0})
+    for (const int power : {-8, -6, -2, 0, 4, 5, 8, 300})
+      for (double hi = 1; hi < 10; hi += 0.7)
+        for (const int most : {2, 5, 9}) {
+          const double unit = std::pow(10, power);
+          const std::vector<Tick> ticks = ticks_of({lo * unit, (lo + hi) * unit}, most);
+          for (std::size_t i = 1; i < ticks.size(); ++i) {
+            const double step = ticks[i].value - ticks[i - 1].value;
+            std::string text = ticks[i].text;
+            for (std::size_t at; (at = text.find("\u2212")) != std::string::npos;) text.replace(at, 3, "-");
+            EXPECT_NEAR(std::strtod(text.c_str(), nullptr), ticks[i].value, step / 1000) << ticks[i].text;
+          }
+        }
+}
+
+TEST(Ticks, end_where_no_number_tells_the_step) {
+  EXPECT_EQ(ticks_of({5e-323, 5e-322}, 5).size(), 1U);
+  EXPECT_EQ(ticks_of({-1e308, 1e308}, 5).size(), 1U);
+  EXPECT_EQ(ticks_of({1e-300, 3e-300}, 5).size(), 5U);
+}
+
 TEST(LogTicks, stand_at_powers_of_ten) {
   const auto labels = [](const Interval<double>& range, int most) {
     std::vector<std::string> all;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "tests/tools/workbench.h"
 #include "tools/analysis/heat_map.h"
 #include "tools/analysis/picture_difference.h"
+#include "tools/pictures/pictures.h"
 
 namespace rhoray::tests {
 namespace {
@@ -19,13 +21,13 @@ using tools::difference_of;
 using tools::StoredPicture;
 using Json = nlohmann::json;
 
-StoredPicture two_by_one(std::vector<std::string> channels, std::vector<float> numbers) {
+StoredPicture two_by_one(std::vector<std::string> channels, std::vector<double> numbers) {
   return {.width = 2, .height = 1, .channels = std::move(channels), .numbers = std::move(numbers)};
 }
 
 TEST(PictureDifference, is_what_can_be_counted_by_hand) {
-  const auto difference = difference_of(two_by_one({"R", "G"}, {0, 0.5f, 1, 0.25f}),
-                                        two_by_one({"R", "G"}, {0, 0.5f, 0.5f, 0.5f}), "a", "b");
+  const auto difference =
+      difference_of(two_by_one({"R", "G"}, {0, 0.5, 1, 0.25}), two_by_one({"R", "G"}, {0, 0.5, 0.5, 0.5}), "a", "b");
   EXPECT_EQ(difference.differing, 1u);
   EXPECT_EQ(difference.largest.size, 0.5);
   EXPECT_EQ(difference.largest.channel, "R");
@@ -49,7 +51,7 @@ TEST(PictureDifference, takes_the_channels_that_both_have_by_name) {
 }
 
 TEST(PictureDifference, takes_the_same_number_that_is_not_finite_as_equal_and_others_as_infinitely_far) {
-  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const auto same = difference_of(two_by_one({"Z"}, {nan, infinity}), two_by_one({"Z"}, {nan, infinity}), "a", "b");
   EXPECT_EQ(same.differing, 0u);
   EXPECT_EQ(same.root_mean_square, 0);
@@ -137,6 +139,31 @@ TEST(CompareCommand, ends_with_6_if_a_channel_is_in_one_picture_only) {
     EXPECT_THAT(refused.err, HasSubstr("b.exr: has the channel Z, which a.exr has not"));
     EXPECT_EQ(bench.rhoray({"compare", one, other}).exit_code, 0);
   }
+}
+
+/// An EXR with these cells and costs in two pixels.
+void write_counts(const std::filesystem::path& path, const std::vector<std::uint64_t>& cells,
+                  const std::vector<std::uint32_t>& costs) {
+  render::Framebuffer picture(2, 1, {.cell = true, .cost = true});
+  picture.cell = cells, picture.cost = costs;
+  tools::write_picture(picture, {}, path, true);
+}
+
+/// OpenImageIO reads 32-bit integers as shares of 2^32 - 1, and their differences were below any
+/// limit.
+TEST(CompareCommand, compares_whole_numbers_of_exr_files_as_they_are) {
+  const Workbench bench;
+  write_counts(bench / "a.exr", {25'970'693, 7}, {40, 41});
+  write_counts(bench / "b.exr", {25'970'693, 7}, {40, 42});
+  const RunResult cost = bench.rhoray({"compare", "a.exr", "b.exr", "--fail", "0.5"});
+  EXPECT_EQ(cost.exit_code, 6) << cost.err;
+  EXPECT_THAT(cost.out, HasSubstr("largest difference  1: cost at (1, 0), 41 and 42\n"));
+  EXPECT_EQ(bench.rhoray({"compare", "a.exr", "b.exr", "--fail", "1"}).exit_code, 0);
+  // Floats cannot tell these cells apart.
+  write_counts(bench / "c.exr", {25'970'694, 7}, {40, 41});
+  const RunResult cell = bench.rhoray({"compare", "a.exr", "c.exr", "--fail", "0"});
+  EXPECT_EQ(cell.exit_code, 6) << cell.err;
+  EXPECT_THAT(cell.out, HasSubstr("largest difference  1: cell at (0, 0), 25970693 and 25970694\n"));
 }
 
 TEST(CompareCommand, says_what_is_wrong_with_its_words_and_files) {

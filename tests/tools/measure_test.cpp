@@ -49,6 +49,21 @@ TEST(Measure, finds_half_spaces_to_rounding) {
   EXPECT_EQ(found.crossed_cells, 4U * 5);
 }
 
+/// Cells whose corners all are the isovalue, as inside a mask, lie inside.
+TEST(Measure, takes_plateaus_at_the_isovalue_as_inside) {
+  const TemporaryFolder folder;
+  const auto flat = packed_grid(folder, {4, 4, 4}, {}, [](const Vec3&) { return 3; });
+  EXPECT_EQ(measured(flat, 3).volume, 27);
+  EXPECT_LE(measured(flat, 3).volume_error, 1e-9);
+  EXPECT_EQ(measured(flat, std::nextafter(3, 4)).volume, 0);
+  const auto mask = packed_grid(folder, {7, 7, 7}, {}, [](const Vec3& p) {
+    return std::min({p.x, p.y, p.z}) >= 1 && std::max({p.x, p.y, p.z}) <= 5 ? 1 : 0;
+  });
+  const Enclosed found = measured(mask, 1);
+  EXPECT_LE(std::abs(found.volume - 64), found.volume_error);
+  EXPECT_LE(found.volume_error, 1) << "only of the cells around";
+}
+
 /// In one cell with f = x y, f is at least c in a volume of 1 - c + c ln c.
 TEST(Measure, encloses_the_volume_of_a_trilinear_cell) {
   const TemporaryFolder folder;

@@ -72,6 +72,8 @@ std::vector<Mistake> mistakes() {
       {with("data", R"({"ball": "ball.rho"})"), "s.json: /data/ball: found \"ball.rho\"; expected an object"},
       {with("data", R"({"a/b": {}})"), "s.json: /data/a~1b: has no \"file\"; expected a file name"},
       {with("data", R"({"ball": {"file": ""}})"), "s.json: /data/ball/file: found \"\"; expected a file name"},
+      {with("data", R"({"ball": {"file": "ball.rho\u0000.txt"}})"),
+       "s.json: /data/ball/file: found \"ball.rho\\u0000.txt\"; expected a file name without the character NUL"},
       {with("data", R"({"ball": {"file": "bal.rho"}})"), "s.json: /data/ball/file: bal.rho: no such file",
        "did you mean ball.rho?", 3},
       {with("data", R"({"ball": {"file": "ball.rho", "field": "bone"}})"),
@@ -269,6 +271,8 @@ std::vector<Mistake> mistakes() {
       {with_layer(R"("clip": "no")"), "s.json: /layers/1/clip: found \"no\"; expected true or false"},
 
       // camera
+      {with("camera", R"({"position": [1e308, 0, 0]})"),
+       "s.json: /camera: the camera is too far from its target; expected a distance below 1e154"},
       {with("camera", "[]"), "s.json: /camera: found []; expected an object"},
       {with("camera", R"({"view": "nowhere"})"), "s.json: /camera/view: found \"nowhere\"; " + views},
       {with("camera", R"({"elevation": 91})"), "s.json: /camera/elevation: found 91; expected a number from -90 to 90"},
@@ -312,7 +316,14 @@ std::vector<Mistake> mistakes() {
       {with("annotations", R"({"axes": {"corner": "lfet"}})"),
        "s.json: /annotations/axes/corner: found \"lfet\"; expected one of \"left\", \"right\"", "did you mean left?"},
       {with("annotations", R"({"box": {}})"), "s.json: /annotations/box: found an object; expected true or false"},
-      {with("annotations", R"({"caption": ""})"), "s.json: /annotations/caption: found \"\"; expected a string"},
+      {with("annotations", R"({"caption": ""})"),
+       "s.json: /annotations/caption: found \"\"; expected a string of 1 to 2000 characters"},
+      {with("annotations", concat(R"({"caption": ")", std::string(2001, 'a'), "\"}")),
+       concat("s.json: /annotations/caption: found \"", std::string(37, 'a'),
+              "...\"; expected a string of 1 to 2000 characters")},
+      {with("annotations", concat(R"({"colorbar": {"title": ")", std::string(2001, 'a'), "\"}}")),
+       concat("s.json: /annotations/colorbar/title: found \"", std::string(37, 'a'),
+              "...\"; expected a string of 1 to 2000 characters")},
       {with("annotations", R"({"colorbar": {"position": "top"}})"),
        "s.json: /annotations/colorbar/position: found \"top\"; expected one of \"left\", \"right\""},
       {with("annotations", R"({"colorbar": true})"),
@@ -345,6 +356,24 @@ TEST_F(SceneDocument, refuses_what_is_too_large) {
   const std::string many = concat(R"({"type": "isosurface", "isovalue": [)", isovalues, "]}");
   EXPECT_EQ(answer_to(with("layers", concat("[", many, ",", many, "]"))).fact,
             "s.json: /layers: more than 254 layers and isovalues");
+  std::string equal = "100";
+  for (int i = 1; i < 255; ++i) equal += ",100";
+  EXPECT_EQ(answer_to(with_layer(concat("\"isovalue\": [", equal, "]"))).fact,
+            "s.json: /layers: more than 254 layers and isovalues");
+}
+
+/// The library looks for each key among all before it: these took more than a minute.
+TEST_F(SceneDocument, may_have_a_hundred_thousand_keys_in_one_object) {
+  std::string text = with("accuracy", "\"double\"");
+  text.pop_back();
+  for (int i = 0; i < 100'000; ++i) text += concat(", \"key ", i, "\": 0");
+  EXPECT_EQ(render::read_scene(text + "}", "s.json", bench().path()).warnings.size(), 100'000U);
+  try {
+    render::read_scene(text + ", \"key 70000\": 1}", "s.json", bench().path());
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "s.json: /key 70000: duplicate key");
+  }
 }
 
 TEST_F(SceneDocument, warns_of_unknown_keys_with_the_nearest_one) {

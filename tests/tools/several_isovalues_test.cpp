@@ -98,6 +98,32 @@ TEST_F(SeveralIsovalues, of_which_one_is_shown_look_like_one) {
   EXPECT_FALSE(rest.contains("annotations"));
 }
 
+TEST_F(SeveralIsovalues, that_are_equal_make_one_surface) {
+  const nlohmann::json one = scene_of({"ball.rho", "--iso", "100"}), equal = scene_of({"ball.rho", "--iso", "100,100"});
+  EXPECT_EQ(equal["layers"], one["layers"]);
+  EXPECT_FALSE(equal.contains("annotations"));
+  EXPECT_EQ(scene_of({"ball.rho", "--iso", "40,80,40,p50,80,p50"})["layers"],
+            scene_of({"ball.rho", "--iso", "40,80,p50"})["layers"]);
+  EXPECT_EQ(scene_of({"ball.rho", "--iso", "0,-0"})["layers"].size(), 1U);
+}
+
+TEST_F(SeveralIsovalues, that_are_equal_are_drawn_once_with_a_note) {
+  const auto draw = [&](const std::string& isovalues, const std::string& picture) {
+    return bench_.rhoray({"render", "ball.rho", "--iso", isovalues, "--opacity", "0.5", "--surface-color", "1,0,0",
+                          "--size", "60x50", "-o", picture});
+  };
+  ASSERT_EQ(draw("100", "one.png").exit_code, 0);
+  const RunResult equal = draw("100,100", "two.png");
+  EXPECT_EQ(equal.exit_code, 0) << equal.err;
+  EXPECT_THAT(equal.err, HasSubstr("note: --iso: isovalue 100 (given) equals an earlier one; the layer is left out\n"));
+  EXPECT_EQ(bench_.rhoray({"compare", "one.png", "two.png", "--fail", "0"}).exit_code, 0);
+  write_file(bench_ / "s.json", R"({"data": {"b": {"file": "ball.rho"}}, "image": {"size": [60, 50]},
+                                    "layers": [{"type": "isosurface", "isovalue": [40, "p50", "p50"]}]})");
+  const RunResult document = bench_.rhoray({"render", "s.json"});
+  EXPECT_THAT(document.err, HasSubstr("note: s.json: /layers/0/isovalue/2: isovalue "));
+  EXPECT_THAT(document.err, HasSubstr(" (percentile 50) equals an earlier one; the layer is left out\n"));
+}
+
 TEST_F(SeveralIsovalues, have_a_legend_that_an_option_switches) {
   EXPECT_EQ(scene_of({"ball.rho", "--iso", "40,80", "--legend", "off"})["annotations"]["legend"], false);
   EXPECT_EQ(scene_of({"ball.rho", "--iso", "40", "--legend", "on"})["annotations"]["legend"], true);

@@ -10,6 +10,7 @@
 #include "render/document.h"
 #include "tests/tools/workbench.h"
 #include "tools/pictures/pictures.h"
+#include "tools/pictures/projection.h"
 #include "tools/rhoray/data_choice.h"
 
 /// Cameras and isovalues that move from key frame to key frame.
@@ -132,6 +133,44 @@ TEST_F(SweepCommand, keeps_one_distance_from_which_every_frame_shows_all) {
     aim_camera(sweep.spec_at(sweep.time_of(frame)), alone);
     EXPECT_LE((alone.scene.camera.position - alone.scene.camera.target).length(), distance * (1 + 1e-12));
   }
+}
+
+/// Frames had no room for the numbers of the box, and the colour bar stood over what is shown.
+TEST_F(SweepCommand, leaves_the_room_around_what_is_shown_that_a_still_picture_leaves) {
+  const auto document = [](const std::string& camera, const std::string& annotations) {
+    return concat(R"({"data": {"data": {"file": "ball.rho"}}, "layers": [{"type": "mip"}],
+      "image": {"size": [48, 36]}, "camera": {"elevation": 20, "azimuth": 0)",
+                  camera, R"(}, "annotations": )", annotations, "}");
+  };
+  const std::string keys = R"(, "keyframes": [{"time": 0, "azimuth": 0}, {"time": 1, "azimuth": 70}])";
+  for (const std::string annotations :
+       {"{}", R"({"box": true})", R"({"colorbar": true})", R"({"box": true, "colorbar": {"position": "left"}})"})
+    for (const std::string camera : {"", R"(, "ortho": true)", R"(, "zoom": 1.5)", R"(, "ortho": true, "zoom": 1.5)"}) {
+      SCOPED_TRACE(annotations + camera);
+      const render::SceneSpec still =
+          render::read_scene(document(camera, annotations), "still", bench().path()).scene_spec;
+      render::ResolvedScene picture = resolve_layers(still);
+      aim_camera(still, picture);
+      render::SceneSpec film =
+          render::read_scene(document(camera + keys, annotations), "film", bench().path()).scene_spec;
+      film.image.frames = 3;
+      render::Sweep sweep(film);
+      render::ResolvedScene frame = resolve_layers(sweep.spec_at(0));
+      sweep.plan_frame(0, frame);
+      EXPECT_EQ(frame.notes, picture.notes);
+      const render::Camera &of_still = picture.scene.camera, &of_film = frame.scene.camera;
+      EXPECT_EQ(of_film.orthographic, of_still.orthographic);
+      if (!of_film.orthographic) {
+        EXPECT_NEAR(of_film.vertical_fov_deg, of_still.vertical_fov_deg, 1e-12);
+      }
+      EXPECT_GE(of_film.orthographic_height, of_still.orthographic_height * (1 - 1e-12));
+      EXPECT_LT(of_film.orthographic_height, of_still.orthographic_height * 1.3) << "frames of 70 degrees need more";
+      // The middle is at the same place of both pictures, less perspective.
+      const Vec3 middle = picture.datasets[0].bounds().center();
+      const double x_still = tools::Projection(of_still, 480, 360).of(middle).at.x,
+                   x_film = tools::Projection(of_film, 480, 360).of(middle).at.x;
+      EXPECT_NEAR(x_film, x_still, of_film.orthographic ? 1e-6 : 8) << "of 480";
+    }
 }
 
 TEST_F(SweepCommand, goes_through_places_exactly) {

@@ -99,12 +99,17 @@ class CellMeasure {
       : field_isovalue_(isovalue), undecided_share_(undecided_share), rounding_(rounding), sums_(sums) {}
 
   void add(Part part) {
-    isovalue_ = field_isovalue_;
-    keep_sums_finite(part.corner, isovalue_);
-    const auto [lo, hi] = std::minmax_element(part.corner.begin(), part.corner.end());
     sums_.whole += part.volume;
     sums_.rounding += rounding_ * part.volume;
-    if (*lo < isovalue_ && *hi >= isovalue_) ++sums_.crossed;
+    const auto [lo, hi] = std::minmax_element(part.corner.begin(), part.corner.end());
+    if (*lo >= field_isovalue_) {  // also where all are the isovalue, as in masks
+      sums_.inside += part.volume;
+      return;
+    }
+    if (*hi < field_isovalue_) return;
+    ++sums_.crossed;
+    isovalue_ = field_isovalue_;
+    keep_sums_finite(part.corner, isovalue_);
     visit(part, 0);
   }
 

@@ -32,7 +32,8 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 }
 
 std::string position_text(const Json& pick) {
-  const double error = pick.value("error", HUGE_VAL);
+  // Where no error is proven, coordinates are told to within 1/1,000 of the distance from the eye.
+  const double error = pick.value("error", 16e-3 * pick["depth"].get<double>());
   std::string text;
   for (const Json& number : pick["position"]) {
     const auto coordinate = number.get<double>();

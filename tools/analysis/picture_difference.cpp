@@ -10,8 +10,8 @@ namespace rhoray::tools {
 
 namespace {
 
-double difference_of(float a, float b) {
-  if (std::isfinite(a) && std::isfinite(b)) return std::abs(static_cast<double>(a) - static_cast<double>(b));
+double difference_of(double a, double b) {
+  if (std::isfinite(a) && std::isfinite(b)) return std::abs(a - b);
   const bool is_same = a == b || (std::isnan(a) && std::isnan(b));
   return is_same ? 0 : std::numeric_limits<double>::infinity();
 }
@@ -73,8 +73,8 @@ PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, 
   double sum = 0, squares = 0;
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     for (std::size_t c = 0; c < pairs.size(); ++c) {
-      const float at_a = a.numbers[pixel * a.channels.size() + pairs[c].first],
-                  at_b = b.numbers[pixel * b.channels.size() + pairs[c].second];
+      const double at_a = a.numbers[pixel * a.channels.size() + pairs[c].first],
+                   at_b = b.numbers[pixel * b.channels.size() + pairs[c].second];
       const double size = difference_of(at_a, at_b);
       sum += size, squares += size * size;
       // Rounded up, so that a difference beyond a limit stays beyond it.
@@ -86,8 +86,8 @@ PictureDifference difference_of(const StoredPicture& a, const StoredPicture& b, 
                               .channel = difference.channels[c],
                               .x = static_cast<int>(pixel % static_cast<std::size_t>(a.width)),
                               .y = static_cast<int>(pixel / static_cast<std::size_t>(a.width)),
-                              .a = static_cast<double>(at_a),
-                              .b = static_cast<double>(at_b)};
+                              .a = at_a,
+                              .b = at_b};
     }
     difference.differing += difference.of_pixel[pixel] > 0 ? 1 : 0;
   }

@@ -19,9 +19,9 @@ struct LargestDifference {
   double a = 0, b = 0;
 };
 
-/// Difference of two pictures of the same size, over the channels that both have. Numbers are as
-/// stored; those of 8-bit pictures are from 0 to 1. Numbers that are both NaN, or the same
-/// infinity, are equal. One that is not finite differs from all others by infinity.
+/// Difference of two pictures of the same size, over the channels that both have. Numbers are those
+/// of StoredPicture. Numbers that are both NaN, or the same infinity, are equal. One that is not
+/// finite differs from all others by infinity.
 struct PictureDifference {
   std::vector<std::string> channels;        ///< compared
   std::vector<std::string> only_a, only_b;  ///< not compared

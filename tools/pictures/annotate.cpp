@@ -34,8 +34,10 @@ struct Placed {
   }
 };
 
-/// Wraps words into as few lines as a width allows; line breaks in the text are kept.
-std::vector<std::string> lines_of(const std::string& text, const std::function<bool(const std::string&)>& fits) {
+/// Wraps words into as few lines as a width allows; line breaks in the text are kept. If there
+/// would be more than `most` lines, the last one ends in "...".
+std::vector<std::string> lines_of(const std::string& text, std::size_t most,
+                                  const std::function<bool(const std::string&)>& fits) {
   std::vector<std::string> lines(1);
   std::string word;
   const auto end_word = [&] {
@@ -48,14 +50,20 @@ std::vector<std::string> lines_of(const std::string& text, const std::function<b
       lines.push_back(word);
     word.clear();
   };
-  for (const char letter : text) {
+  for (std::size_t at = 0; at <= text.size() && lines.size() <= most; ++at) {
+    const char letter = at < text.size() ? text[at] : ' ';
     if (letter != ' ' && letter != '\n')
       word += letter;
     else
       end_word();
     if (letter == '\n') lines.emplace_back();
   }
-  end_word();
+  if (lines.size() > most) {
+    lines.resize(most);
+    std::string& last = lines.back();
+    for (std::size_t space; !fits(last + "...") && (space = last.rfind(' ')) != std::string::npos;) last.erase(space);
+    last += "...";
+  }
   return lines;
 }
 
@@ -299,15 +307,18 @@ class Annotator {
     const int pixels = static_cast<int>(std::lround(1.15 * letters()));
     const double aside = annotations_.axes ? 2 * (margin() + 2.9 * share(0.075)) : 2 * margin();
     const double width = std::max(picture_.width - aside, 0.4 * picture_.width);
-    const std::vector<std::string> lines = lines_of(
-        annotations_.caption, [&](const std::string& line) { return placed(line, pixels).area().width() <= width; });
-    double baseline = picture_.height - margin() - 1.4 * pixels * static_cast<double>(lines.size() - 1);
+    const double spacing = 1.4 * pixels, room = picture_.height - 2 * margin() - pixels;
+    const auto most = static_cast<std::size_t>(1 + std::max(room / spacing, 0.0));
+    const std::vector<std::string> lines = lines_of(annotations_.caption, most, [&](const std::string& line) {
+      return placed(line, pixels).area().width() <= width;
+    });
+    double baseline = picture_.height - margin() - spacing * static_cast<double>(lines.size() - 1);
     for (const std::string& line : lines) {
       Placed text = placed(line, pixels);
       const double x = (picture_.width - text.area().width()) / 2 - text.image.left;
       text.baseline = {x, std::round(baseline)};
       put(text, ink_);
-      baseline += 1.4 * pixels;
+      baseline += spacing;
     }
   }
 

@@ -65,7 +65,9 @@ struct Annotations {
   Side bars_side = Side::right;
   std::vector<Legend> legends{};              ///< one above the other, in the upper corner opposite to the bars
   std::vector<SurfaceLines> surface_lines{};  ///< the picture has depths, and nearer surfaces hide them
-  std::string caption{};                      ///< centred at the bottom; wrapped if too long for one line
+  /// Centred at the bottom; wrapped if too long for one line. If the lines do not fit, the last one
+  /// ends in "...".
+  std::string caption{};
 };
 
 /// Renders a line of text at a font size in pixels, relative to the start of its baseline.

@@ -57,6 +57,16 @@ std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
   return legends;
 }
 
+/// What the texts of isovalues are to tell apart: the field's range, or 1,000 times the least
+/// distance of two isovalues. The isovalues decrease.
+double extent_of(const std::vector<const render::Layer*>& surfaces, const Interval<double>& range) {
+  double extent = range.hi - range.lo;
+  for (std::size_t i = 1; i < surfaces.size(); ++i)
+    if (const double gap = surfaces[i - 1]->isovalue - surfaces[i]->isovalue; gap > 0)
+      extent = std::min(extent, 1000 * gap);
+  return extent;
+}
+
 /// Isosurfaces that have colours of their own, by dataset; the largest value first.
 std::vector<Legend> legends_of(const render::ResolvedScene& plan) {
   std::vector<Legend> legends = legends_of_labels(plan);
@@ -69,9 +79,12 @@ std::vector<Legend> legends_of(const render::ResolvedScene& plan) {
     if (surfaces.empty() || plan.data[dataset].label) continue;
     std::stable_sort(surfaces.begin(), surfaces.end(),
                      [](const render::Layer* a, const render::Layer* b) { return a->isovalue > b->isovalue; });
-    Legend& legend = legends.emplace_back(Legend{.title = title_of(plan.datasets[dataset].field()), .entries = {}});
+    const auto& field = plan.datasets[dataset].field();
+    Legend& legend = legends.emplace_back(Legend{.title = title_of(field), .entries = {}});
+    const double extent = extent_of(surfaces, field.range);
     for (const render::Layer* surface : surfaces)
-      legend.entries.push_back({surface->material.color, with_minus_signs(rounded(surface->isovalue, 5))});
+      legend.entries.push_back(
+          {surface->material.color, with_minus_signs(rounded_within(extent, surface->isovalue, 5))});
   }
   return legends;
 }

@@ -9,8 +9,12 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <limits>
+#include <memory>
+#include <type_traits>
 #include <utility>
 
+#include "formats/base/text.h"
 #include "tools/pictures/memory_file.h"
 
 namespace rhoray::tools {
@@ -196,13 +200,11 @@ std::u32string letters_of(const std::string& text) {
   return letters;
 }
 
-/// A font file at one size, through FreeType.
+/// A font file, through FreeType.
 class Font {
  public:
-  Font(const std::string& file, int pixels) {
-    if (FT_Init_FreeType(&library_) != 0) return;
-    if (FT_New_Face(library_, file.c_str(), 0, &face_) != 0) return;
-    is_ready_ = FT_Set_Pixel_Sizes(face_, 0, static_cast<FT_UInt>(pixels)) == 0;
+  explicit Font(const std::string& file) : file_(file) {
+    if (FT_Init_FreeType(&library_) == 0 && FT_New_Face(library_, file.c_str(), 0, &face_) != 0) face_ = nullptr;
   }
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
@@ -211,7 +213,11 @@ class Font {
     if (library_ != nullptr) FT_Done_FreeType(library_);
   }
 
-  bool is_ready() const { return is_ready_; }
+  const std::string& file() const { return file_; }
+  /// False if the file cannot be used.
+  bool set_size(int pixels) const {
+    return face_ != nullptr && FT_Set_Pixel_Sizes(face_, 0, static_cast<FT_UInt>(pixels)) == 0;
+  }
 
   /// Calls act(bitmap, x, y) for every letter, with its upper left corner relative to the start of
   /// the baseline.
@@ -233,10 +239,18 @@ class Font {
   }
 
  private:
+  std::string file_;
   FT_Library library_ = nullptr;
   FT_Face face_ = nullptr;
-  bool is_ready_ = false;
 };
+
+/// The font of a file. It stays open, as a picture has many texts; one for each thread, because
+/// FreeType's fonts are not for several threads at once.
+const Font& opened_font(const std::string& file) {
+  static thread_local std::unique_ptr<const Font> font;
+  if (font == nullptr || font->file() != file) font = std::make_unique<const Font>(file);
+  return *font;
+}
 
 }  // namespace
 
@@ -245,8 +259,8 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_i
                                                                                      const std::string& font_file,
                                                                                      TextImage& out) noexcept {
   try {
-    const Font font(font_file, pixels);
-    if (!font.is_ready()) return "is no font that can be read";
+    const Font& font = opened_font(font_file);
+    if (!font.set_size(pixels)) return "is no font that can be read";
     const std::u32string letters = letters_of(text);
     int left = 0, top = 0, right = 0, bottom = 0;
     bool is_first = true;
@@ -275,6 +289,75 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_make_text_i
   }
 }
 
+namespace {
+
+/// The bytes of an image, and how its pixels hold one channel.
+struct ChannelBytes {
+  const std::uint8_t* first;  ///< in the first pixel
+  std::size_t pixel_bytes;
+};
+
+/// A floating-point number of 16 bits.
+struct Half {
+  std::uint16_t bits;
+
+  explicit operator double() const {
+    float number = 0;
+    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, &bits, OIIO::TypeDesc::FLOAT, &number, 1);
+    return number;
+  }
+};
+
+/// Takes the numbers of one channel as StoredPicture::numbers has them.
+template <class T>
+void take_numbers(const ChannelBytes& bytes, std::size_t channel, StoredPicture& picture) {
+  const std::uint8_t* from = bytes.first;
+  for (std::size_t at = channel; at < picture.numbers.size(); at += picture.channels.size()) {
+    T number;
+    std::memcpy(&number, from, sizeof number);
+    picture.numbers[at] = static_cast<double>(number);
+    if constexpr (std::is_integral_v<T> && sizeof(T) <= 2) picture.numbers[at] /= std::numeric_limits<T>::max();
+    from += bytes.pixel_bytes;
+  }
+}
+
+using TakeNumbers = void(const ChannelBytes& bytes, std::size_t channel, StoredPicture& picture);
+
+/// take_numbers of a type; null for types that no picture has.
+TakeNumbers* numbers_taker(const OIIO::TypeDesc& type) {
+  using OIIO::TypeDesc;
+  static constexpr std::pair<int, TakeNumbers*> takers[] = {{TypeDesc::UINT8, take_numbers<std::uint8_t>},
+                                                            {TypeDesc::INT8, take_numbers<std::int8_t>},
+                                                            {TypeDesc::UINT16, take_numbers<std::uint16_t>},
+                                                            {TypeDesc::INT16, take_numbers<std::int16_t>},
+                                                            {TypeDesc::UINT32, take_numbers<std::uint32_t>},
+                                                            {TypeDesc::INT32, take_numbers<std::int32_t>},
+                                                            {TypeDesc::HALF, take_numbers<Half>},
+                                                            {TypeDesc::FLOAT, take_numbers<float>},
+                                                            {TypeDesc::DOUBLE, take_numbers<double>}};
+  for (const auto& [base, take] : takers)
+    if (type.basetype == base) return take;
+  return nullptr;
+}
+
+/// Reads each channel in the file's own type: OpenImageIO would divide 32-bit integers by 2^32 - 1.
+/// Returns the error message, or nothing.
+std::string read_numbers(OIIO::ImageInput& file, const OIIO::ImageSpec& spec, StoredPicture& picture) {
+  std::vector<std::uint8_t> bytes(spec.image_bytes(true));
+  if (!file.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, bytes.data())) return file.geterror();
+  picture.numbers.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  const std::uint8_t* first = bytes.data();
+  for (int channel = 0; channel < spec.nchannels; ++channel) {
+    TakeNumbers* const take = numbers_taker(spec.channelformat(channel));
+    if (take == nullptr) return concat("its channels are of type ", spec.channelformat(channel).c_str());
+    take({first, spec.pixel_bytes(true)}, static_cast<std::size_t>(channel), picture);
+    first += spec.channel_bytes(channel, true);
+  }
+  return {};
+}
+
+}  // namespace
+
 extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_picture(const std::string& path,
                                                                                     StoredPicture& picture) noexcept {
   try {
@@ -288,10 +371,7 @@ extern "C" __attribute__((visibility("default"))) std::string rhoray_decode_pict
     for (const OIIO::ParamValue& attribute : spec.extra_attribs)
       if (attribute.type() == OIIO::TypeString)
         picture.texts.push_back({attribute.name().string(), attribute.get_string()});
-    picture.numbers.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
-    if (!file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.numbers.data()))
-      return file->geterror();
-    return {};
+    return read_numbers(*file, spec, picture);
   } catch (const std::exception& error) {
     return error.what();
   }

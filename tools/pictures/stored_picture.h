@@ -19,8 +19,8 @@ inline constexpr const char* scene_text_name = "rhoray:scene";
 struct StoredPicture {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< "R", "G", "B", "A", "Z", ...
-  /// As stored; integers are divided by the largest value of their type.
-  std::vector<float> numbers;
+  /// As stored; integers of 8 and 16 bits are divided by the largest value of their type.
+  std::vector<double> numbers;
   std::vector<PictureText> texts{};  ///< all that the file holds
 };
 

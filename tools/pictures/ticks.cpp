@@ -10,25 +10,24 @@ namespace rhoray::tools {
 
 namespace {
 
-/// Number of decimals for numbers that are rounded to a step.
-int decimals_of(double step) {
-  return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+/// The power of ten of a number's first digit.
+int power_of(double number) {
+  return static_cast<int>(std::floor(std::log10(number) + 1e-9));
 }
 
 std::string written(double value, double step, double largest) {
   char text[64];
   if (largest >= 1e5 || step < 1e-4) {
-    const int digits = std::max(0, static_cast<int>(std::floor(std::log10(largest) - std::log10(step) + 1e-9)));
-    std::snprintf(text, sizeof text, "%.*e", digits, value);
+    std::snprintf(text, sizeof text, "%.*e", std::max(0, power_of(largest) - power_of(step)), value);
   } else {
-    std::snprintf(text, sizeof text, "%.*f", decimals_of(step), value);
+    std::snprintf(text, sizeof text, "%.*f", std::max(0, -power_of(step)), value);
   }
   return value == 0 ? "0" : with_minus_signs(text);
 }
 
 /// 1, 2, 5, 10, 20, ..., and the same times negative powers of ten.
 double next_step(double step) {
-  const double power = std::pow(10, std::floor(std::log10(step) + 1e-9)), digit = std::round(step / power);
+  const double power = std::pow(10, power_of(step)), digit = std::round(step / power);
   return (digit < 2 ? 2 : digit < 5 ? 5 : 10) * power;
 }
 
@@ -87,13 +86,13 @@ std::string with_minus_signs(std::string text) {
 std::vector<Tick> ticks_of(const Interval<double>& range, int most) {
   const double width = range.hi - range.lo;
   const double largest = std::max(std::abs(range.lo), std::abs(range.hi));
-  if (!(width > largest * 1e-12)) {
+  const double slack = 1e-9;  // in steps: range ends that are multiples up to rounding are included
+  double step = std::pow(10, std::floor(std::log10(width / std::max(most, 1))) - 1);
+  if (!(width > largest * 1e-12) || !(step > 0) || !std::isfinite(step)) {  // the step may overflow or underflow
     char text[64];
     std::snprintf(text, sizeof text, "%.6g", range.lo);
     return {{range.lo, text}};
   }
-  const double slack = 1e-9;  // in steps: range ends that are multiples up to rounding are included
-  double step = std::pow(10, std::floor(std::log10(width / std::max(most, 1))) - 1);
   const auto first = [&] { return std::ceil(range.lo / step - slack); };
   const auto last = [&] { return std::floor(range.hi / step + slack); };
   while (last() - first() + 1 > std::max(most, 1)) step = next_step(step);

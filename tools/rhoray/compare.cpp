@@ -53,7 +53,8 @@ std::string text_of(const PictureDifference& difference, const CompareCommand& c
   if (difference.differing != 0) {
     const LargestDifference& largest = difference.largest;
     text += concat("largest difference  ", rounded(largest.size), ": ", largest.channel, " at (", largest.x, ", ",
-                   largest.y, "), ", rounded(largest.a), " and ", rounded(largest.b), "\n");
+                   largest.y, "), ", rounded_within(largest.size, largest.a), " and ",
+                   rounded_within(largest.size, largest.b), "\n");
     text += concat("root mean square    ", rounded(difference.root_mean_square), " (",
                    rounded(difference.peak_signal_to_noise()), " dB)\nmean                ", rounded(difference.mean),
                    "\n");
@@ -122,8 +123,8 @@ Subcommand compare_subcommand() {
                        "rhoray compare before.png after.png --fail 0.01 --fail-share 0.001 --map where.png"},
           .sections = {{.heading = "Notes",
                         .entries = {{"",
-                                     "Channels of the same name are compared as stored: 8-bit channels as numbers from "
-                                     "0 to 1 (in sRGB), EXR channels without conversion."}},
+                                     "Channels of the same name are compared as stored: integers of 8 and 16 bits as "
+                                     "numbers from 0 to 1 (in sRGB), EXR channels without conversion."}},
                         .is_expert = true}},
           .options = all_options(
               {{files_option("A B", "Two pictures of the same size", command->files),

@@ -90,13 +90,18 @@ std::string word(const Json& json) {
   return json.get<std::string>();
 }
 
-std::string numbers(const Json& list, const char* separator = " ") {
+/// @param extent  of which the numbers are told to within 1/10,000; 0: not known
+std::string numbers(const Json& list, const char* separator = " ", double extent = 0) {
   std::string text;
   for (const Json& number : list) {
     if (!text.empty()) text += separator;
-    text += number.is_number_float() ? rounded(number.get<double>(), 6) : number.dump();
+    text += number.is_number_float() ? rounded_within(extent, number.get<double>(), 6) : number.dump();
   }
   return text;
+}
+
+double extent_of(const Json& range) {
+  return range[1].get<double>() - range[0].get<double>();
 }
 
 std::string with_unit(const std::string& text, const Json& unit) {
@@ -131,28 +136,31 @@ std::string field_text(const Json& field, const std::string& label) {
   std::string title = concat("'", word(field["name"]), "'  ", word(field["type"]));
   if (field.contains("components") && field["components"] != 1) title += concat(" x ", field["components"].get<int>());
   if (field["range"].is_null()) return row(label, title + "  no finite value");
-  title += "  " + with_unit(numbers(field["range"], " to "), field["unit"]);
+  const double extent = extent_of(field["range"]);
+  title += "  " + with_unit(numbers(field["range"], " to ", extent), field["unit"]);
   if (const auto count = field["no_data_count"].get<std::uint64_t>(); count != 0)
     title += concat(", ", counted(count, "value without data", "values without data"));
   std::string text = row(label, title);
   formats::FieldSummary summary;
   summary.histogram = field["histogram"].get<std::vector<std::uint64_t>>();
+  summary.range = {field["range"][0], field["range"][1]};
   text += row("", "|" + histogram_bars(summary) + "|");
   const bool is_whole = word(field["type"]).front() != 'F';
   const auto percentile = [&](const char* percent) {
     const double value = field["percentiles"][percent].get<double>();
-    return rounded(is_whole ? std::floor(value) : value);
+    return rounded_within(extent, is_whole ? std::floor(value) : value);
   };
-  text += row(
-      "", concat("percentiles p1 ", percentile("1"), ", p50 ", percentile("50"), ", p99 ", percentile("99"),
-                 field["otsu_threshold"].is_null() ? std::string{}
-                                                   : concat("; Otsu's threshold ", rounded(field["otsu_threshold"]))));
+  text += row("", concat("percentiles p1 ", percentile("1"), ", p50 ", percentile("50"), ", p99 ", percentile("99"),
+                         field["otsu_threshold"].is_null()
+                             ? std::string{}
+                             : concat("; Otsu's threshold ", rounded_within(extent, field["otsu_threshold"])),
+                         "; each to within ", rounded(formats::percentile_error(summary), 2)));
   if (field.contains("label_names")) text += row("", concat("labels ", label_names_text(field["label_names"])));
   if (field.contains("automatic_isovalue")) {
     const Json& isovalue = field["automatic_isovalue"];
     const Json& valleys = isovalue["other_valleys"];
-    text += row("", concat("isovalue auto ", rounded(isovalue["value"]), " (", word(isovalue["from"]), ")",
-                           valleys.empty() ? "" : concat("; other valleys: ", numbers(valleys, ", "))));
+    text += row("", concat("isovalue auto ", rounded_within(extent, isovalue["value"]), " (", word(isovalue["from"]),
+                           ")", valleys.empty() ? "" : concat("; other valleys: ", numbers(valleys, ", ", extent))));
   }
   if (field.contains("certificate")) text += certificate_text(field["certificate"], field["unit"]);
   return text;
@@ -183,9 +191,13 @@ std::string geometry_text(const Json& json) {
       text += row("space", word(json["space"]) == "RAS" ? "RAS: x to the patient's right, y to the front, z to the head"
                                                         : "LPS: x to the patient's left, y to the back, z to the head");
   }
-  if (json.contains("box"))
-    text += row("box", with_unit(concat("(", numbers(json["box"]["low"]), ") to (", numbers(json["box"]["high"]), ")"),
+  if (json.contains("box")) {
+    const Json &low = json["box"]["low"], &high = json["box"]["high"];
+    double extent = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) extent = std::max(extent, extent_of({low[axis], high[axis]}));
+    text += row("box", with_unit(concat("(", numbers(low, " ", extent), ") to (", numbers(high, " ", extent), ")"),
                                  json["length_unit"]));
+  }
   return text;
 }
 

@@ -148,8 +148,8 @@ Subcommand render_subcommand() {
           {{
                with_details(
                    files_option("FILE",
-                                "Volume, mesh or surface, packed or not; a scene document (.json); or a picture "
-                                "that `rhoray` made, which holds its scene",
+                                "Volume, mesh or surface, packed or not; scene document (.json); or picture by rhoray "
+                                "(.png, .exr), with its scene",
                                 command->inputs),
                    "Files that are not packed are packed first; see `rhoray cache --help`. Further files are "
                    "shown, too; options of the layer are those of the first file"),

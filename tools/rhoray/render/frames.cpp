@@ -100,6 +100,13 @@ render::SceneSpec to_spec(const render::ResolvedScene& plan, const render::Scene
   render::SceneSpec spelled = to_spec(plan);
   spelled.camera = scene_spec.camera;
   spelled.image.frames = sweep.frame_count();
+  // The plan has those of one frame: lights may move with the camera, and fog begins where it sees
+  // the data.
+  spelled.effects = scene_spec.effects;
+  if (scene_spec.lights) {
+    spelled.lights = scene_spec.lights;
+    spelled.style = scene_spec.style;
+  }
   return spelled;
 }
 
@@ -115,10 +122,21 @@ void put_on_sheet(const render::Framebuffer& picture, std::size_t place, int col
   }
 }
 
+/// The size of a picture of all frames.
+render::PictureSize sheet_size(const render::ResolvedScene& plan, int columns, int frame_count) {
+  constexpr std::int64_t largest_side = 65'536;  // as that of --size
+  const std::int64_t rows = (std::int64_t{frame_count} + columns - 1) / columns;
+  const std::int64_t width = std::int64_t{plan.frame.width} * columns, height = plan.frame.height * rows;
+  if (width > largest_side || height > largest_side)
+    throw Error(ErrorCode::usage,
+                concat("--sheet: found ", width, "x", height, " pixels; expected sides up to ", largest_side),
+                "a smaller --size, fewer --frames or another number of columns");
+  return {.width = static_cast<int>(width), .height = static_cast<int>(height)};
+}
+
 /// A picture of all frames, empty places in the background's colour.
-render::Framebuffer empty_sheet(const render::ResolvedScene& plan, int columns, int frame_count) {
-  const int rows = (frame_count + columns - 1) / columns;
-  render::Framebuffer sheet(plan.frame.width * columns, plan.frame.height * rows, {});
+render::Framebuffer empty_sheet(const render::ResolvedScene& plan, const render::PictureSize& size) {
+  render::Framebuffer sheet(size.width, size.height, {});
   sheet.is_transparent = plan.scene.transparent_background;
   for (std::size_t c = 0; c < 3; ++c)
     sheet.background[c] = sheet.is_transparent ? 0 : static_cast<float>(plan.scene.background[static_cast<int>(c)]);
@@ -136,8 +154,9 @@ void draw_sheet(const RenderCommand& command, ProgressDisplay& display, const re
   const int columns = *command.sheet, frame_count = sweep.frame_count();
   if (drawn.plan.frame.channels.any()) throw Error(ErrorCode::usage, "--sheet and --channels are mutually exclusive");
   render::ResolvedScene& shown = drawn.plan;
-  require_picture(command, drawn.output, shown, access);
-  render::Framebuffer sheet = empty_sheet(shown, columns, frame_count);
+  const render::PictureSize size = sheet_size(shown, columns, frame_count);
+  require_picture(command, drawn.output, shown, access, size);
+  render::Framebuffer sheet = empty_sheet(shown, size);
   Checks checks(command, shown);
   render::RenderContext memory;
   std::vector<DrawnFrame> frames;

@@ -40,9 +40,10 @@ std::uint64_t memory_of_machine() {
   return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
 }
 
-void require_memory(const RenderCommand& command, const render::ResolvedScene& plan) {
+void require_memory(const RenderCommand& command, const render::ResolvedScene& plan, const render::PictureSize& sheet) {
   const std::uint64_t needed =
-      framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1);
+      framebuffer_bytes({plan.frame.width, plan.frame.height}, plan.frame.channels, plan.frame.antialiasing > 1) +
+      framebuffer_bytes(sheet, {}, false);
   const std::uint64_t asked = command.common.memory.bytes;
   const std::uint64_t limit = asked != 0 ? asked : memory_of_machine();
   if (needed > limit)
@@ -117,9 +118,9 @@ bool keeps_alpha(const render::SceneSpec& scene_spec) {
 }
 
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
-                     const render::ResolvedScene& plan, const DataAccess& access) {
+                     const render::ResolvedScene& plan, const DataAccess& access, const render::PictureSize& sheet) {
   if (output != "-") require_writable(command, output, plan, access);
-  require_memory(command, plan);
+  require_memory(command, plan, sheet);
   if (has_texts(plan)) {
     require_pictures_module();
     find_font(known_fonts());

@@ -62,8 +62,10 @@ void settle_annotations(const render::SceneSpec& asked, const std::filesystem::p
 bool keeps_alpha(const render::SceneSpec& scene_spec);
 
 /// What is refused before anything is traced.
+/// @param sheet  a picture of several frames that is kept beside the one being traced
 void require_picture(const RenderCommand& command, const std::filesystem::path& output,
-                     const render::ResolvedScene& plan, const DataAccess& access);
+                     const render::ResolvedScene& plan, const DataAccess& access,
+                     const render::PictureSize& sheet = {.width = 0, .height = 0});
 
 /// Proves the stored ranges of all data, for exact arithmetic that chooses a method or checks
 /// pixels: where they do not hold, nothing is traced. Those that the picture's own method relies on

@@ -388,8 +388,9 @@ namespace {
 
 /// Refuses options of surfaces if no surface is shown.
 void refuse_words_of_surfaces(const PictureOptions& options) {
-  constexpr std::array of_surfaces{"--iso",           "--context", "--normals",  "--color-by",  "--texture",
-                                   "--surface-color", "--ambient", "--specular", "--shininess", "--feature-edges"};
+  constexpr std::array of_surfaces{"--iso",       "--context",       "--normals", "--color-by",
+                                   "--texture",   "--surface-color", "--ambient", "--specular",
+                                   "--shininess", "--feature-edges", "--opacity"};
   for (const std::string& name : options.of_the_layer)
     if (std::find(of_surfaces.begin(), of_surfaces.end(), name) != of_surfaces.end())
       throw Error(ErrorCode::usage, concat(name, ": needs an isosurface; a maximum intensity projection has none"),

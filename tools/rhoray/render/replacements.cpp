@@ -18,7 +18,7 @@ const std::vector<Row>& rows() {
        {"mip",
         false,
         {"--iso", "--context", "--surface-color", "--normals", "--color-by", "--colormap", "--texture", "--ambient",
-         "--specular", "--shininess", "--feature-edges", "--shadows", "--ao", "--light", "--light-size"}}},
+         "--specular", "--shininess", "--feature-edges", "--opacity", "--shadows", "--ao", "--light", "--light-size"}}},
       {"--mode", {"mip", true, {"--range", "--color-scale", "--levels", "--accuracy", "--method"}}},
       {"--mode", {"boundary", false, {"--iso", "--context", "--method"}}},
       {"--mode", {"boundary", true, {"--range", "--color-scale", "--levels", "--accuracy"}}},

@@ -43,8 +43,8 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const render::SceneSpec scene_spec = to_spec(plan);
   std::vector<std::string> words{"rhoray", "render"};
   const render::AnnotationsSpec& annotations = scene_spec.annotations;
-  const bool needs_document = needs_words(annotations) || !is_of_one_layer(plan) || scene_spec.lights ||
-                              scene_spec.effects.occlusion || scene_spec.effects.fog ||
+  const bool needs_document = needs_words(annotations) || !is_of_one_layer(plan) || plan.data[0].label ||
+                              scene_spec.lights || scene_spec.effects.occlusion || scene_spec.effects.fog ||
                               (plan.scene.clip && !plan.scene.layers[0].clipped) ||
                               plan.scene.layers[0].mode == render::Mode::slice;
   if (needs_document) {
@@ -56,9 +56,11 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   const render::PictureSpec& image = scene_spec.image;
   words.insert(words.end(), {scene_spec.data[0].file.string(), "-o", output.string()});
   const auto add = [&](const std::string& name, const std::string& value) { words.insert(words.end(), {name, value}); };
-  const auto add_scale = [&] {
+  const auto add_colors = [&] {
+    add("--colormap", layer.colormap);
     if (!layer.scale.empty()) add("--color-scale", layer.scale);
     if (layer.levels) add("--levels", concat(*layer.levels));
+    if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
   };
   const std::vector<std::string> read = preprocess::option_words(pack_options(scene_spec.data[0].read));
   words.insert(words.end(), read.begin(), read.end());
@@ -66,9 +68,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
   if (plan.datasets[0].has_fields()) add("--field", scene_spec.data[0].field);
   if (layer.type == render::LayerType::mip) {
     add("--mode", "mip");
-    add("--colormap", layer.colormap);
-    add_scale();
-    add("--range", concat(layer.range->lo, ",", layer.range->hi));
+    add_colors();
   } else {
     if (is_boundary) add("--mode", "boundary");
     if (layer.type == render::LayerType::isosurface) {
@@ -80,9 +80,7 @@ std::vector<std::string> reproducing_command(const render::ResolvedScene& plan, 
     add("--normals", layer.normals);
     if (!layer.color_by.empty()) {
       add("--color-by", layer.color_by);
-      add("--colormap", layer.colormap);
-      add_scale();
-      if (layer.range) add("--range", concat(layer.range->lo, ",", layer.range->hi));
+      add_colors();
     }
     if (!layer.texture.empty()) add("--texture", plan.texture_data[0].file.string());
     add("--ambient", concat(*layer.ambient));

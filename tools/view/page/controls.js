@@ -1,5 +1,5 @@
 // Elements, and panels of labelled controls that follow the state.
-import { clamp, rounded } from "./vectors.js";
+import { clamp, rounded, withDecimals } from "./vectors.js";
 
 const attributes = /^(role|for|aria-|data-)/;
 
@@ -157,7 +157,7 @@ export class Panel {
     this.onRefresh(() => {
       const value = get();
       if (isTyping && document.activeElement === input) return;
-      input.value = Number.isFinite(value) ? rounded(value, 7) : "";
+      input.value = Number.isFinite(value) ? withDecimals(value, 7) : "";
     });
     return this.#labelled(input, unit ? `${label} (${unit})` : label);
   }

@@ -2,7 +2,7 @@
 //   #iso=500&az=30&el=20&zoom=1.5&at=1,2,3&ortho=1&patch={...}
 import { anglesOf, extent, fromAngles, look, lookAt, withProjection, zoom } from "./camera.js";
 import { merge, put } from "./patch.js";
-import { distance, rounded } from "./vectors.js";
+import { distance, rounded, roundedWithin } from "./vectors.js";
 
 const angleText = (x) => String(Number(x.toFixed(2)) || 0);
 const encoded = (text) => encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%3A", ":");
@@ -19,7 +19,7 @@ export function toFragment(hello, camera, patch) {
     const value = patch.layers?.[number]?.isovalue;
     if (typeof value !== "number") return "";
     put(rest, ["layers", number, "isovalue"], undefined);
-    return rounded(value, 9);
+    return String(value);
   });
   if (isovalues.some((text) => text !== "")) items.iso = isovalues.join(",").replace(/,+$/, "");
 
@@ -29,7 +29,7 @@ export function toFragment(hello, camera, patch) {
   const enlarged = rounded(extent(hello.camera) / extent(camera), 5);
   if (enlarged !== 1) items.zoom = enlarged;
   if (distance(camera.target, hello.camera.target) > 1e-6 * distance(...hello.bounds))
-    items.at = camera.target.map((x) => rounded(x)).join(",");
+    items.at = camera.target.map((x) => roundedWithin(distance(...hello.bounds), x)).join(",");
   const isOrthographic = Boolean(camera.ortho_height);
   if (isOrthographic !== Boolean(hello.camera.ortho_height)) items.ortho = Number(isOrthographic);
   if (Object.keys(rest).length > 0) items.patch = JSON.stringify(rest);

@@ -3,7 +3,7 @@ import { project } from "./camera.js";
 import { placeAt } from "./clipping.js";
 import { button, listOf, make } from "./controls.js";
 import { download } from "./pictures.js";
-import { distance, rounded } from "./vectors.js";
+import { distance, rounded, withDecimals } from "./vectors.js";
 
 const withUnit = (x, unit, digits = 6) => `${rounded(x, digits)} ${unit ?? ""}`.trim();
 const columns = ["x", "y", "z", "length_unit", "value", "unit", "cell", "error", "value_error",
@@ -13,8 +13,8 @@ const columns = ["x", "y", "z", "length_unit", "value", "unit", "cell", "error",
 export function probeText(answer) {
   const { position, length_unit: lengthUnit, value, unit, cell, error, value_error: valueError } = answer;
   if (!position) return "Nothing is hit here.";
-  const parts = [`Position ${position.map((x) => rounded(x)).join(", ")} ${lengthUnit ?? ""}`.trim()];
-  if (Number.isFinite(value)) parts.push(`value ${withUnit(value, unit)}`);
+  const parts = [`Position ${position.map((x) => withDecimals(x)).join(", ")} ${lengthUnit ?? ""}`.trim()];
+  if (Number.isFinite(value)) parts.push(`value ${withDecimals(value)} ${unit ?? ""}`.trim());
   if (cell !== null) parts.push(`cell ${[cell].flat().join(", ")}`);
   if (Number.isFinite(error)) parts.push(`certified error ${withUnit(error, lengthUnit, 2)}`);
   if (Number.isFinite(valueError)) parts.push(`certified error of value ${withUnit(valueError, unit, 2)}`);

@@ -25,3 +25,8 @@ export function corners([low, high]) {
 }
 
 export const rounded = (x, digits = 6) => Number(Number(x).toPrecision(digits));
+/** At least so many digits; at large numbers as many as three decimals need. */
+export const withDecimals = (x, digits = 6) =>
+  rounded(x, clamp(Math.floor(Math.log10(Math.abs(x))) + 4, digits, 15));
+/** With as many decimals as tell the number to within a millionth of an extent. */
+export const roundedWithin = (extent, x) => Number(x.toFixed(clamp(Math.ceil(6 - Math.log10(extent)), 0, 100)));
