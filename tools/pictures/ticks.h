@@ -17,9 +17,9 @@ struct Tick {
 };
 
 /// Returns the multiples of 1, 2 or 5 times a power of ten that lie in the range: as many as
-/// possible, but at most `most`. A range without width, or whose width is too small or too large for
-/// a double, gives its lower value. Labels have as many decimals as the step. They use powers of ten
-/// where numbers are above 99999, or the step is below 0.0001.
+/// possible, but at most `most`. A range without width, or whose width is too small or too large
+/// for a double, gives its lower value. Labels have as many decimals as the step. They use powers
+/// of ten where numbers are above 99999, or the step is below 0.0001.
 std::vector<Tick> ticks_of(const Interval<double>& range, int most);
 
 /// Returns the ticks of a logarithmic axis over a range above 0: powers of ten, or every nth of
