@@ -415,5 +415,43 @@ TEST(RenderCommand, draws_a_damaged_file_only_when_told_not_to_check) {
   EXPECT_TRUE(std::filesystem::exists(bench / "ball.png"));
 }
 
+TEST(RenderCommand, says_which_options_have_no_effect) {
+  const Workbench bench;
+  bench.make_ball();
+  const auto drawn = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"render", "ball.rho", "--size", "16x16", "-o", "a.png", "--force"});
+    return bench.rhoray(words);
+  };
+  const std::string no_surface = "lights and occlusion have no effect: no layer is a surface";
+  EXPECT_THAT(drawn({"--mode", "mip", "--shadows"}).err, HasSubstr(no_surface));
+  EXPECT_THAT(drawn({"--slice", "x", "--ao"}).err, HasSubstr(no_surface));
+  EXPECT_THAT(drawn({"--iso", "100", "--ao"}).err, testing::Not(HasSubstr("no effect")));
+  EXPECT_THAT(drawn({"--mode", "mip"}).err, testing::Not(HasSubstr("no effect")));
+  EXPECT_THAT(drawn({"--iso", "100", "--ortho-height", "60", "--zoom", "3"}).err, HasSubstr("zoom has no effect"));
+  const RunResult opacity = drawn({"--mode", "mip", "--opacity", "0.2"});
+  EXPECT_EQ(opacity.exit_code, 2);
+  EXPECT_THAT(opacity.err, HasSubstr("--opacity: needs an isosurface"));
+}
+
+/// One value of a million among values of 0 to 1: percentiles say little, and the command says so.
+TEST(RenderCommand, says_how_well_it_knows_a_default_range) {
+  const Workbench bench;
+  std::vector<float> values(16 * 16 * 16);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 100) / 100;
+  values[700] = 1e6F;
+  write_file(bench / "far.raw",
+             std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]));
+  const auto drawn = [&](std::vector<std::string> words) {
+    words.insert(words.begin(),
+                 {"render", "far.raw", "--raw", "16x16x16:float32", "--size", "16x16", "-o", "a.png", "--force"});
+    return bench.rhoray(words).err;
+  };
+  EXPECT_THAT(drawn({"--mode", "mip"}), HasSubstr("is known to within 3.9e+03 only; --range sets another"));
+  EXPECT_THAT(drawn({"--mode", "mip", "--range", "0,1"}), testing::Not(HasSubstr("is known to within")));
+  EXPECT_THAT(drawn({"--iso", "p95"}), HasSubstr("; to within 3.9e+03, a bin of the histogram"));
+  EXPECT_THAT(bench.rhoray({"info", "far.raw", "--raw", "16x16x16:float32"}).out,
+              HasSubstr("; each to within 3.9e+03"));
+}
+
 }  // namespace
 }  // namespace rhoray::tests

@@ -57,8 +57,8 @@ std::vector<Legend> legends_of_labels(const render::ResolvedScene& plan) {
   return legends;
 }
 
-/// What the texts of isovalues are to tell apart: the field's range, or 1,000 times the least
-/// distance of two isovalues. The isovalues decrease.
+/// Returns the extent that sets the number of digits in a legend: the width of the field's range,
+/// or 1,000 times the least distance of two isovalues if that is smaller. The isovalues decrease.
 double extent_of(const std::vector<const render::Layer*>& surfaces, const Interval<double>& range) {
   double extent = range.hi - range.lo;
   for (std::size_t i = 1; i < surfaces.size(); ++i)

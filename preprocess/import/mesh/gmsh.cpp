@@ -90,8 +90,8 @@ class MshReader {
       }
     }
 
-    /// The sections to read: those of the chosen step. A field that has one step, ever or at the
-    /// chosen time, shows that one.
+    /// Returns the sections of the chosen step. If the field has a single step, or a single step at
+    /// the chosen time, returns the sections of that step.
     std::span<const Section> at(const Step& chosen) const {
       if (sections.front().step == sections.back().step) return sections;
       const std::span<const Section> then =

@@ -16,6 +16,7 @@
 #include "preprocess/inspect_surface.h"
 #include "preprocess/tetrahedralize.h"
 #include "tests/preprocess/workers/tetgen/surfaces.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
@@ -117,7 +118,7 @@ TEST(RepairSurface, keeps_an_outline_without_an_opening_closed) {
   plates.facet_corners.resize(16);  // bottom and top, of two outlines each
   plates.facet_offsets.resize(5);
   plates.facet_faces.resize(4);
-  for (std::uint64_t i = 0; i < 4; ++i) {  // the sides of the box, not those of the tunnel
+  for (std::uint64_t i = 0; i < 4; ++i) {  // adds the four sides of the box; the tunnel has none
     add_facet(plates, {i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i});
     plates.facet_faces.push_back(2 + i);
   }
@@ -127,13 +128,8 @@ TEST(RepairSurface, keeps_an_outline_without_an_opening_closed) {
 TEST(RepairSurface, refuses_a_face_whose_outlines_cross) {
   NeutralSurface crossing = tunnel();
   crossing.points[8] = {-1, 1, 0};  // a corner of the tunnel, now outside of the box
-  try {
-    repair_surface(crossing);
-    ADD_FAILURE() << "was repaired";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::invalid);
-    EXPECT_THAT(error.what(), HasSubstr("the outlines of facet 0 and of others in the same face cross"));
-  }
+  expect_error(ErrorCode::invalid, "the outlines of facet 0 and of others in the same face cross",
+               [&] { repair_surface(crossing); });
 }
 
 // CGAL crashed where it cuts facets along their crossings: two of them met in a point of a third.
@@ -200,13 +196,7 @@ TEST(RepairSurface, refuses_what_has_no_area) {
   NeutralSurface line;
   line.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   add_facet(line, {0, 1, 2});
-  try {
-    repair_surface(line);
-    ADD_FAILURE() << "was repaired";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::invalid);
-    EXPECT_THAT(error.what(), HasSubstr("no facet has an area"));
-  }
+  expect_error(ErrorCode::invalid, "no facet has an area", [&] { repair_surface(line); });
 }
 
 /// Both workers replaced by a program that ends as told.

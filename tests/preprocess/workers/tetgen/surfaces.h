@@ -72,8 +72,8 @@ inline NeutralSurface as_fans(const NeutralSurface& surface) {
   return fans;
 }
 
-/// A box of 3 x 3 x 1 with a tunnel of 1 x 1 through its middle: bottom and top are faces of two
-/// outlines, of which the inner one is open. Its volume is 8.
+/// A box of 3 x 3 x 1 with a tunnel of 1 x 1 through its middle. Its bottom and top are faces with
+/// two outlines each; the inner outline is an opening. The volume is 8.
 inline NeutralSurface tunnel() {
   NeutralSurface surface = prism({{0, 0}, {3, 0}, {3, 3}, {0, 3}});
   const NeutralSurface inner = prism({{1, 1}, {2, 1}, {2, 2}, {1, 2}});
