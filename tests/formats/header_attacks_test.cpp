@@ -144,6 +144,16 @@ TEST(ResealedFile, arrays_that_overlap_leave_gaps_or_lie_outside_are_refused_by_
     expect_error(attack.error_code, attack.words, [&] { open(with_header_change(file, attack.from, attack.to)); });
 }
 
+TEST(ResealedFile, the_array_that_ends_behind_the_data_area_is_named) {
+  const std::string file = grid_bytes();
+  const auto [type, begin, end] = tests::place_of(tests::open_envelope(file), "_seal");
+  const auto entry = [&, begin = begin](std::uint64_t bytes) {
+    return concat("\"shape\":[", bytes, "],\"data_offsets\":[", begin, ",", begin + bytes, "]");
+  };
+  expect_error(ErrorCode::invalid, concat("array '_seal': found its end at ", end + 1),
+               [&] { open(with_header_change(file, entry(64), entry(65))); });
+}
+
 TEST(ResealedFile, what_a_newer_program_wrote_is_refused_as_unsupported) {
   const std::string file = grid_bytes();
   expect_error(ErrorCode::unsupported, "version: found 2.0; expected 1.x",

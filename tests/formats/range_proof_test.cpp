@@ -213,6 +213,21 @@ TEST(RangeProof, says_where_what_was_found_and_what_was_needed) {
           "x.rho: a box that does not hold those below it: entry 0 of level 1 has [0, 0] x ");
 }
 
+TEST(RangeProof, refuses_a_cluster_that_reaches_out_of_its_box_on_any_axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const bool from_above : {false, true}) {
+      SCOPED_TRACE(concat("axis ", axis, from_above ? ", high side" : ", low side"));
+      TetSample sample = clustered(mesh(), 4);
+      // Of the first eight clusters: the low sides on each axis, then the high sides.
+      std::vector<float>& boxes = sample.clusters.boxes[0];
+      const std::size_t low = 8 * axis, high = 8 * (axis + 3);
+      ASSERT_LT(boxes[low], boxes[high]);
+      boxes[from_above ? high : low] = (boxes[low] + boxes[high]) / 2;
+      expect_error(ErrorCode::invalid, "a cluster that reaches out of its box: cluster 0",
+                   [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
+    }
+}
+
 TEST(RangeProof, takes_no_range_of_nan_for_one_that_contains) {
   MadeGrid spoilt = grid(wavy);
   std::memcpy(spoilt.arrays["macro.1"].data(), &nan, sizeof nan);
@@ -346,6 +361,16 @@ TEST(RangeProof, refuses_lists_that_miss_a_cell_which_has_a_point_inside_the_lea
     }
   EXPECT_GT(taken_out, 300U);
   EXPECT_LT(not_sampled, 2 * sample.items.size() / 3) << "listed by their boxes, and not touching";
+}
+
+TEST(RangeProof, refuses_empty_lists_of_leaf_cells_that_cells_touch) {
+  const TetSample whole = tests::sample_tets(1, {{"flat", [](const Vec3&) { return 1.0; }}}, {2, 2, 1});
+  for (std::size_t leaf = 0; leaf + 1 < whole.offsets.size(); ++leaf) {
+    TetSample sample = whole;
+    for (std::size_t item = whole.offsets[leaf + 1]; item-- > whole.offsets[leaf];) sample = without_item(sample, item);
+    expect_error(ErrorCode::invalid, concat("touches leaf ", leaf, ", which lists 0"),
+                 [&] { prove_ranges(opened<TetMesh>(bytes_of(sample)), 0); });
+  }
 }
 
 TEST(RangeProof, lets_lists_leave_out_cells_that_stay_clear) {

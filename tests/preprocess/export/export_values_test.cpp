@@ -18,6 +18,7 @@
 #include "preprocess/pack_volume.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/support/fields.h"
+#include "tests/support/made_grid.h"
 #include "tests/support/meshes.h"
 #include "tests/support/run_program.h"
 
@@ -71,6 +72,28 @@ TEST_F(Export, writes_vti_that_comes_back_bit_for_bit) {
     EXPECT_EQ(values_of(volume), expected);
   };
   for_each_type(round_trip);
+}
+
+TEST_F(Export, writes_each_field_of_a_grid_into_one_vti) {
+  const auto first = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return static_cast<float>(i + 5 * j + 20 * k);
+  };
+  const auto second = [&](std::int64_t i, std::int64_t j, std::int64_t k) { return -first(i, j, k); };
+  write_file(folder_ / "a.rho", made_grid({.sample_count = {5, 4, 3}}, {{"first", first}, {"second", second}}).file());
+  export_vti(folder_ / "a.rho", folder_ / "a.vti");
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->SetFileName((folder_ / "a.vti").c_str());
+  reader->Update();
+  for (const auto& [name, sign] : {std::pair("first", 1), std::pair("second", -1)}) {
+    std::vector<double> expected;
+    for (int n = 0; n < 60; ++n) expected.push_back(sign * n);
+    ImportVolumeOptions options;
+    options.field = name;
+    EXPECT_EQ(values_of(import_volume(folder_ / "a.vti", options)), expected);
+    vtkDataArray* const array = reader->GetOutput()->GetPointData()->GetArray(name);
+    ASSERT_NE(array, nullptr) << name;
+    for (int n = 0; n < 60; ++n) EXPECT_EQ(array->GetComponent(n, 0), sign * n) << name;
+  }
 }
 
 TEST_F(Export, writes_vti_that_vtk_puts_into_the_same_place) {

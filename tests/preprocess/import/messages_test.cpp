@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "tests/preprocess/import/support.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/resealed.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -206,8 +208,22 @@ TEST(Handover, does_not_trust_counts_of_the_other_side) {
   expect_refusal([&] { receive_surface(sent(surface)); }, ErrorCode::invalid, {"facet_offsets"});
 }
 
+TEST(Handover, does_not_trust_a_shape_of_samples_that_its_facts_deny) {
+  const std::vector<std::int16_t> values = tests::known_values<std::int16_t>();
+  NeutralVolume volume;
+  volume.sample_count = {3, 4, 5};
+  volume.type = formats::ElementType::I16;
+  volume.samples = std::as_bytes(std::span(values));
+  const tests::MemoryFile memory;
+  send(volume, memory.descriptor());
+  const tests::MemoryFile lying(
+      tests::with_header_change(memory.content(), R"("shape":[5,4,3,1])", R"("shape":[5,3,4,1])"));
+  expect_refusal([&] { receive_volume(formats::PackedFile::from_descriptor(lying.descriptor(), "parcel")); },
+                 ErrorCode::invalid, {"array 'samples'", "another shape or type"});
+}
+
 /// What our own side would stop at, as at a bug of ours.
-TEST(Handover, does_not_trust_kinds_of_cells_nor_numbers_that_are_not_finite) {
+TEST(Handover, does_not_trust_kinds_and_offsets_of_cells_nor_numbers_that_are_not_finite) {
   CellMesh cells;
   cells.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   cells.kinds = {CellKind::tetrahedron};
@@ -216,6 +232,12 @@ TEST(Handover, does_not_trust_kinds_of_cells_nor_numbers_that_are_not_finite) {
   EXPECT_EQ(receive_cell_mesh(sent(cells)).kinds.size(), 1U);
   cells.kinds = {static_cast<CellKind>(9)};
   expect_refusal([&] { receive_cell_mesh(sent(cells)); }, ErrorCode::invalid, {"array 'kinds'", "not known"});
+  cells.kinds = {CellKind::tetrahedron};
+  for (const std::uint64_t end : {3U, 5U}) {
+    cells.cell_offsets = {0, end};
+    expect_refusal([&] { receive_cell_mesh(sent(cells)); }, ErrorCode::invalid,
+                   {"array 'cell_offsets'", "rising from 0 to the number of nodes"});
+  }
 
   const std::vector<std::int16_t> values = tests::known_values<std::int16_t>();
   NeutralVolume volume;

@@ -78,6 +78,10 @@ TEST(MetaImage, reads_lists_and_numbered_files_and_skips_headers) {
   std::filesystem::rename(folder / "s11", folder / "s011");
   write_file(folder / "b.mhd", header(type + "HeaderSize = 4\nElementDataFile = LIST\n" + list));
   expect_known_values(read(folder / "b.mhd"), ElementType::I32);
+  write_file(folder / "short", "head" + std::string(57, 'x'));
+  write_file(folder / "c.mhd", header("HeaderSize = 4\nElementType = MET_UCHAR\nElementDataFile = short\n"));
+  expect_refusal([&] { read(folder / "c.mhd"); }, ErrorCode::invalid,
+                 {"short", "byte 61", "60 bytes of samples after the first 4"});
 }
 
 TEST(MetaImage, refuses_what_it_cannot_mean) {
@@ -98,6 +102,9 @@ TEST(MetaImage, refuses_what_it_cannot_mean) {
   refuses(header("ElementType = MET_UCHAR\nElementDataFile = none.raw\n"), ErrorCode::unreadable, {"none.raw"});
   refuses(header("ElementSpacing = 1 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n") + std::string(60, 'x'),
           ErrorCode::invalid, {"spacing of 0"});
+  refuses(header("TransformMatrix = 1 0 0 1 1e-10 0 0 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n") +
+              std::string(60, 'x'),
+          ErrorCode::invalid, {"axes that lie in one plane"});
   refuses("NDims = 3\nDimSize = 100000 100000 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nxx",
           ErrorCode::invalid, {"10000000000 bytes"});
   refuses(

@@ -81,6 +81,10 @@ TEST(Nifti, takes_the_sform_first_then_the_qform) {
   file.set_all<float>(76, {1, 2, 3, 4}).set_all<float>(256, {half, 0, 0, 7, 8, 9});
   write_file(folder / "a.nii", file.content());
   expect_map(read(folder / "a.nii").world_from_grid, {{2, 0, 0}, {0, 0, 3}, {0, -4, 0}, {7, 8, 9}}, 1e-6);
+  // A third of a turn about (1, 1, 1): x goes to y, y to z, z to x.
+  file.set_all<float>(256, {0.5F, 0.5F, 0.5F, 7, 8, 9});
+  write_file(folder / "a.nii", file.content());
+  expect_map(read(folder / "a.nii").world_from_grid, {{0, 2, 0}, {0, 0, 3}, {4, 0, 0}, {7, 8, 9}}, 1e-6);
   file.set<std::int16_t>(254, 1)
       .set_all<float>(280, {0, -3, 0, 10, 2, 0, 0, 20, 0, 0.5F, 4, 30})
       .set<std::uint8_t>(123, 2);

@@ -210,6 +210,19 @@ TEST(Numpy, refuses_every_beginning_of_an_archive_and_notices_damage) {
   expect_refusal([&] { read(path); }, ErrorCode::invalid, {"image.npy", "damaged"});
 }
 
+TEST(Numpy, refuses_an_archive_that_claims_more_than_its_bytes_can_hold) {
+  TemporaryFolder folder;
+  const auto path = folder / "a.npz";
+  write_npz(path, {{"image.npy", int16_npy()}}, true);
+  std::string content = read_file(path);
+  const std::size_t entry = content.find("PK\x01\x02");  // of the table of contents
+  ASSERT_NE(entry, content.npos);
+  content.replace(entry + 24, 4, bytes_of_values(std::vector<std::uint32_t>{1U << 30}));
+  write_file(path, content);
+  expect_refusal([&] { read(path); }, ErrorCode::invalid,
+                 {"sizes that need 1073741824 bytes", concat("in ", content.size(), " packed bytes")});
+}
+
 TEST(Numpy, notices_damage_behind_the_array_of_an_archive) {
   TemporaryFolder folder;
   const auto path = folder / "a.npz";
