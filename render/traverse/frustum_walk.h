@@ -37,6 +37,11 @@ RHORAY_INLINE int floored(double x) {
   return whole - (x < whole);
 }
 
+/// floor(x) within [lowest, highest]; lowest for NaN.
+RHORAY_INLINE int floored_within(double x, int lowest, int highest) {
+  return floored(x > lowest ? (x < highest ? x : highest) : lowest);
+}
+
 /// @param slab   number of the slab of `edge` planes
 /// @param count  cells of this size per axis
 RHORAY_INLINE SlabRectangle rectangle_in_slab(const Frustum& frustum, int slab, int edge, const int* count) {

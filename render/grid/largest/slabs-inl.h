@@ -263,16 +263,18 @@ class SlabSweep {
     const double low = 16.0 * slab, high = low + 16;
     const double near = low < frustum.first ? frustum.first : low, far = high > frustum.last ? frustum.last : high;
     if (near > far) return false;
-    first[w] = floored(near), last[w] = far == high ? 16 * slab + 15 : floored(far);
-    for (int m = 0; m < 2; ++m) {
-      first[frustum.minor[m]] = floored(frustum.low[m].at(near));
-      last[frustum.minor[m]] = floored(frustum.high[m].at(far));
-    }
-    for (int a = 0; a < 3; ++a) {
-      if (a == 0) first[a] &= ~3, last[a] |= 3;
+    const double from[] = {frustum.low[0].at(near), frustum.low[1].at(near), near};
+    const double to[] = {frustum.high[0].at(far), frustum.high[1].at(far), far == high ? 16 * slab + 15 : far};
+    for (int i = 0; i < 3; ++i) {
+      const int a = i < 2 ? frustum.minor[i] : w;
       // The lattice may end within its last block.
       const int lowest = lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, field_.leaf_count[a])) : 0;
       const int highest = lowest + field_.leaf_count[a] - 1;
+      // Seen from far away a frustum may reach beyond the range of int. Ends that lie a block
+      // outside stay outside.
+      first[a] = floored_within(from[i], lowest - 4, highest + 4);
+      last[a] = floored_within(to[i], lowest - 4, highest + 4);
+      if (a == 0) first[a] &= ~3, last[a] |= 3;
       first[a] = first[a] < lowest ? lowest : first[a], last[a] = last[a] > highest ? highest : last[a];
       if (first[a] > last[a]) return false;
     }
