@@ -38,7 +38,10 @@ std::vector<Ray> rays_through(const Vec3& size, std::size_t count, std::uint64_t
 
 template <class T>
 int agreement_of(const Samples& samples, std::uint64_t seed) {
-  const TracedDataset traced(volume_of<T>({37, 22, 70}, [&](const Index3& at) { return static_cast<T>(samples(at)); }));
+  using Limits = std::numeric_limits<T>;
+  const TracedDataset traced(volume_of<T>({37, 22, 70}, [&](const Index3& at) {
+    return static_cast<T>(std::clamp<double>(samples(at), Limits::lowest(), Limits::max()));
+  }));
   return expect_agreement(traced, rays_through({36, 21, 69}, 2000, seed));
 }
 
