@@ -104,6 +104,12 @@ TEST(CertainRoots, says_nothing_where_two_more_roots_may_be) {
   EXPECT_EQ(one->count, 1);
 }
 
+TEST(CertainRoots, says_nothing_where_one_coefficient_in_doubt_may_make_two_roots) {
+  const Ball one{1}, unknown{1, 5};
+  EXPECT_FALSE(certain_roots({{one, one, unknown, one}}, 1e-3).has_value());
+  EXPECT_FALSE(certain_roots({{one, unknown, one, one}}, 1e-3).has_value());
+}
+
 TEST(CertainRoots, says_nothing_of_a_touch) {
   // -(s - 1/2)^2.
   const BallCubic cubic{{Ball{-0.25}, Ball{1.0 / 12}, Ball{1.0 / 12}, Ball{-0.25}}};
