@@ -130,6 +130,19 @@ TEST_F(PackCacheTest, tells_versions_of_the_program_and_fields_apart) {
   EXPECT_FALSE(preprocess::open_data(data("a.mhd"), {.program = "2"}).was_packed);
 }
 
+// Names are hashes, which may collide.
+TEST_F(PackCacheTest, takes_no_record_of_another_version_that_has_its_name) {
+  preprocess::open_data(data("a.mhd"), {.program = "1"});
+  std::string first;
+  for (const auto& entry : fs::directory_iterator(cache_folder()))
+    if (entry.path().extension() == ".json") first = read_file(entry.path());
+  ASSERT_NE(first.find("\"program\": \"1\""), first.npos);
+  preprocess::open_data(data("a.mhd"), {.program = "2"});
+  for (const auto& entry : fs::directory_iterator(cache_folder()))
+    if (entry.path().extension() == ".json") write_file(entry.path(), first);
+  EXPECT_TRUE(preprocess::open_data(data("a.mhd"), {.program = "2"}).was_packed);
+}
+
 TEST_F(PackCacheTest, packs_into_memory_without_a_cache) {
   const OpenedData opened = preprocess::open_data(data("a.mhd"), {.use_cache = false});
   EXPECT_TRUE(opened.was_packed);
