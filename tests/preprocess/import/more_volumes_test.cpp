@@ -271,8 +271,8 @@ TEST(Slc, refuses_every_beginning_of_itself) {
   };
   refuses(slc_text(true, std::string("\x0d\x09", 2)), ErrorCode::invalid, "slice 0");
   refuses(slc_text(true, std::string("\x03\x09\x00", 3)), ErrorCode::invalid, "slice 0");
-  refuses(slc_text(true, std::string("\x8c\x09", 2)), ErrorCode::invalid,
-          "slice 0");  // twelve bytes, of which one is there
+  // twelve different bytes are announced, and one is there
+  refuses(slc_text(true, std::string("\x8c\x09", 2)), ErrorCode::invalid, "slice 0");
   refuses("11111\n3 4 5 16\n1 1 1\n0 0 0 0\n0 0 X", ErrorCode::unsupported, "16 bits");
   refuses("11111\n30000 40000 50000 8\n1 1 1\n0 0 0 1\n0 0 X", ErrorCode::invalid, "sizes");
 }
