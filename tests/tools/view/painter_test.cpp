@@ -210,10 +210,12 @@ TEST(Painter, sends_pictures_to_a_client_that_always_requests_another_picture_at
   Inbox inbox;
   Painter painter(viewed_box(folder), 2);
   const Painter::ClientId client = painter.add(inbox.sink());
+  // One pass, then edges, which take so long that the next request always ends them.
+  PictureRequest request{.patch = R"({"image": {"antialias": 64}})", .width = 440, .height = 440};
   const std::jthread flood([&](const std::stop_token& stop) {
-    for (std::uint32_t n = 1; !stop.stop_requested(); ++n) {
-      painter.take(client, PictureRequest{.number = n, .width = 440, .height = 440});  // one pass, then edges
-      painter.take(client, Acknowledgement{n});
+    for (request.number = 1; !stop.stop_requested(); ++request.number) {
+      painter.take(client, request);
+      painter.take(client, Acknowledgement{request.number});
     }
   });
   EXPECT_GE(inbox.pictures(5).size(), 5U);
