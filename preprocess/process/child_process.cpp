@@ -467,8 +467,8 @@ int worker_main(const std::function<void(int input, int output)>& act) {
 }  // namespace rhoray::preprocess
 
 #ifdef __SANITIZE_ADDRESS__
-// The last line that a worker prints is its report, also where the leak checker leaves out leaks of
-// libraries.
+// The parent takes a worker's last line as its report. So the leak checker must not print its list
+// of suppressions when the worker ends.
 extern "C" const char* __lsan_default_options();
 extern "C" const char* __lsan_default_options() {
   return "print_suppressions=0";

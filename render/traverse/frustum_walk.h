@@ -31,15 +31,11 @@ struct SlabRectangle {
   RHORAY_INLINE bool is_empty() const { return first[0] > last[0] || first[1] > last[1]; }
 };
 
-/// floor(x), for numbers far inside the range of int.
-RHORAY_INLINE int floored(double x) {
-  const int whole = static_cast<int>(x);
-  return whole - (x < whole);
-}
-
-/// floor(x) within [lowest, highest]; lowest for NaN.
+/// floor(x), or the nearer of the two ends if it lies outside [lowest, highest]; lowest for NaN.
 RHORAY_INLINE int floored_within(double x, int lowest, int highest) {
-  return floored(x > lowest ? (x < highest ? x : highest) : lowest);
+  const double within = x > lowest ? (x < highest ? x : highest) : lowest;
+  const int whole = static_cast<int>(within);
+  return whole - (within < whole);
 }
 
 /// @param slab   number of the slab of `edge` planes
@@ -51,8 +47,8 @@ RHORAY_INLINE SlabRectangle rectangle_in_slab(const Frustum& frustum, int slab, 
   for (int m = 0; m < 2; ++m) {
     const int end = count[frustum.minor[m]];
     const double from = frustum.low[m].at(w_low) * scale, to = frustum.high[m].at(w_high) * scale;
-    cells.first[m] = from > 0 ? (from < end ? floored(from) : end) : 0;
-    cells.last[m] = to < end ? (to >= 0 ? floored(to) : -1) : end - 1;
+    cells.first[m] = floored_within(from, 0, end);
+    cells.last[m] = floored_within(to, -1, end - 1);
   }
   return cells;
 }
@@ -84,12 +80,8 @@ RHORAY_INLINE void walk_blocks(const Frustum& frustum, const MirroredLattice& la
   const int w = frustum.major, u = frustum.minor[0], v = frustum.minor[1];
   const int* node_count = lattice.node_count;
   const int super_node_count[3] = {node_count[0] / 4, node_count[1] / 4, node_count[2] / 4};
-  const auto slab_of = [](double at, int edge, int count) {
-    const int slab = floored(at / edge);
-    return slab < 0 ? 0 : slab >= count ? count - 1 : slab;
-  };
-  const int first_node = slab_of(frustum.first, 16, node_count[w]),
-            last_node = slab_of(frustum.last, 16, node_count[w]);
+  const int first_node = floored_within(frustum.first / 16, 0, node_count[w] - 1),
+            last_node = floored_within(frustum.last / 16, 0, node_count[w] - 1);
 
   const MirroredPlaces node_places(lattice, node_count), super_node_places(lattice, super_node_count);
   for (int slab = first_node; slab <= last_node; ++slab) {

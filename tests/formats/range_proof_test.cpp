@@ -218,7 +218,7 @@ TEST(RangeProof, refuses_a_cluster_that_reaches_out_of_its_box_on_any_axis) {
     for (const bool from_above : {false, true}) {
       SCOPED_TRACE(concat("axis ", axis, from_above ? ", high side" : ", low side"));
       TetSample sample = clustered(mesh(), 4);
-      // Of the first eight clusters: the low sides on each axis, then the high sides.
+      // The array begins with eight clusters: their low sides on x, y and z, then their high sides.
       std::vector<float>& boxes = sample.clusters.boxes[0];
       const std::size_t low = 8 * axis, high = 8 * (axis + 3);
       ASSERT_LT(boxes[low], boxes[high]);

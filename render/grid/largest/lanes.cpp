@@ -111,11 +111,9 @@ class Search {
 
   HWY_INLINE void put_nodes() {
     const int w = state_.frustum.major, u = state_.frustum.minor[0], v = state_.frustum.minor[1];
-    const auto slab_of = [&](double at) HWY_ATTR {
-      const int slab = floored(at / 16);
-      return slab < 0 ? 0 : slab >= state_.lattice.node_count[w] ? state_.lattice.node_count[w] - 1 : slab;
-    };
-    const int first = slab_of(state_.frustum.first), last = slab_of(state_.frustum.last);
+    const int count = state_.lattice.node_count[w];
+    const int first = floored_within(state_.frustum.first / 16, 0, count - 1),
+              last = floored_within(state_.frustum.last / 16, 0, count - 1);
     const auto each_node = [&](auto&& act) HWY_ATTR {
       for (int slab = last; slab >= first; --slab) {
         const SlabRectangle cells = rectangle_in_slab(state_.frustum, slab, 16, state_.lattice.node_count);

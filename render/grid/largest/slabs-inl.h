@@ -270,8 +270,8 @@ class SlabSweep {
       // The lattice may end within its last block.
       const int lowest = lattice.is_mirrored(a) ? static_cast<int>(lattice.plane(a, field_.leaf_count[a])) : 0;
       const int highest = lowest + field_.leaf_count[a] - 1;
-      // Seen from far away a frustum may reach beyond the range of int. Ends that lie a block
-      // outside stay outside.
+      // From far away, ends may exceed the range of int. So they are limited to a block outside the
+      // lattice; widening to whole blocks leaves them outside.
       first[a] = floored_within(from[i], lowest - 4, highest + 4);
       last[a] = floored_within(to[i], lowest - 4, highest + 4);
       if (a == 0) first[a] &= ~3, last[a] |= 3;

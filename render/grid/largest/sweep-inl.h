@@ -123,10 +123,7 @@ class PlaneSweep {
     return true;
   }
 
-  HWY_INLINE int slab_of(double at) const {
-    const int slab = floored(at / 4), count = block_count_[axes_[0]];
-    return slab < 0 ? 0 : slab >= count ? count - 1 : slab;
-  }
+  HWY_INLINE int slab_of(double at) const { return floored_within(at / 4, 0, block_count_[axes_[0]] - 1); }
 
   /// Adds the slabs to the queue, by the largest value of the blocks that the frustum meets in
   /// each.

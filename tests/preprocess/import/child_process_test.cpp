@@ -10,7 +10,6 @@
 #include <functional>
 #include <thread>
 
-#include "formats/base/library_text.h"
 #include "preprocess/process/limits.h"
 #include "tests/preprocess/import/support.h"
 
@@ -80,25 +79,9 @@ TEST_F(Worker, passes_a_refusal_on_as_the_same_error) {
   }
 }
 
-/// Collects the lines that libraries print while it lives.
-class LibraryText {
- public:
-  LibraryText() {
-    set_library_text_sink([this](const std::string& line) { lines_.push_back(line); });
-  }
-  LibraryText(const LibraryText&) = delete;
-  LibraryText& operator=(const LibraryText&) = delete;
-  ~LibraryText() { set_library_text_sink({}); }
-
-  const std::vector<std::string>& lines() const { return lines_; }
-
- private:
-  std::vector<std::string> lines_;
-};
-
 /// A message that quotes a file may contain the mark of progress, and codes for a terminal.
 TEST_F(Worker, passes_control_characters_on_as_text) {
-  const LibraryText said;
+  const tests::LibraryText said;
   try {
     run_worker(request("refuse-controls"));
     FAIL() << "nothing was refused";
@@ -110,13 +93,13 @@ TEST_F(Worker, passes_control_characters_on_as_text) {
 }
 
 TEST_F(Worker, names_what_it_was_doing_when_a_library_throws) {
-  const LibraryText said;
+  const tests::LibraryText said;
   expect_refusal([] { run_worker(request("throw")); }, ErrorCode::internal, {"reading bone.vtu: failed unexpectedly"});
   EXPECT_THAT(said.lines(), testing::ElementsAre("a library's exception"));
 }
 
 TEST_F(Worker, keeps_what_libraries_say_out_of_its_refusals) {
-  const LibraryText said;
+  const tests::LibraryText said;
   for (const char* verb : {"refuse", "segfault", "exit-99"}) try {
       run_worker(request(verb));
       FAIL() << "nothing was refused";

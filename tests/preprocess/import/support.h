@@ -13,10 +13,27 @@
 #include <vector>
 
 #include "formats/base/error.h"
+#include "formats/base/library_text.h"
 #include "preprocess/neutral.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::tests {
+
+/// Collects the lines that libraries print while it lives.
+class LibraryText {
+ public:
+  LibraryText() {
+    set_library_text_sink([this](const std::string& line) { lines_.push_back(line); });
+  }
+  LibraryText(const LibraryText&) = delete;
+  LibraryText& operator=(const LibraryText&) = delete;
+  ~LibraryText() { set_library_text_sink({}); }
+
+  const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  std::vector<std::string> lines_;
+};
 
 /// A lattice whose sizes differ and whose values say where they stand, so that any swap of axes is
 /// seen.

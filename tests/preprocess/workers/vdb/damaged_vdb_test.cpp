@@ -1,7 +1,6 @@
+#include <algorithm>
 #include <random>
-#include <utility>
 
-#include "formats/base/library_text.h"
 #include "tests/preprocess/import/support.h"
 #include "tests/preprocess/workers/vdb/support.h"
 
@@ -36,24 +35,24 @@ TEST_F(Vdb, is_refused_or_read_whatever_bytes_are_changed) {
   const std::string whole = read_file(path);
   std::mt19937_64 random(20240607);
   int refused = 0;
-  std::string said;
-  set_library_text_sink([&](const std::string& line) { said += line; });
   constexpr int trials = 12;
   for (int trial = 0; trial < trials; ++trial) {
     std::string bytes = whole;
     for (int change = 0; change < 6; ++change) bytes[random() % bytes.size()] = static_cast<char>(random());
     write_file(path, bytes);
+    const LibraryText said;
     try {
       open_vdb(path, "", std::uint64_t{4} << 30);
     } catch (const Error& error) {
       ++refused;
-      // The sanitizers end a process that asks for so much memory; elsewhere it is refused.
-      if (std::exchange(said, "").find("allocation-size-too-big") != said.npos) continue;
+      // The address sanitizer ends a process that asks for terabytes; other builds refuse them.
+      if (std::any_of(said.lines().begin(), said.lines().end(),
+                      [](const std::string& line) { return line.find("allocation-size-too-big") != line.npos; }))
+        continue;
       EXPECT_NE(static_cast<int>(error.code()), static_cast<int>(ErrorCode::internal)) << error.what();
       EXPECT_THAT(std::string(error.what()), testing::HasSubstr("changed.vdb"));
     }
   }
-  set_library_text_sink({});
   EXPECT_GT(refused, 0);
 }
 
