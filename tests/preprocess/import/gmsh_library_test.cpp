@@ -17,11 +17,6 @@ extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
   return "alloc_dealloc_mismatch=0";
 }
-// It keeps tables of element types until the process ends.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libgmsh\n";
-}
 #endif
 
 namespace rhoray::preprocess {
