@@ -36,12 +36,7 @@ void terminatetetgen(tetgenmesh*, int code) {
 }
 
 #ifdef __SANITIZE_ADDRESS__
-// TetGen does not free its memory when it gives up. The process ends next, and the sanitizer must
-// not print behind the last line, which contains our refusal.
-extern "C" const char* __lsan_default_options();
-extern "C" const char* __lsan_default_options() {
-  return "print_suppressions=0";
-}
+// TetGen does not free its memory when it gives up. The process ends next.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libtet.so\n";
