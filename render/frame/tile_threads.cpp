@@ -41,19 +41,20 @@ void TileThreads::for_each_tile(std::size_t count, const std::function<void(std:
   std::atomic<std::size_t> next{0};
   std::exception_ptr first_failure;
   std::mutex failure_mutex;
+  const auto work = [&](std::size_t worker) {
+    const DefaultFloatingPoint default_floating_point;
+    try {
+      for (std::size_t tile; (tile = next++) < count;) act(tile, worker);
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      if (!first_failure) first_failure = std::current_exception();
+      next = count;
+    }
+  };
   {
-    std::vector<std::jthread> workers;
-    for (std::size_t worker = 0; worker < worker_count(); ++worker)
-      workers.emplace_back([&, worker] {
-        const DefaultFloatingPoint default_floating_point;
-        try {
-          for (std::size_t tile; (tile = next++) < count;) act(tile, worker);
-        } catch (...) {
-          const std::lock_guard lock(failure_mutex);
-          if (!first_failure) first_failure = std::current_exception();
-          next = count;
-        }
-      });
+    std::vector<std::jthread> others;
+    for (std::size_t worker = 1; worker < worker_count(); ++worker) others.emplace_back(work, worker);
+    work(0);
   }
   if (first_failure) std::rethrow_exception(first_failure);
 }

@@ -1,10 +1,8 @@
 #include "render/frame/tile_threads.h"
 
 #include <gtest/gtest.h>
-#ifndef RHORAY_STD_THREADS
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
-#endif
 
 #include <atomic>
 #include <stdexcept>
@@ -47,7 +45,6 @@ TEST(TileThreads, pass_an_exception_on) {
                  std::runtime_error);
 }
 
-#ifndef RHORAY_STD_THREADS
 TEST(TileThreads, call_every_tile_in_a_cancelled_group_of_the_caller) {
   for (const render::Arena arena : {render::Arena::own, render::Arena::callers}) {
     const render::TileThreads tile_threads(2, arena);
@@ -63,7 +60,6 @@ TEST(TileThreads, call_every_tile_in_a_cancelled_group_of_the_caller) {
     EXPECT_EQ(calls, 1000);
   }
 }
-#endif
 
 }  // namespace
 }  // namespace rhoray::tests
