@@ -93,7 +93,7 @@ TEST(Exports, need_nothing_that_acts_on_the_whole_process) {
 }
 
 TEST(Exports, link_no_library_of_the_importers) {
-  // The last line: runtimes of the sanitizers, in builds with one.
+  // libtsan and libasan are in builds with a sanitizer only.
   const std::set<std::string> allowed{"libtbb",          "libgmp",           "libpng16", "libhwy",   "libImath-3_1",
                                       "libxxhash",       "libstdc++",        "libm",     "libgcc_s", "libc",
                                       "ld-linux-x86-64", "ld-linux-aarch64", "libtsan",  "libasan"};
