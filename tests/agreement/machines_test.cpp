@@ -411,6 +411,9 @@ TEST(Machines, certified_decide_as_the_judge_and_keep_their_bounds) {
 
 // Without this test, the statement could be about one way of computing under three names.
 TEST(Machines, that_do_not_fuse_give_other_last_bits) {
+#ifdef RHORAY_BASELINE_KERNELS
+  GTEST_SKIP() << "this build has SIMD kernels of the baseline only";
+#endif
   if (!render::has_machine(Machine::avx2)) GTEST_SKIP() << "this processor has no AVX2";
   std::size_t different = 0;
   for_each_query([&](const Data& data, const std::vector<Ray>& rays, double isovalue) {
