@@ -140,7 +140,7 @@ const Library libraries[] = {
     {"HDF5", std::regex("hdf5\\.h"), {"preprocess/import"}},
     {"zlib, bzip2, LZ4, XZ, minizip", std::regex("(zlib|bzlib|lz4|lzma|minizip/\\w+)\\.h"), {"preprocess/import"}},
     {"GDCM", std::regex("gdcm\\w+\\.h"), {"preprocess/import"}},
-    {"oneTBB", std::regex("tbb/.*"), {"render/frame", "tools/lab"}},
+    {"oneTBB", std::regex("tbb/.*"), {"preprocess/workers/vdb", "render/frame", "tools/lab"}},
     {"OpenImageIO", std::regex("OpenImageIO/.*"), {"tools", "preprocess/import"}},
     {"FreeType", std::regex("ft2build\\.h|freetype/.*"), {"tools"}},
     {"Eigen", std::regex("Eigen/.*"), {"data"}},

@@ -160,9 +160,10 @@ TEST(AccuracyReport, is_one_page_that_sends_for_nothing) {
 /// bumps.rho: hills that cast shadows on one another.
 void make_bumps(const Workbench& bench) {
   std::string bumps;
-  for (int i = 0; i < 24 * 24 * 24; ++i)
-    bumps +=
-        static_cast<char>(128 + 80 * std::sin(0.7 * (i % 24)) * std::sin(0.6 * (i / 24 % 24)) - 3 * (i / 576 - 12));
+  for (int i = 0; i < 24 * 24 * 24; ++i) {
+    const double height = 80 * std::sin(0.7 * (i % 24)) * std::sin(0.6 * (i / 24 % 24));
+    bumps += static_cast<char>(static_cast<unsigned char>(128 + height - 3 * (i / 576 - 12)));
+  }
   write_file(bench / "bumps.raw", bumps);
   ASSERT_EQ(bench.rhoray({"pack", "bumps.raw", "--raw", "24x24x24:uint8", "-o", "bumps.rho", "-q"}).exit_code, 0);
 }
