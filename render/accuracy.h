@@ -96,7 +96,7 @@ Choice choose_method(const ResolvedScene& resolved, std::size_t layer, const Goa
                      const Watch& watch = {});
 
 /// Chooses for every isosurface and projection, which share the time. Stores the methods in the
-/// scene.
+/// scene. Throws if there is none.
 std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, unsigned threads,
                                    const Watch& watch = {});
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/base/error.h"
 #include "formats/base/floating_point.h"
 #include "formats/base/number_text.h"
 #include "formats/base/stopping.h"
@@ -193,9 +194,12 @@ std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, un
   for (std::size_t layer = 0; layer < resolved.scene.layers.size(); ++layer)
     if (const Mode mode = resolved.scene.layers[layer].mode; mode == Mode::isosurface || mode == Mode::mip)
       layers.push_back(layer);
+  if (layers.empty())
+    throw Error(ErrorCode::usage,
+                concat(goal.max_error ? "--max-error" : "--budget-ms", ": no layer is an isosurface or a projection"),
+                "leave it out, or add --iso or --mode mip");
   Goal of_layer = goal;
-  if (goal.budget_ms)
-    of_layer.budget_ms = *goal.budget_ms / static_cast<double>(std::max<std::size_t>(1, layers.size()));
+  if (goal.budget_ms) of_layer.budget_ms = *goal.budget_ms / static_cast<double>(layers.size());
   std::vector<Choice> choices;
   for (const std::size_t layer : layers) choices.push_back(choose_method(resolved, layer, of_layer, threads, watch));
   for (std::size_t i = 0; i < layers.size(); ++i) resolved.scene.layers[layers[i]].method = choices[i].chosen.method;

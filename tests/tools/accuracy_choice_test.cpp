@@ -107,6 +107,21 @@ TEST(AccuracyChoice, refuses_limits_that_nothing_meets) {
   }
 }
 
+TEST(AccuracyChoice, refuses_limits_where_no_layer_has_a_method) {
+  const Workbench bench;
+  bench.make_ball();
+  bench.make_box();
+  for (const auto& [words, fact] :
+       {std::pair{"ball.rho --slice z --max-error 0.01", "--max-error: no layer is an isosurface or a projection"},
+        {"box.rho --mode boundary --budget-ms 100", "--budget-ms: no layer is an isosurface or a projection"},
+        {"ball.rho --slice z --accuracy exact", "--accuracy has no effect on slices"}}) {
+    const RunResult run = bench.shell(concat("rhoray render ", words, " -o p.png"));
+    EXPECT_EQ(run.exit_code, 2) << words;
+    EXPECT_THAT(run.err, HasSubstr(fact));
+    EXPECT_FALSE(std::filesystem::exists(bench / "p.png"));
+  }
+}
+
 TEST(AccuracyChoice, is_told_in_the_report) {
   const Workbench bench;
   bench.make_ball();

@@ -417,10 +417,13 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   }
   constexpr std::array of_slices{"--slice",  "--field", "--colormap", "--color-scale",
                                  "--levels", "--range", "--opacity"};
+  const auto refuse = [](const std::string& name) {
+    throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
+                "add --mode iso or --iso to show an isosurface too");
+  };
   for (const std::string& name : given)
-    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
-      throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
-                  "add --mode iso or --iso to show an isosurface too");
+    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end()) refuse(name);
+  if (!scene_spec.accuracy.empty()) refuse("--accuracy");
   for (render::LayerSpec& slice : slices) slice.opacity = layer.opacity;
   scene_spec.layers = std::move(slices);
 }
