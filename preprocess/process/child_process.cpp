@@ -403,12 +403,14 @@ std::string in_one_line(std::string text) {
   return printable(text);
 }
 
-int report(ErrorCode error_code, const std::string& fact, const std::string& hint) {
+/// Reports a refusal and ends the process at once. Libraries do not free everything when they
+/// refuse a damaged file, and what such a failure leaves behind is not destroyed.
+[[noreturn]] void refuse(ErrorCode error_code, const std::string& fact, const std::string& hint) {
   std::string lines = "\n";  // ends a line that a library left unfinished
   if (!hint.empty()) lines += concat(hint_mark, in_one_line(hint), "\n");
   lines += in_one_line(fact.empty() ? "no reason given" : fact) + "\n";
   std::fputs(lines.c_str(), stderr);
-  return static_cast<int>(error_code);
+  std::_Exit(static_cast<int>(error_code));
 }
 
 int descriptor_named(const char* variable) {
@@ -446,8 +448,8 @@ int worker_main(const std::function<void(int input, int output)>& act) {
   const char* doing = std::getenv("RHORAY_DOING");
   const int output = descriptor_named("RHORAY_OUTPUT_FD");
   if (doing == nullptr || output < 0)
-    return report(ErrorCode::usage, "this program is started by `rhoray`, which sets RHORAY_OUTPUT_FD and RHORAY_DOING",
-                  "call `rhoray`");
+    refuse(ErrorCode::usage, "this program is started by `rhoray`, which sets RHORAY_OUTPUT_FD and RHORAY_DOING",
+           "call `rhoray`");
   is_worker = true;
   set_library_text_sink([](const std::string& line) { std::fputs((line + "\n").c_str(), stderr); });
   try {
@@ -455,22 +457,13 @@ int worker_main(const std::function<void(int input, int output)>& act) {
     act(descriptor_named("RHORAY_INPUT_FD"), output);
     return 0;
   } catch (const Error& error) {
-    return report(error.code(), error.what(), error.hint());
+    refuse(error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
-    return report(ErrorCode::resource, concat(doing, ": out of memory"), "allow more with --memory");
+    refuse(ErrorCode::resource, concat(doing, ": out of memory"), "allow more with --memory");
   } catch (const std::exception& error) {
     note_library_text(error.what());
-    return report(ErrorCode::internal, concat(doing, ": failed unexpectedly"), "-v prints the reason that was given");
+    refuse(ErrorCode::internal, concat(doing, ": failed unexpectedly"), "-v prints the reason that was given");
   }
 }
 
 }  // namespace rhoray::preprocess
-
-#ifdef __SANITIZE_ADDRESS__
-// The parent takes a worker's last line as its report. So the leak checker must not print its list
-// of suppressions when the worker ends.
-extern "C" const char* __lsan_default_options();
-extern "C" const char* __lsan_default_options() {
-  return "print_suppressions=0";
-}
-#endif

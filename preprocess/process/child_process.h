@@ -26,7 +26,7 @@ formats::PackedFile run_worker(const WorkerRequest& request);
 void report_worker_progress(std::uint64_t done, std::uint64_t total);
 
 /// The worker's side: runs `act(input descriptor or -1, output descriptor)` in a worker's main and
-/// follows the protocol above. Returns the exit code.
+/// follows the protocol above. Returns 0; a refusal ends the process.
 int worker_main(const std::function<void(int input, int output)>& act);
 
 }  // namespace rhoray::preprocess

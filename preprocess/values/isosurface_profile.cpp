@@ -94,7 +94,8 @@ void IsosurfaceProfile::store(double share, formats::FieldSummary& field) const 
 
 template <class T>
 void profile_isosurfaces(std::span<const T> samples, const ProfiledLattice& lattice, formats::FieldSummary& field) {
-  if (!(field.range.hi > field.range.lo)) return;
+  const IsosurfaceProfile none(field);
+  if (!none.has_bins()) return;
   const std::array<AxisSteps, 3> steps{steps_of(lattice, 0), steps_of(lattice, 1), steps_of(lattice, 2)};
   const auto nx = static_cast<std::size_t>(lattice.sample_count.x),
              ny = static_cast<std::size_t>(lattice.sample_count.y),
@@ -102,7 +103,6 @@ void profile_isosurfaces(std::span<const T> samples, const ProfiledLattice& latt
   // An odd stride visits all y of a lattice whose count is a power of two.
   const std::size_t stride = samples.size() <= sample_budget ? 1 : (samples.size() / sample_budget) | 1;
   const std::size_t row_count = (ny * nz + stride - 1) / stride;
-  const IsosurfaceProfile none(field);
   const IsosurfaceProfile sums = parallel_reduce(
       row_count, std::max<std::size_t>(1, grain_samples / nx), none,
       [&](const IndexRange& part) {

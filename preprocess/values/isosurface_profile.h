@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,6 +32,11 @@ class IsosurfaceProfile {
   /// @param field  with its range and histogram; at least one bin
   explicit IsosurfaceProfile(const formats::FieldSummary& field);
 
+  /// False without a finite value, when all values are equal, and for ranges below about 1e-305. The
+  /// bins of those are a few of the smallest numbers wide, so places would lie beyond the last bin.
+  bool has_bins() const { return std::isnormal(half_width_); }
+
+  /// @param value  in the field's range, unless it is no data; has_bins() holds
   template <class T>
   Place place(T value) const;
 
@@ -67,7 +73,7 @@ struct ProfiledLattice {
   const std::array<std::vector<double>, 3>& axes;
 };
 
-/// Stores the profile of a field on a lattice; nothing when all values are equal or none is finite.
+/// Stores the profile of a field on a lattice, or nothing if it has no bins (has_bins()).
 /// Uses the pairs of about half a million samples in whole rows along x, evenly spread. So the time
 /// does not grow with the lattice. The result does not depend on the number of threads.
 template <class T>

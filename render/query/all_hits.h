@@ -23,7 +23,8 @@ class CrossingList {
   static constexpr std::size_t most =
       12;  ///< per ray; chosen for surfaces of opacity 0.5, 11 of which hide what lies behind
 
-  explicit CrossingList(std::size_t capacity) : count(capacity) {
+  /// Allocates room for `capacity` rays, rounded up to whole groups.
+  explicit CrossingList(std::size_t capacity) : count(RayBatch::whole_groups(capacity)) {
     for (HitBatch& hits : behind_) hits = HitBatch(capacity);
   }
 

@@ -55,10 +55,15 @@ class RayBatch {
  public:
   static constexpr std::size_t group_size = 64;  ///< 8 x 8 pixels
 
+  /// The number of rays in the whole groups that hold this many.
+  static constexpr std::size_t whole_groups(std::size_t rays) {
+    return (rays + group_size - 1) / group_size * group_size;
+  }
+
   RayBatch() = default;
   /// Allocates room for `capacity` rays, rounded up to whole groups.
   explicit RayBatch(std::size_t capacity) {
-    capacity = (capacity + group_size - 1) / group_size * group_size;
+    capacity = whole_groups(capacity);
     for (std::size_t axis = 0; axis < 3; ++axis)
       origin[axis] = LaneArray<double>(capacity), direction[axis] = LaneArray<double>(capacity);
     t_min = LaneArray<double>(capacity), t_max = LaneArray<double>(capacity);
@@ -91,7 +96,7 @@ class HitBatch {
  public:
   HitBatch() = default;
   explicit HitBatch(std::size_t capacity) {
-    capacity = (capacity + RayBatch::group_size - 1) / RayBatch::group_size * RayBatch::group_size;
+    capacity = RayBatch::whole_groups(capacity);
     t = LaneArray<double>(capacity), value = LaneArray<double>(capacity), error = LaneArray<double>(capacity);
     for (auto& component : gradient) component = LaneArray<double>(capacity);
     cell = LaneArray<std::uint64_t>(capacity);

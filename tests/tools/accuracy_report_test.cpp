@@ -206,7 +206,8 @@ TEST(AccuracyReport, measures_every_effect_of_the_scene_by_its_number_of_samples
   EXPECT_THAT(page, HasSubstr("Pictures that differ only in appearance"));
   EXPECT_THAT(page, HasSubstr("Soft shadows with this many rays"));
   run_well(bench, "ball.rho --iso 60 --style fast -o plain" + small);
-  for (const json& row : results_of(bench, "plain").at("rows"))
+  const json plain = results_of(bench, "plain");
+  for (const json& row : plain.at("rows"))
     EXPECT_THAT(row.at("group").get<std::string>(), testing::Not(HasSubstr("samples"))) << "of a scene without effects";
 }
 

@@ -38,11 +38,11 @@ formats::FieldSummary summary_of(const ScalarField& field, const Array<T>& sampl
 /// Stores the profile of isosurfaces, from the pairs inside bricks.
 template <class T>
 void profile_bricks(const Array<T>& samples, const Vec3& spacing, formats::FieldSummary& field) {
-  if (!(field.range.hi > field.range.lo)) return;
+  const IsosurfaceProfile none(field);
+  if (!none.has_bins()) return;
   constexpr auto edge = static_cast<std::size_t>(SampleLattice::brick_edge);
   constexpr std::array<std::size_t, 3> strides{1, edge, edge * edge};
   const double cell = spacing.x * spacing.y * spacing.z;
-  const IsosurfaceProfile none(field);
   const IsosurfaceProfile sums = parallel_reduce(
       samples.size() / brick_samples, 64, none,
       [&](const IndexRange& part) {

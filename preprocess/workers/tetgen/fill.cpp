@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <map>
 #include <new>
@@ -35,17 +36,26 @@ void terminatetetgen(tetgenmesh*, int code) {
   throw code;
 }
 
-#ifdef __SANITIZE_ADDRESS__
-// TetGen does not free its memory when it gives up. The process ends next.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libtet.so\n";
-}
-#endif
-
 namespace rhoray::preprocess {
 
 namespace {
+
+/// While it lives, a crash ends the process by its signal, also under the address sanitizer: the
+/// parent expects crashes of TetGen, which is not compiled for the sanitizer.
+class CrashesBySignal {
+ public:
+  CrashesBySignal() {
+    struct sigaction by_default {};
+    by_default.sa_handler = SIG_DFL;
+    sigaction(SIGSEGV, &by_default, &before_);
+  }
+  CrashesBySignal(const CrashesBySignal&) = delete;
+  CrashesBySignal& operator=(const CrashesBySignal&) = delete;
+  ~CrashesBySignal() { sigaction(SIGSEGV, &before_, nullptr); }
+
+ private:
+  struct sigaction before_ {};
+};
 
 /// Catches what TetGen prints on standard output while it lives.
 class PrintedText {
@@ -273,6 +283,7 @@ struct Run {
 /// Runs TetGen once; what it prints stays inside.
 void run_tetgen(const NeutralSurface& surface, const Run& wanted, tetgenio& out) {
   const PrintedText printed;
+  const CrashesBySignal crashes_by_signal;
   const auto run = [&](std::string text, tetgenio& result) {
     tetgenio in;
     give_points(surface, wanted.with_point_sizes, in);

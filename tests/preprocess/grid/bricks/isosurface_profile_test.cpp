@@ -113,6 +113,12 @@ TEST(IsosurfaceProfile, says_nothing_where_there_is_nothing_to_say) {
   EXPECT_THAT(steep.mean_gradient, testing::IsEmpty()) << "a gradient that no double holds";
   const auto wide = profiled<double>({4, 4, 4}, {1, 1, 1}, [](const Vec3& p) { return p.x > 0 ? 1.7e308 : -1.7e308; });
   for (const double gradient : wide.mean_gradient) EXPECT_TRUE(std::isfinite(gradient));
+  // Half a bin would be 0.002 and 1.4 times as wide as the smallest number.
+  for (const double range : {0x1p-1074, 0x1p-1074 * 716}) {
+    const auto narrow = profiled<double>({4, 4, 4}, {1, 1, 1}, [&](const Vec3& p) { return p.x > 0 ? range : 0; });
+    EXPECT_EQ(narrow.range.hi, range);
+    EXPECT_THAT(narrow.isosurface_area, testing::IsEmpty());
+  }
 }
 
 TEST(IsosurfaceProfile, is_the_same_with_any_number_of_threads) {
