@@ -140,8 +140,10 @@ TEST(BenchCommand, fills_its_tables) {
     EXPECT_LE(row["change_ms_min"], row["change_ms"]);
     EXPECT_LE(row["change_ms"], row["change_ms_max"]);
   }
-  for (const char* name : {"phases", "threads", "memory"})
-    for (const nlohmann::json& row : table(name)["rows"]) EXPECT_FALSE(row["machine"].get<std::string>().empty());
+  for (const char* name : {"phases", "threads", "memory"}) {
+    const nlohmann::json filled = table(name);
+    for (const nlohmann::json& row : filled["rows"]) EXPECT_FALSE(row["machine"].get<std::string>().empty());
+  }
   const nlohmann::json memory = table("memory");
   ASSERT_EQ(memory["rows"].size(), 3U);
   for (const nlohmann::json& row : memory["rows"]) {

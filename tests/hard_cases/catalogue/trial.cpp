@@ -81,15 +81,6 @@ double Trial::t_per_cell(const Ray& ray) const {
   return case_.cell_edge / traced_->ray_data(ray).direction.length();
 }
 
-bool Trial::locates(const Hit& hit, const Ray& ray) const {
-  if (hit.error <= largest_bound_cells * t_per_cell(ray)) return true;
-  // Far away positions are rounded. What that changes across the surface, it changes more along a
-  // slanted ray.
-  const Vec3 direction = traced_->ray_data(ray).direction;
-  const double cosine = std::abs(hit.gradient.dot(direction)) / (hit.gradient.length() * direction.length());
-  return hit.error * cosine <= 0x1p-48 * std::abs(hit.t);
-}
-
 Tally Trial::tally(const NamedMethod& named) {
   Tally tally;
   const bool proves = render::proves(named.method), largest = case_.asked == Asked::largest_value;
@@ -109,7 +100,9 @@ Tally Trial::tally(const NamedMethod& named) {
       const bool is_there = answer.is_miss() == truth.hit.is_miss() &&
                             (answer.is_miss() ||
                              (largest  ? std::abs(answer.value - truth.hit.value) <= (proves ? bound : value_limit)
-                              : proves ? std::abs(answer.t - truth.hit.t) <= bound && locates(answer, ray)
+                              : proves ? std::abs(answer.t - truth.hit.t) <= bound &&
+                                             (answer.error <= largest_bound_cells * t_per_cell(ray) ||
+                                              answer.error <= 0x1p-48 * std::abs(answer.t))
                                        : std::abs(answer.t - truth.hit.t) <= place_tolerance_cells * t_per_cell(ray)));
       if (truth.touches && !proves) {
         ++tally.touches;

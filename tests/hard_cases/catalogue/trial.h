@@ -66,8 +66,6 @@ class Trial {
 
   render::Hit ask(const render::Ray& ray, double isovalue, const render::Method& method);
   double t_per_cell(const render::Ray& ray) const;
-  /// True if a proven hit's bound is small enough to be of use.
-  bool locates(const render::Hit& hit, const render::Ray& ray) const;
 };
 
 }  // namespace rhoray::tests
