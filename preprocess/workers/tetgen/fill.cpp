@@ -40,8 +40,8 @@ namespace rhoray::preprocess {
 
 namespace {
 
-/// While it lives, a crash ends the process by its signal, also under the address sanitizer: the
-/// parent expects crashes of TetGen, which is not compiled for the sanitizer.
+/// While it lives, a crash ends the process by its signal, also under the sanitizers: the parent
+/// expects crashes of TetGen, which is not compiled for them.
 class CrashesBySignal {
  public:
   CrashesBySignal() {
