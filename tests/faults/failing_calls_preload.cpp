@@ -42,7 +42,7 @@ struct Plan {
     if (name == nullptr || position == nullptr || number == nullptr || file == nullptr) return;
     const long descriptor = ::syscall(SYS_openat, AT_FDCWD, file, O_RDWR | O_CLOEXEC);
     if (descriptor < 0) return;
-    constexpr off_t from = 0;  // an int would leave half of the register undefined
+    constexpr off_t from = 0;  // an int would leave half of the argument undefined
     const long address =
         ::syscall(SYS_mmap, nullptr, sizeof *count, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, from);
     ::syscall(SYS_close, descriptor);
