@@ -403,8 +403,8 @@ std::string in_one_line(std::string text) {
   return printable(text);
 }
 
-/// Reports a refusal and ends the process at once. Libraries do not free everything when they
-/// refuse a damaged file, and what such a failure leaves behind is not destroyed.
+/// Reports a refusal and ends the process at once, without static destructors and without the leak
+/// checker: libraries do not free everything when they refuse a damaged file.
 [[noreturn]] void refuse(ErrorCode error_code, const std::string& fact, const std::string& hint) {
   std::string lines = "\n";  // ends a line that a library left unfinished
   if (!hint.empty()) lines += concat(hint_mark, in_one_line(hint), "\n");

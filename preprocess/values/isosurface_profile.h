@@ -32,8 +32,9 @@ class IsosurfaceProfile {
   /// @param field  with its range and histogram; at least one bin
   explicit IsosurfaceProfile(const formats::FieldSummary& field);
 
-  /// False without a finite value, when all values are equal, and for ranges below about 1e-305. The
-  /// bins of those are a few of the smallest numbers wide, so places would lie beyond the last bin.
+  /// False without a finite value, when all values are equal, and for ranges below about 1e-305.
+  /// Bins of such ranges are a few of the smallest numbers wide: rounding would put places beyond
+  /// the last bin.
   bool has_bins() const { return std::isnormal(half_width_); }
 
   /// @param value  in the field's range, unless it is no data; has_bins() holds

@@ -197,7 +197,7 @@ std::vector<Choice> choose_methods(ResolvedScene& resolved, const Goal& goal, un
   if (layers.empty())
     throw Error(ErrorCode::usage,
                 concat(goal.max_error ? "--max-error" : "--budget-ms", ": no layer is an isosurface or a projection"),
-                "leave it out, or add --iso or --mode mip");
+                "leave it out, or add an isosurface or a projection");
   Goal of_layer = goal;
   if (goal.budget_ms) of_layer.budget_ms = *goal.budget_ms / static_cast<double>(layers.size());
   std::vector<Choice> choices;

@@ -409,7 +409,8 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   }
   if (layer.color_by.empty()) layer.colormap.clear(), layer.scale.clear(), layer.levels.reset();
   if (has_range) layer.range.reset();
-  const std::vector<std::string>& given = options.of_the_layer;
+  std::vector<std::string> given = options.of_the_layer;
+  if (!scene_spec.accuracy.empty()) given.push_back("--accuracy");
   const auto is_given = [&](const char* name) { return std::find(given.begin(), given.end(), name) != given.end(); };
   if (is_given("--mode") || is_given("--iso")) {
     scene_spec.layers.insert(scene_spec.layers.begin(), slices.begin(), slices.end());
@@ -417,13 +418,10 @@ void add_slices(const PictureOptions& options, render::SceneSpec& scene_spec) {
   }
   constexpr std::array of_slices{"--slice",  "--field", "--colormap", "--color-scale",
                                  "--levels", "--range", "--opacity"};
-  const auto refuse = [](const std::string& name) {
-    throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
-                "add --mode iso or --iso to show an isosurface too");
-  };
   for (const std::string& name : given)
-    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end()) refuse(name);
-  if (!scene_spec.accuracy.empty()) refuse("--accuracy");
+    if (std::find(of_slices.begin(), of_slices.end(), name) == of_slices.end())
+      throw Error(ErrorCode::usage, concat(name, " has no effect on slices"),
+                  "add --mode iso or --iso to show an isosurface too");
   for (render::LayerSpec& slice : slices) slice.opacity = layer.opacity;
   scene_spec.layers = std::move(slices);
 }
