@@ -168,7 +168,7 @@ Rays rays_at_roofs(std::size_t count, std::uint64_t seed) {
   while (rays.size() < count) {
     const double x = 3 * static_cast<double>(dice.below(8));
     const Vec3 target = as_point({dice.below(65), dice.below(65), 0}) / 64 + Vec3(x, 0, 0);
-    Vec3 direction(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.coin() ? 1 : -1);
+    Vec3 direction{dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.coin() ? 1.0 : -1.0};
     if (dice.coin()) direction.x = direction.y = 0;
     rays.push_back(through(target, direction, 4));
   }
@@ -254,7 +254,8 @@ std::vector<HardCase> tet_cases() {
     Rays rays;
     while (rays.size() < 240) {
       const Vec3 vertex = to_vec3(jittered.points[static_cast<std::size_t>(dice.below(216))]);
-      rays.push_back(through(stretch.point(dice.coin() ? vertex : dice.point({0, 0, 0}, size)), dice.direction(), 10));
+      const Vec3 target = stretch.point(dice.coin() ? vertex : dice.point({0, 0, 0}, size));
+      rays.push_back(through(target, dice.direction(), 10));
     }
     add({.id = "T07",
          .story = "Needles a million times as long as they are thick.",
@@ -402,7 +403,8 @@ std::vector<HardCase> tet_cases() {
          .pack = mesh_of(apart),
          .isovalues = {0.4},
          .rays = together({all_rays_at(apart, 200, 21, false), rays_at(apart, 1, true, 100, 22)}),
-         .naive = {"sampled 0.5", 45}});
+         .naive = {"sampled 0.5", 45},
+         .direct_may_fail_by = ties});
   }
   add({.id = "T24",
        .story = "Cells that reach over many leaf cells: the crossing that is found first may lie behind another.",

@@ -17,8 +17,10 @@ namespace {
 constexpr Method judged{.algorithm = Method::Algorithm::exact};
 constexpr double place_tolerance_cells = 1e-3, value_tolerance = 1e-6;
 
-/// The widest bound that still locates a hit.
-constexpr double largest_bound_cells = 1e-2;
+/// The widest bound that still locates a hit: in cells, and in t from far away. Points of the ray are
+/// known to 2^-49 of |origin| + |t direction|, which is 2 |t direction| there, and a hit counts as
+/// certain up to 64 times as much (render/cell/certified_crossing.h, is_placed_well).
+constexpr double largest_bound_cells = 1e-2, largest_bound_of_t = 64 * 2 * 0x1p-49;
 
 Method in_precision(Method::Algorithm algorithm, Method::Precision precision) {
   return {.algorithm = algorithm, .precision = precision};
@@ -102,7 +104,7 @@ Tally Trial::tally(const NamedMethod& named) {
                              (largest  ? std::abs(answer.value - truth.hit.value) <= (proves ? bound : value_limit)
                               : proves ? std::abs(answer.t - truth.hit.t) <= bound &&
                                              (answer.error <= largest_bound_cells * t_per_cell(ray) ||
-                                              answer.error <= 0x1p-48 * std::abs(answer.t))
+                                              answer.error <= largest_bound_of_t * std::abs(answer.t))
                                        : std::abs(answer.t - truth.hit.t) <= place_tolerance_cells * t_per_cell(ray)));
       if (truth.touches && !proves) {
         ++tally.touches;
