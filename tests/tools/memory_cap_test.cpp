@@ -11,6 +11,7 @@
 
 #include "formats/base/text.h"
 #include "preprocess/process/memory_cap.h"
+#include "tests/support/sanitizers.h"
 #include "tests/tools/workbench.h"
 
 namespace rhoray::tests {
@@ -22,12 +23,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 constexpr std::uint64_t cap = preprocess::MemoryCap::smallest_bytes;
 constexpr std::uint64_t large_cap = 512 * mebibyte;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RHORAY_NEEDS_PLAIN_MEMORY() GTEST_SKIP() << "sanitizers take more memory than any cap"
-#else
-#define RHORAY_NEEDS_PLAIN_MEMORY() static_cast<void>(0)
-#endif
 
 /// Anonymous memory of a process (RssAnon), 0 when the process has ended.
 std::uint64_t anonymous_bytes(pid_t process) {
@@ -171,20 +166,20 @@ class MemoryCapOfPack : public testing::Test {
 };
 
 TEST_F(MemoryCapOfPack, holds_for_a_volume_eight_times_as_large) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   const std::string sizes = make_large_raw(bench_ / "large.raw", 8 * cap);
   expect_the_cap_holds({"large.raw", "--raw", sizes + ":uint16:le"});
 }
 
 TEST_F(MemoryCapOfPack, holds_for_a_volume_that_is_turned_round_and_stored_as_another_type) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   const std::string sizes = make_large_raw(bench_ / "large.raw", 4 * cap);
   expect_the_cap_holds({"large.raw", "--raw", sizes + ":uint16:be", "--type", "F32"});
   EXPECT_GT(free_.program, 8 * cap) << "the cap was not needed here";
 }
 
 TEST_F(MemoryCapOfPack, holds_for_a_mesh_eight_times_as_large) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   make_large_vtu(bench_ / "large.vtu", 62);
   expect_the_cap_holds({"large.vtu"}, cap);
   EXPECT_GT(free_.program, 4 * cap) << "the cap was not needed here";
@@ -195,7 +190,7 @@ TEST_F(MemoryCapOfPack, holds_for_a_mesh_eight_times_as_large) {
 
 /// 4 GiB come in and 4 GiB go out: with the copy for comparison, 12 GiB of disk.
 TEST_F(MemoryCapOfPack, holds_for_a_volume_eight_times_half_a_gibibyte) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   if (std::getenv("RHORAY_LARGE_FILES") == nullptr) GTEST_SKIP() << "RHORAY_LARGE_FILES is not set (tests/nightly)";
   const std::string sizes = make_large_raw(bench_ / "large.raw", 8 * large_cap);
   expect_the_cap_holds({"large.raw", "--raw", sizes + ":uint16:le"}, 8 * large_cap, large_cap);
@@ -203,7 +198,7 @@ TEST_F(MemoryCapOfPack, holds_for_a_volume_eight_times_half_a_gibibyte) {
 
 /// Small files of every kind that is processed in its own way under a cap.
 TEST_F(MemoryCapOfPack, changes_no_byte) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   preprocess::NeutralMesh mesh = box_mesh({.cells = Index3(24, 25, 26), .jitter = 0.1});
   add_point_field(mesh, "height", [](const Vec3& p) { return p.z; });
   add_point_field(
@@ -258,7 +253,7 @@ TEST_F(MemoryCapOfPack, changes_no_byte) {
 
 /// The operating system enforces the limit, so it stops a reader that does not stream.
 TEST_F(MemoryCapOfPack, stops_a_reader_that_needs_more) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   // A block is unpacked as a whole, and each of these has 50 MiB.
   constexpr std::uint64_t blocks = 4, block_bytes = 50 * mebibyte, packed_bytes = mebibyte;
   const std::string head =
@@ -288,7 +283,7 @@ TEST_F(MemoryCapOfPack, refuses_less_than_programs_take_by_themselves) {
 }
 
 TEST_F(MemoryCapOfPack, leaves_nothing_behind_when_it_is_interrupted_or_killed) {
-  RHORAY_NEEDS_PLAIN_MEMORY();
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   make_large_vtu(bench_ / "large.vtu", 40);
   const std::vector<std::string> command{"pack", "large.vtu", "-o", "a.rho", "--memory", concat(cap / mebibyte, "M")};
   int stopped = 0;

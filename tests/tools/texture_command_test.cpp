@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/color_grid.h"
+#include "tests/support/sanitizers.h"
 #include "tests/tools/workbench.h"
 
 /// Colours from pictures to a picture: pack --color, info, verify, render --texture.
@@ -71,9 +72,7 @@ TEST(TextureCommand, packs_a_folder_of_pictures_and_says_what_it_holds) {
 }
 
 TEST(TextureCommand, packs_within_a_cap_on_memory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more memory than any limit";
-#endif
+  if (sanitized) GTEST_SKIP() << no_limits_of_memory;
   const Workbench bench;
   make_slices(bench / "slices", ".png", 3, 3);
   ASSERT_EQ(bench.rhoray({"pack", "slices", "--color", "-o", "a.rho"}).exit_code, 0);

@@ -12,6 +12,7 @@
 
 #include "preprocess/process/limits.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/support/sanitizers.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -128,9 +129,7 @@ TEST_F(Worker, is_stopped_at_its_time_limit) {
 }
 
 TEST_F(Worker, is_stopped_at_its_memory_limit) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more memory than any limit";
-#endif
+  if (tests::sanitized) GTEST_SKIP() << tests::no_limits_of_memory;
   WorkerRequest devour = request("devour");
   devour.memory_limit_bytes = 256 << 20;
   expect_refusal([&] { run_worker(devour); }, ErrorCode::resource, {"reading bone.vtu", "out of memory"});
@@ -171,9 +170,9 @@ TEST_F(Worker, has_limits_without_being_asked) {
   asked.output_bytes = std::uint64_t{1} << 40;
   const formats::PackedFile answer = run_worker(asked);
   const std::span<const std::uint64_t> limits = answer.array<std::uint64_t>("numbers", {4});
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_EQ(limits[0], limits_for(asked).memory.rlim_cur);
-#endif
+  if (!tests::sanitized) {
+    EXPECT_EQ(limits[0], limits_for(asked).memory.rlim_cur);
+  }
   EXPECT_GE(limits[1], asked.output_bytes);
   EXPECT_LT(limits[1], 2 * asked.output_bytes);
   EXPECT_EQ(limits[2], most_open_files);
@@ -225,9 +224,7 @@ TEST_F(Worker, is_ended_when_its_progress_is_stopped) {
 }
 
 TEST_F(Worker, lies_in_the_scratch_folder_and_keeps_to_anonymous_memory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take more memory than any cap";
-#endif
+  if (tests::sanitized) GTEST_SKIP() << tests::no_limits_of_memory;
   const tests::TemporaryFolder folder;
   WorkerRequest square = request("square");
   square.scratch_folder = folder.path();

@@ -5,6 +5,7 @@
 #include "preprocess/import_volume.h"
 #include "preprocess/input_file.h"
 #include "tests/preprocess/import/support.h"
+#include "tests/support/sanitizers.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -68,9 +69,7 @@ TEST_F(Import, passes_the_readers_refusals_on) {
 }
 
 TEST_F(Import, stops_a_reader_that_needs_too_much_memory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more memory than any limit";
-#endif
+  if (tests::sanitized) GTEST_SKIP() << tests::no_limits_of_memory;
   const auto path = folder_ / "a.raw";
   write_file(path, "");
   std::filesystem::resize_file(path, 2U << 30);  // a hole: no disk is used

@@ -33,6 +33,7 @@
 #include "preprocess/import/reading/zip_archive.h"
 #include "tests/preprocess/import/lying_samples.h"
 #include "tests/support/resealed.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::preprocess {
@@ -47,11 +48,7 @@ struct Lie {
   std::string description;
 };
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool memory_is_counted = false;  // sanitizers reserve terabytes and keep what was freed
-#else
-constexpr bool memory_is_counted = true;
-#endif
+constexpr bool memory_is_counted = !tests::sanitized;
 
 enum Ending : int { is_read = 0, is_refused = 10, ran_out_of_memory = 11, threw_something_else = 12 };
 

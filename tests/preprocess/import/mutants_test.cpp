@@ -23,6 +23,7 @@
 #include "tests/preprocess/import/xdmf_files.h"
 #include "tests/support/asked_count.h"
 #include "tests/support/memory_file.h"
+#include "tests/support/sanitizers.h"
 
 namespace rhoray::preprocess {
 namespace {
@@ -387,9 +388,7 @@ void read_in_copy(const Seed& seed, const std::filesystem::path& path, Counts& c
     ::close(STDERR_FILENO);
     ::setrlimit(RLIMIT_CORE, &limits.core);
     ::setrlimit(RLIMIT_FSIZE, &limits.file_size);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    ::setrlimit(RLIMIT_DATA, &limits.memory);
-#endif
+    if (!tests::sanitized) ::setrlimit(RLIMIT_DATA, &limits.memory);
     ::alarm(10);
     ::setenv("RHORAY_DOING", "reading", 1);
     ::setenv("RHORAY_OUTPUT_FD", concat(output.descriptor()).c_str(), 1);

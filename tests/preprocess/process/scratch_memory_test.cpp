@@ -17,6 +17,7 @@
 #include "preprocess/process/memory_cap.h"
 #include "preprocess/process/nameless_file.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rhoray::preprocess {
@@ -103,9 +104,7 @@ TEST(NamelessFile, refuses_more_than_the_disk_has) {
 }
 
 TEST(MemoryCap, moves_arrays_to_the_folder_while_it_lives_and_bounds_the_rest) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers take more memory than any cap";
-#endif
+  if (tests::sanitized) GTEST_SKIP() << tests::no_limits_of_memory;
   const TemporaryFolder folder;
   rlimit before{}, during{}, after{};
   ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
