@@ -246,7 +246,9 @@ void add_notes(const Comparer& comparer, const Shots& far, Report& report) {
   report.notes.push_back(concat("the mesh's triangles have a radius of about ",
                                 std::round(100 * surface.triangle_radius) / 100,
                                 " cells; smaller parts of the surface may be missing in it"));
-  if (!surface.is_complete) report.notes.push_back("the mesher stopped before all its triangles were small enough");
+  if (!surface.stopped_because.empty())
+    report.notes.push_back(
+        concat("the mesher stopped before all its triangles were small enough: ", surface.stopped_because));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <CGAL/Random.h>
 #include <CGAL/Surface_mesh_default_criteria_3.h>
 #include <CGAL/Surface_mesh_default_triangulation_3.h>
+#include <CGAL/assertions.h>
 #include <CGAL/make_surface_mesh.h>
 
 #include <algorithm>
@@ -186,7 +187,10 @@ GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoin
   try {
     CGAL::make_surface_mesh(complex, implicit, criteria, CGAL::Non_manifold_tag(), 0);
   } catch (const OutOfEvaluations&) {
-    surface.is_complete = false;
+    surface.stopped_because = "it had evaluated the field as often as it may";
+  } catch (const CGAL::Failure_exception&) {
+    // Seen where all seeds lie in one plane.
+    surface.stopped_because = "CGAL found an error of its own";
   }
   surface.triangles = triangles_of(complex, field);
   for (std::size_t t = 0; spec.measures_offsets && t < surface.triangles.corners.size(); ++t)

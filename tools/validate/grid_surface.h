@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "tools/validate/geometry.h"
@@ -32,8 +33,8 @@ struct GridSurface {
   /// For each triangle: the largest measured distance from the isosurface along the normal, at the
   /// centre and three points around it, in cells; NaN: none found.
   std::vector<double> offsets;
-  double triangle_radius = 0;  ///< requested, in cells
-  bool is_complete = true;     ///< false if the mesher ran out of evaluations
+  double triangle_radius = 0;        ///< requested, in cells
+  std::string_view stopped_because;  ///< why the mesher ended too early; empty: it did not
 };
 GridSurface mesh_surface(const GridField& field, double isovalue, const EdgePoints& seeds, const SurfaceSpec& spec);
 
