@@ -33,12 +33,12 @@ KEYS = list("123456ro+-pbvh") + [Keys.ARROW_LEFT, Keys.ARROW_UP, Keys.ENTER]
 @unittest.skipUnless(MINUTES, "RHORAY_RANDOM_MINUTES is not set")
 class RandomUse(PageTest):
     def test_memory_does_not_grow_with_a_volume(self):
-        self.use(pathlib.Path(DATA) / "volumes/vhf_ct_head/vhf_ct_head.nhdr" if DATA else "volume.npy")
+        self.use_randomly(pathlib.Path(DATA) / "volumes/vhf_ct_head/vhf_ct_head.nhdr" if DATA else "volume.npy")
 
     def test_memory_does_not_grow_with_a_mesh(self):
-        self.use(pathlib.Path(DATA) / "unstructured/disk_out_ref.ex2" if DATA else "mesh.vtk")
+        self.use_randomly(pathlib.Path(DATA) / "unstructured/disk_out_ref.ex2" if DATA else "mesh.vtk")
 
-    def use(self, path):
+    def use_randomly(self, path):
         write_volume(self.folder / "volume.npy", side=128)
         write_mesh(self.folder / "mesh.vtk", side=16)
         seed = int(os.environ.get("RHORAY_RANDOM_SEED", random.randrange(2**32)))
