@@ -93,7 +93,7 @@ class CgalMesher final : public Triangles::Extractor {
     const auto seeds = tools::validate::edge_points(*field_, isovalue, most_seeds, 1);
     const auto meshed = tools::validate::mesh_surface(*field_, isovalue, seeds,
                                                       {.facet_count = facet_count_, .measures_offsets = false});
-    is_complete_ = meshed.is_complete;
+    is_complete_ = meshed.stopped_because.empty();
     vtkNew<vtkPoints> points;
     points->SetDataTypeToFloat();
     for (const Vec3& p : meshed.triangles.points)
