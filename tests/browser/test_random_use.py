@@ -11,8 +11,8 @@ import statistics
 import time
 import unittest
 
-from selenium.common.exceptions import (ElementNotInteractableException, MoveTargetOutOfBoundsException,
-                                        StaleElementReferenceException)
+from selenium.common.exceptions import (ElementClickInterceptedException, ElementNotInteractableException,
+                                        MoveTargetOutOfBoundsException, StaleElementReferenceException)
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -78,7 +78,11 @@ class RandomUse(PageTest):
         if self.js("document.getElementById('help').open"):
             self.driver.find_element(By.CSS_SELECTOR, "#help button").click()
         if self.js("!document.getElementById('alert').hidden"):
-            self.click("alert-close")
+            try:
+                self.click("alert-close")
+            except (ElementNotInteractableException, ElementClickInterceptedException):
+                pass  # the refusal was mended meanwhile, so the message goes by itself and the picture moves up
+            self.wait("document.getElementById('alert').hidden")
         if self.random.random() < 0.02:
             self.driver.refresh()
             # If the user hid all layers, the page only says so.
