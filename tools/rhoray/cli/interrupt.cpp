@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <mutex>
@@ -116,7 +117,8 @@ void remove_scratch() {
   end_pending_files();
   // Not through stdio, which a crashed thread may hold.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, words.data(), words.size());
-  ::_exit(exit_code);
+  // Threads that work are not joined. The thread sanitizer would report that at _exit.
+  std::_Exit(exit_code);
 }
 
 [[noreturn]] void end_for_lost_bytes(const std::string& fact) {
