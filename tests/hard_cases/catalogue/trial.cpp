@@ -17,8 +17,8 @@ namespace {
 constexpr Method judged{.algorithm = Method::Algorithm::exact};
 constexpr double place_tolerance_cells = 1e-3, value_tolerance = 1e-6;
 
-/// The widest bound that still locates a hit: in cells, and in t from far away. Points of the ray are
-/// known to 2^-49 of |origin| + |t direction|, which is 2 |t direction| there, and a hit counts as
+/// The widest bound that still locates a hit: in cells, and in t from far away. Points of the ray
+/// are known to 2^-49 of |origin| + |t direction|, which is 2 |t direction| there. A hit counts as
 /// certain up to 64 times as much (render/cell/certified_crossing.h, is_placed_well).
 constexpr double largest_bound_cells = 1e-2, largest_bound_of_t = 64 * 2 * 0x1p-49;
 
