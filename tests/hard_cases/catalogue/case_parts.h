@@ -15,8 +15,8 @@
 /// Building blocks from which the families make their cases.
 ///
 /// Two random numbers are never drawn as arguments of one function, nor as operands of one
-/// operator: the language leaves their order open, and each compiler would trace other rays. Members
-/// of a list in braces are drawn in order.
+/// operator: the language leaves their order open, and each compiler would trace other rays.
+/// Members of a list in braces are drawn in order.
 namespace rhoray::tests {
 
 using Pack = std::function<std::unique_ptr<TracedDataset>()>;
