@@ -46,7 +46,12 @@ class Trial {
  public:
   explicit Trial(const HardCase& hard_case);
 
-  Tally tally(const NamedMethod& method);
+  /// @param moved_by  counts an answer as right, too, if it is the exact one for a ray that is moved
+  ///                  along each axis by at most this part of the longest edge of the data's box
+  Tally tally(const NamedMethod& method, double moved_by = 0);
+
+  /// Whether that distance is at most the tolerance for the place of a hit.
+  bool resolves(double moved_by) const;
 
   /// Counts the queries where the closed form contradicts the exact answer, and those where it has
   /// an answer.
@@ -66,6 +71,9 @@ class Trial {
 
   render::Hit ask(const render::Ray& ray, double isovalue, const render::Method& method);
   double t_per_cell(const render::Ray& ray) const;
+  double longest_edge() const;
+  bool is_right(const render::Hit& answer, const render::Hit& truth, const render::Ray& ray, bool proves) const;
+  bool is_right_when_moved(const render::Hit& answer, const render::Ray& ray, double isovalue, double moved_by);
 };
 
 }  // namespace rhoray::tests
