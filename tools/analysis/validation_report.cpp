@@ -49,7 +49,8 @@ constexpr const char* definitions =
     "different cell: the hit is not where the ray first crosses the surface\n"
     "grazing: a ray moved by rounding gives the renderer's answer\n"
     "undecided: the reference is not exact enough to tell\n"
-    "re-evaluated: the answers differed and were decided again\n\n";
+    "re-evaluated: the answers differed and were decided again\n"
+    "-: there was nothing to measure\n\n";
 
 /// A picture's errors, pixel by pixel (tools/validate/request.h).
 struct ErrorMap {
@@ -206,10 +207,10 @@ void ValidationReport::add_files(const std::filesystem::path& folder, PendingFil
 void ValidationReport::refuse_outside_limits(const std::string& name) const {
   std::string broken;
   for (const Json& check : json_.at("checks")) {
-    if (check.at("holds").get<bool>()) continue;
+    if (check.at("holds") != false) continue;
     const Json& found = check.at("found");
     broken += concat(broken.empty() ? " " : "; ", shown_name(check.at("check").get<std::string>()), " ",
-                     found.is_null() ? "not measured" : rounded(found.get<double>()), ", limit ",
+                     found.is_null() ? "infinite" : rounded(found.get<double>()), ", limit ",
                      rounded(check.at("limit").get<double>()));
   }
   if (!broken.empty()) throw Error(ErrorCode::outside_limit, concat(name, ": outside the limits:", broken));

@@ -40,7 +40,7 @@ Json json_of(const Check& check) {
   return {{"check", check.name},
           {"found", number(check.found)},
           {"limit", check.limit},
-          {"holds", check.holds()},
+          {"holds", check.is_measured() ? Json(!check.is_broken()) : Json()},
           {"reason", check.reason}};
 }
 
@@ -73,7 +73,7 @@ RayCounts Report::total() const {
 }
 
 bool Report::holds() const {
-  return std::all_of(checks.begin(), checks.end(), [](const Check& check) { return check.holds(); });
+  return std::none_of(checks.begin(), checks.end(), [](const Check& check) { return check.is_broken(); });
 }
 
 double Report::largest(std::string_view name, std::string_view unit) const {

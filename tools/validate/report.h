@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,10 @@
 
 namespace rhoray::tools::validate {
 
+/// NaN where there are no values.
 struct Quantiles {
   std::uint64_t count = 0;
-  double p50 = 0, p90 = 0, p99 = 0, p999 = 0, largest = 0;
+  double p50 = not_measured, p90 = not_measured, p99 = not_measured, p999 = not_measured, largest = not_measured;
 };
 /// Quantiles of the values that are not NaN.
 Quantiles quantiles_of(std::vector<double> values);
@@ -25,10 +27,12 @@ struct Measure {
 /// A number and its limit.
 struct Check {
   std::string name;
-  double found = 0, limit = 0;
+  double found = not_measured;  ///< NaN if there was nothing to measure
+  double limit = 0;
   std::string reason;  ///< reason for this limit
 
-  bool holds() const { return found <= limit; }  // written so that a NaN does not hold
+  bool is_measured() const { return !std::isnan(found); }
+  bool is_broken() const { return found > limit; }
 };
 
 struct RayCounts {
@@ -52,8 +56,8 @@ struct Report {
   std::vector<std::string> notes;
 
   RayCounts total() const;
-  bool holds() const;
-  /// NaN if there is no such measure
+  bool holds() const;  ///< no check is broken
+  /// NaN if there is no such measure, or nothing was measured
   double largest(std::string_view measure, std::string_view unit) const;
 };
 

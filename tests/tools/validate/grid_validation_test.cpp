@@ -128,6 +128,14 @@ TEST(GridValidation, does_without_the_mesh_where_the_mesher_fails) {
   EXPECT_TRUE(report.holds()) << json_of(report).dump(1);
   EXPECT_GT(report.total().hits, 500U);
   EXPECT_THAT(report.notes, testing::Contains(testing::HasSubstr("CGAL found an error of its own")));
+  // Without triangles no ray starts beside the surface.
+  const Json json = json_of(report);
+  for (const Json& check : json.at("checks")) {
+    const bool is_measured = check.at("check") != "surface to renderer, cells";
+    EXPECT_EQ(check.at("found").is_null(), !is_measured) << check;
+    EXPECT_EQ(check.at("holds"), is_measured ? Json(true) : Json()) << check;
+  }
+  EXPECT_TRUE(json.at("hausdorff").at(1).at("cells").is_null());
 }
 
 TEST(GridReference, decides_where_rounding_cannot) {

@@ -80,7 +80,7 @@ inline validate::Tracer spoiled(validate::Tracer tracer,
 inline void expect_caught(const std::string& what, const validate::Report& report) {
   std::string outside;
   for (const validate::Check& check : report.checks)
-    if (!check.holds()) outside += concat(outside.empty() ? "" : "; ", check.name, " ", check.found);
+    if (check.is_broken()) outside += concat(outside.empty() ? "" : "; ", check.name, " ", check.found);
   EXPECT_NE(outside, "") << what;
   testing::Test::RecordProperty(what, concat("of ", report.total().rays, " rays: ", outside));
 }

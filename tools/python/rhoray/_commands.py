@@ -39,7 +39,8 @@ def info(what, *, stats=False, progress=None, **options):
 def validate(what, iso, *, report="", replace=False, progress=None, **options):
     """Checks an isosurface against CGAL: the JSON document of `rhoray validate`, as a dict.
 
-    result["holds"] says whether everything is within its limits, result["checks"] which limits there are.
+    result["holds"] says whether everything is within its limits, result["checks"] which limits there are. A check
+    whose "holds" is None had nothing to measure.
     what: Data, or the path of any file that is read. iso: a number, "auto" or "p95".
     report: a folder for the report. replace: overwrite one.
     Options: field; accuracy ("preview" to "exact") or method; samples (number of rays); seed;
