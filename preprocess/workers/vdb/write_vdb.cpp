@@ -67,7 +67,7 @@ void set_frame(openvdb::GridBase& grid, const Affine& map, const std::filesystem
     note_library_text(error.what());
     throw Error(ErrorCode::unsupported,
                 concat(output.string(), ": the axes are too short, or too near to one plane, for OpenVDB"),
-                "a .vti file stores them");
+                "a .rho or a .vti file stores them");
   }
 }
 
