@@ -77,6 +77,10 @@ class Module(unittest.TestCase):
         self.assertLessEqual({"__init__.py", "__init__.pyi", "py.typed"}, expected)
         self.assertEqual(names_in(module_in(self.prefix)), expected | {CORE})
 
+    def test_is_built_to_find_the_library_relative_to_itself(self):
+        dynamic = succeed("readelf", "-d", ROOT / "build/release/python/rhoray" / CORE)
+        self.assertRegex(dynamic, r"Library runpath: \[\$ORIGIN/[^/]")
+
     def test_pip_installs_it_over_the_library_and_removes_it(self):
         """Compiles the module: 20 s of processor time. It needs no sources but those that are copied."""
         source = self.copy_of_sources("source")
