@@ -66,10 +66,10 @@ TEST(Catalogue, direct_methods_are_right_where_they_promise_it) {
   }
 }
 
-// Rays of the catalogue pass exactly through edges and vertices. Single precision moves the corners
-// of a mesh's surface along each axis by up to 2^-25 of the longest edge of the mesh's box
-// (render/triangles/facets.h), so rounding decides there. Each answer must be exact for a ray this
-// close. None is where a ray slips through between two facets.
+// Many rays of the catalogue pass exactly through edges and vertices. Single precision moves the
+// corners of a mesh's surface along each axis by up to 2^-25 of the longest edge of the mesh's box
+// (render/triangles/facets.h), so rounding decides there. Each answer must be right for a ray this
+// close. An answer is right for no such ray if the ray slipped through between two facets.
 TEST(Catalogue, float_on_meshes_is_right_for_a_ray_next_to_the_one_asked) {
   constexpr double moved_by = 0x1p-25;
   int cases = 0;
@@ -79,11 +79,11 @@ TEST(Catalogue, float_on_meshes_is_right_for_a_ray_next_to_the_one_asked) {
     if (!trial.resolves(moved_by)) continue;
     ++cases;
     const Tally tally = trial.tally(method_named("direct float"), moved_by);
-    // Where a point's value is the isovalue, moving the ray does not help.
+    // Where a point's value is the isovalue, moving the ray does not help: T22 needs 2 of 460.
     const int allowed = hard_case.direct_may_fail_by.empty() ? 0 : tally.queries / 200;
     EXPECT_LE(tally.wrong(), allowed) << hard_case.id << " of " << tally.queries << '\n' << listed(tally.complaints);
   }
-  EXPECT_EQ(cases, 26);
+  EXPECT_EQ(cases, 26) << "all but T07, whose box is a million times as long as its cells are thick";
 }
 
 /// Cases of the families that are not in the catalogue: where they are tested, or why they cannot

@@ -50,7 +50,7 @@ class Trial {
   ///                  along each axis by at most this part of the longest edge of the data's box
   Tally tally(const NamedMethod& method, double moved_by = 0);
 
-  /// Whether that distance is at most the tolerance for the place of a hit.
+  /// Whether this part of the longest edge is at most the tolerance for the place of a hit.
   bool resolves(double moved_by) const;
 
   /// Counts the queries where the closed form contradicts the exact answer, and those where it has
