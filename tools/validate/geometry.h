@@ -37,11 +37,13 @@ struct Triangles {
   }
 };
 
-/// Angle between two directions in degrees; NaN if one of them has no direction.
-inline double angle_deg(const Vec3& a, const Vec3& b) {
+/// Angle between a direction and that of the reference, in degrees: 180 if only the reference has a
+/// direction, NaN if it has none.
+inline double angle_deg(const Vec3& reference, const Vec3& found) {
   const auto is_direction = [](const Vec3& v) { return std::isfinite(v.length()) && v.length() > 0; };
-  if (!is_direction(a) || !is_direction(b)) return std::numeric_limits<double>::quiet_NaN();
-  return std::atan2(a.cross(b).length(), a.dot(b)) * 180 / std::numbers::pi;
+  if (!is_direction(reference)) return std::numeric_limits<double>::quiet_NaN();
+  if (!is_direction(found)) return 180;
+  return std::atan2(reference.cross(found).length(), reference.dot(found)) * 180 / std::numbers::pi;
 }
 
 inline Vec3 to_vec3(const Index3& i) {

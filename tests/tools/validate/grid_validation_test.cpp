@@ -92,6 +92,7 @@ TEST(GridValidation, catches_hits_where_there_is_nothing_and_normals_that_are_wr
   const validate::Report turned = waves().report(query, turning_normals(waves().renderer(query.isovalue)));
   EXPECT_GT(found(turned, "largest normal error, degrees"), 1);
   expect_caught("normals_turned", turned);
+  expect_caught("normals_lost", waves().report(query, losing_normals(waves().renderer(query.isovalue))));
 }
 
 TEST(GridValidation, takes_uneven_axes_gaps_in_the_data_and_turned_grids) {

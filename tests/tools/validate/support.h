@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "formats/base/text.h"
@@ -118,6 +119,12 @@ inline validate::Tracer reporting_the_second_hit(const validate::Tracer& tracer,
 inline validate::Tracer turning_normals(const validate::Tracer& tracer) {
   return spoiled(tracer, [](std::size_t number, const render::Ray&, render::Hit& hit) {
     if (number % 1000 == 999) hit.gradient = Vec3(hit.gradient.y, hit.gradient.z, hit.gradient.x);
+  });
+}
+
+inline validate::Tracer losing_normals(const validate::Tracer& tracer) {
+  return spoiled(tracer, [](std::size_t number, const render::Ray&, render::Hit& hit) {
+    if (number % 1000 == 999) hit.gradient = Vec3(std::numeric_limits<double>::quiet_NaN());
   });
 }
 

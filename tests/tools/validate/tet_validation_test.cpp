@@ -79,6 +79,7 @@ TEST(TetValidation, catches_hits_where_there_is_nothing_and_normals_that_are_wro
   const validate::Report turned = ball().report(query, turning_normals(ball().renderer(query.isovalue)));
   EXPECT_GT(found(turned, "largest normal error, degrees"), 1);
   expect_caught("normals_turned", turned);
+  expect_caught("normals_lost", ball().report(query, losing_normals(ball().renderer(query.isovalue))));
 }
 
 TEST(TetValidation, knows_which_tetrahedron_was_hit_where_several_have_one_id) {
